@@ -14,12 +14,15 @@ use super::material::BodyContacts;
 use crate::constraints::{Constraint, Distance};
 use crate::islands::Islands;
 use crate::particles::{NO_BODY, Particles};
+use crate::tracked::Tracked;
 
 /// Which things may touch in a step. Scratch, but for what constraints join, which is found when those have changed.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactFilter {
     /// How each body takes part, numbered as [`Simulation::contacts`](crate::Simulation::contacts). Empty if none does.
     bodies: Vec<BodyContacts>,
+    /// The number of the list that they were taken from.
+    revision: u64,
     /// How many particles each body has; two stand for more.
     counts: Vec<u8>,
     /// The island of each row.
@@ -49,13 +52,14 @@ impl ContactFilter {
     pub(crate) fn update(
         &mut self,
         particles: &Particles,
-        contacts: &[BodyContacts],
+        contacts: &Tracked<Vec<BodyContacts>>,
         ignored: &[[ContactParticipant; 2]],
         islands: &Islands,
         (distances, constraints): (&[Distance], &[Constraint]),
     ) {
         self.bodies.clear();
         self.bodies.extend_from_slice(contacts);
+        self.revision = contacts.revision();
         self.islands.clear();
         self.islands.extend_from_slice(&islands.of);
         if self.seen != Some(particles.edits()) || self.counts.len() != self.bodies.len() {
@@ -71,6 +75,11 @@ impl ContactFilter {
     pub(crate) fn body(&self, body: u32) -> &BodyContacts {
         const DEFAULT: &BodyContacts = &BodyContacts::DEFAULT;
         self.bodies.get(body as usize).unwrap_or(DEFAULT)
+    }
+
+    /// A number that is another one when a body takes part in another way, or another body does.
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// How all bodies take part.

@@ -27,6 +27,11 @@ impl Particles {
         }
     }
 
+    /// Where particle `i` is in the rest shape of its body, metres, if it has a [place](Self::set_rest) there.
+    pub fn rest(&self, i: usize) -> Option<Vec3> {
+        self.rest.get(i).copied().filter(|place| place.is_finite())
+    }
+
     /// Gives `rows` together an impulse at their barycentre, N·s: all change their velocity by the same, their momentum by exactly that.
     pub fn apply_impulse(&mut self, rows: &[u32], impulse: Vec3) {
         self.kick(rows, impulse, Vec3::ZERO, None);

@@ -374,17 +374,23 @@ impl Particles {
         self.note_singular(i);
     }
 
-    /// Multiplies the scale of gravity on particle `i` by a finite factor; others are ignored.
-    pub fn scale_gravity(&mut self, i: usize, factor: f32) {
-        if factor == 1.0 {
-            return;
-        }
-        self.note_edit();
-        let scaled = self.gravity_scale[i] * factor;
-        if scaled.is_finite() {
-            self.gravity_scale[i] = scaled;
+    /// By how much the gravity that particle `i` feels is scaled. 1 by default.
+    pub fn gravity_scale(&self, i: usize) -> f32 {
+        self.gravity_scale[i]
+    }
+
+    /// Scales the gravity that particle `i` feels; a scale that is not finite is ignored.
+    pub fn set_gravity_scale(&mut self, i: usize, scale: f32) {
+        if scale.is_finite() && scale != self.gravity_scale[i] {
+            self.note_edit();
+            self.gravity_scale[i] = scale;
             self.note_singular(i);
         }
+    }
+
+    /// Multiplies the [scale](Self::set_gravity_scale) of gravity on particle `i` by a finite factor; others are ignored.
+    pub fn scale_gravity(&mut self, i: usize, factor: f32) {
+        self.set_gravity_scale(i, self.gravity_scale[i] * factor);
     }
 
     /// Says to which of the simulation's [bodies](crate::Simulation::bodies) particle `i` belongs; `None` for none, as by default.

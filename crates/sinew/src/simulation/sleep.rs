@@ -102,9 +102,9 @@ pub(super) struct SleepScratch {
     masses: Vec<(u32, f32)>,
     /// Of each island what it is made of and hangs on, and, at the first island of a group, of all that sleep in it.
     hashes: Vec<u64>,
-    /// [Edits](crate::Particles::edits) of the particles and the hashes of [what stands](support::of_surfaces) and of [springs](support::of_springs) when that was
-    /// last looked at; `None` if constraints or particles have come or gone since.
-    seen: Option<[u64; 3]>,
+    /// [Edits](crate::Particles::edits) of the particles, the revision of how bodies touch, and the hashes of [what stands](support::of_surfaces) and of
+    /// [springs](support::of_springs) when that was last looked at; `None` if constraints or particles have come or gone since.
+    seen: Option<[u64; 4]>,
 }
 
 impl SleepScratch {
@@ -165,7 +165,8 @@ impl Simulation {
         let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch.0);
         if self.sleep.iter().any(|body| body.allowed) {
             let standing = support::of_surfaces(&self.colliders, &self.boundaries);
-            let now = [self.particles.edits(), standing, support::of_springs(&self.forces.springs)];
+            let springs = support::of_springs(&self.forces.springs);
+            let now = [self.particles.edits(), self.contacts.revision(), standing, springs];
             let changed = sleepers.seen.replace(now) != Some(now);
             let inputs = self.sleep_inputs(dt, now);
             if !self.leaves_dormant(&sleepers.dormant, &inputs) {

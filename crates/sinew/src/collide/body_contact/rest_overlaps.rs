@@ -24,8 +24,9 @@ const CLEAR: f32 = 0.01;
 pub(super) struct RestOverlaps {
     /// Numbers of body colliders, the lower first; sorted.
     pairs: Vec<[u32; 2]>,
-    /// [Edits](Particles::edits) of the particles when they were found; `None` when body colliders have changed since.
-    seen: Option<u64>,
+    /// [Edits](Particles::edits) of the particles and the [revision](ContactFilter::revision) of how bodies touch when they were found; `None` when body
+    /// colliders have changed since.
+    seen: Option<[u64; 2]>,
     /// Body and number of each body collider; where those of the body at hand are at rest, and the boxes about them.
     body_colliders: Vec<(u32, u32)>,
     frames: Vec<(u32, Frame, (Vec3, Vec3))>,
@@ -52,10 +53,10 @@ impl RestOverlaps {
         particles: &Particles,
         filter: &ContactFilter,
     ) {
-        if self.seen == Some(particles.edits()) {
+        let now = [particles.edits(), filter.revision()];
+        if self.seen.replace(now) == Some(now) {
             return;
         }
-        self.seen = Some(particles.edits());
         self.pairs.clear();
         self.body_colliders.clear();
         if particles.rest.is_empty() {

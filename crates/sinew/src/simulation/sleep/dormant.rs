@@ -22,11 +22,10 @@ pub(super) struct SleepInputs {
     lag: f32,
     /// m/s².
     gravity: f32,
-    /// [Edits](crate::Particles::edits), and the hashes of what stands and of springs.
-    support: [u64; 3],
-    /// Of the lists of who sleeps and of how bodies touch.
+    /// [Edits](crate::Particles::edits), the revision of how bodies touch, and the hashes of what stands and of springs.
+    support: [u64; 4],
+    /// Of the list of who sleeps.
     sleep: u64,
-    contacts: u64,
     /// Charges push each other.
     electric: f32,
 }
@@ -136,14 +135,13 @@ fn lengthen(rows: &mut Vec<Range<usize>>, row: usize) {
 
 impl Simulation {
     /// What sleepers in a step of `dt` seconds depend on.
-    pub(super) fn sleep_inputs(&self, dt: f32, support: [u64; 3]) -> SleepInputs {
+    pub(super) fn sleep_inputs(&self, dt: f32, support: [u64; 4]) -> SleepInputs {
         SleepInputs {
             dt,
             lag: self.settings.integrator.lag(self.scratch.substep.length),
             gravity: self.forces.gravity.length(),
             support,
             sleep: self.sleep.revision(),
-            contacts: self.contacts.revision(),
             electric: self.forces.electric.constant,
         }
     }
