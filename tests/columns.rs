@@ -2,10 +2,13 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{Charge, ParticleBody, ParticleOf};
-use bevy_sinew::{Drag, ParticleRow, PhaseSystems, SubstepSchedule};
+use bevy_sinew::{BodyContacts, BodySolver, Charge, ParticleBody, ParticleOf};
+use bevy_sinew::{
+    CollisionLayers, ContactsDisabled, Drag, ExternalForce, ParticleRow, PhaseSystems, Sleep,
+    SleepingDisabled, SubstepSchedule,
+};
 
-use crate::support::{bare_app, tick};
+use crate::support::{app, bare_app, hash, particles_of, tick};
 
 /// Mass, radius, charge, drag and scale of gravity of a particle, as the solver has them.
 fn held(app: &App, particle: Entity) -> [f32; 5] {
@@ -96,4 +99,128 @@ fn what_a_game_changes_in_the_columns_besides_state_holds_for_a_tick() {
     app.world_mut().remove_resource::<Meddle>();
     tick(&mut app, 1);
     assert_eq!(held(&app, a)[4], 0.5);
+}
+
+/// Bodies and loose particles, in the order in which they came; some were despawned since.
+struct Zoo {
+    app: App,
+    all: Vec<Entity>,
+}
+
+impl Zoo {
+    fn new() -> Self {
+        let mut zoo = Self { app: app(), all: Vec::new() };
+        zoo.app.world_mut().spawn(Ground);
+        (0..9).for_each(|kind| zoo.spawn(kind));
+        zoo
+    }
+
+    fn spawn(&mut self, kind: u32) {
+        let at = Transform::from_xyz(1.5 * (self.all.len() % 7) as f32, 1.0, kind as f32);
+        let world = self.app.world_mut();
+        let mut one = match kind % 5 {
+            0 => world.spawn((RigidBox::new(Vec3::splat(0.4)), at)),
+            1 => world.spawn((Cloth::grid(0.6, 0.6, 5, 5).pinned(ClothPins::TopEdge), at)),
+            2 => {
+                world.spawn((Cloth::grid(0.6, 0.6, 5, 5), BodyContacts::ALL, at, GravityScale(0.5)))
+            }
+            3 => world.spawn(Rope::between(at.translation, at.translation + Vec3::Y)),
+            _ => world.spawn((Particle::at(at.translation), Radius(0.1))),
+        };
+        // Who writes to columns wakes.
+        let one = one.insert(SleepingDisabled).id();
+        self.all.push(one);
+    }
+
+    /// Does one of the things that a game may do to one of them.
+    fn edit(&mut self, what: u32, whom: u32) {
+        let body = self.all[whom as usize % self.all.len()];
+        let number = whom as f32 % 7.0;
+        if self.app.world().get_entity(body).is_err() {
+            return;
+        }
+        let particles = particles_of(&self.app, body);
+        let particle = particles.get(whom as usize / 7 % particles.len().max(1)).copied();
+        let world = self.app.world_mut();
+        let mut body = world.entity_mut(body);
+        match what % 24 {
+            0 => drop(body.insert(SurfaceMaterial { friction: 0.1 * number, ..default() })),
+            1 => drop(body.insert(GravityScale(0.25 * number))),
+            2 => drop(body.remove::<GravityScale>()),
+            3 => drop(body.insert(BodyContacts::ALL)),
+            4 => drop(body.insert(BodyContacts::default())),
+            5 => drop(body.insert(CollisionLayers { memberships: 3, ..default() })),
+            6 => drop(body.insert(BodySolver { tolerance: Some(1e-4), ..default() })),
+            7 => drop(body.insert(ContactsDisabled)),
+            8 => drop(body.remove::<ContactsDisabled>()),
+            9 => drop(body.remove::<Sleep>()),
+            10 => body.despawn(),
+            11 => self.spawn(whom),
+            _ => {
+                let Some(particle) = particle else { return };
+                let mut particle = world.entity_mut(particle);
+                match what % 24 {
+                    12 => drop(particle.insert(Pinned::HERE)),
+                    13 => drop(particle.remove::<Pinned>()),
+                    14 => drop(particle.insert(Mass(0.1 + number))),
+                    15 => drop(particle.insert(GravityScale(0.5 * number))),
+                    16 => drop(particle.remove::<GravityScale>()),
+                    17 => drop(particle.insert(Charge(1e-9 * number))),
+                    18 => drop(particle.remove::<Charge>()),
+                    19 => drop(particle.insert(ExternalForce(Vec3::X * number))),
+                    20 => drop(particle.remove::<ExternalForce>()),
+                    21 => drop(particle.insert(Radius(0.01 * number))),
+                    22 => drop(particle.insert(Drag(0.1 * number))),
+                    _ => particle.despawn(),
+                }
+            }
+        }
+    }
+}
+
+/// What changed is copied by itself; the other app has something written to its columns after each tick, and copies everything in the next one.
+#[test]
+fn to_copy_what_changed_comes_to_the_same_as_to_copy_everything() {
+    for seed in 1..5_u32 {
+        let mut zoos = [Zoo::new(), Zoo::new()];
+        let meddle = |mut world: ResMut<SinewWorld>| {
+            for row in 0..world.particles().len() {
+                let mut particles = world.particles_mut();
+                particles.scale_gravity(row, 2.0);
+                particles.scale_gravity(row, 0.5);
+            }
+        };
+        zoos[1].app.add_systems(FixedLast, meddle);
+        let mut state = seed;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            state >> 8
+        };
+        for step in 0..150 {
+            for _ in 0..random() % 3 {
+                let (what, whom) = (random(), random());
+                zoos.iter_mut().for_each(|zoo| zoo.edit(what, whom));
+            }
+            zoos.iter_mut().for_each(|zoo| tick(&mut zoo.app, 1));
+            let hashes = zoos.each_mut().map(|zoo| hash(&mut zoo.app));
+            assert_eq!(hashes[0], hashes[1], "seed {seed}, tick {step}");
+            let [one, other] =
+                zoos.each_ref().map(|zoo| zoo.app.world().resource::<SinewWorld>().simulation());
+            let [p, q] = [one, other].map(|world| &world.particles);
+            for row in 0..p.len() {
+                let of = |all: &bevy_sinew::sinew::Particles| {
+                    let seed = all.seed(row);
+                    let own = [seed.mass, seed.radius, seed.charge, seed.drag, seed.gravity_scale];
+                    (own, all.body(row), all.rest(row))
+                };
+                assert_eq!(of(p), of(q), "seed {seed}, tick {step}, row {row}");
+            }
+            assert_eq!(*one.bodies, *other.bodies);
+            assert_eq!(*one.contacts, *other.contacts);
+            assert_eq!(one.distances(), other.distances());
+            assert_eq!(one.constraints(), other.constraints());
+            assert_eq!(one.body_colliders(), other.body_colliders());
+            assert_eq!(one.forces.surfaces, other.forces.surfaces);
+        }
+    }
 }

@@ -43,15 +43,24 @@ impl<'w> ChangeTicks<'w> {
         self.any_newer(self.added)
     }
 
-    /// The places of those that did.
+    /// The places of those that changed.
     pub(crate) fn changed(&self) -> impl Iterator<Item = usize> + use<'w> {
-        let (changed, now, age) = (self.changed, self.now, self.now.wrapping_sub(self.last));
-        (0..changed.len()).filter(move |&place| now.wrapping_sub(changed[place].get()) < age)
+        self.newer(self.changed)
+    }
+
+    /// The places of those that were added.
+    pub(crate) fn added(&self) -> impl Iterator<Item = usize> + use<'w> {
+        self.newer(self.added)
     }
 
     /// When the one at a place did.
     pub(crate) fn when(&self, place: usize) -> Tick {
         self.changed[place]
+    }
+
+    fn newer(&self, ticks: &'w [Tick]) -> impl Iterator<Item = usize> + use<'w> {
+        let (now, age) = (self.now, self.now.wrapping_sub(self.last));
+        (0..ticks.len()).filter(move |&place| now.wrapping_sub(ticks[place].get()) < age)
     }
 
     fn any_newer(&self, ticks: &[Tick]) -> bool {

@@ -18,7 +18,7 @@ use crate::components::{
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
 use crate::rows::{GONE, Rows};
-use crate::world::{SinewWorld, Tables};
+use crate::world::{HeldProperties, SinewWorld};
 
 /// Loose particles that others may touch: each is a body of its own.
 type Loose = (
@@ -92,11 +92,6 @@ pub(crate) struct Bodies<'w, 's> {
 }
 
 impl Bodies<'_, '_> {
-    /// Whether there is any.
-    pub(crate) fn any(&self) -> bool {
-        !self.all.is_empty() || !self.loose.is_empty()
-    }
-
     /// Whether one came, went or changed since the system that asks last ran.
     pub(crate) fn changed(&mut self) -> bool {
         let mut changed = self.watched.is_changed();
@@ -161,15 +156,30 @@ fn body_change_ticks<'w>(
     ]
 }
 
-/// What bodies said that is broken, so that each is reported once; and memory.
+/// What bodies said that is broken, so that each is reported once; what they say; and memory.
 #[derive(Default)]
 pub(crate) struct Known {
     scales: BTreeSet<Entity>,
     materials: BTreeSet<Entity>,
+    /// How many particles have a place in a rest shape.
+    places: usize,
     ordered: Vec<(Option<CreationOrder>, Entity)>,
+    settings: Vec<BodySettings>,
+    contacts: Vec<sinew::BodyContacts>,
+    /// Of each row.
+    said: Vec<Said>,
 }
 
-/// Writes what bodies have to say to the rows of their particles, if the rows were filled afresh with what each particle says of itself.
+/// What a body says of a particle.
+#[derive(Clone, Copy)]
+struct Said {
+    body: Option<u32>,
+    gravity_scale: f32,
+    has_rest: bool,
+}
+
+/// Lists what bodies have to say, and writes to the rows of their particles what is not there yet, if bodies have anything new to say or rows were filled
+/// afresh with what each particle says of itself.
 ///
 /// A scale of gravity that is not finite is none, a material with a broken number is the default one, and both are reported when that is news.
 pub(crate) fn gather_bodies(
@@ -185,80 +195,108 @@ pub(crate) fn gather_bodies(
     )>,
     entities: Query<(Entity, Option<&CreationOrder>), Or<(With<BodyParticles>, Loose)>>,
     loose: Query<(&ParticleRow, ContactsData), Loose>,
-    places: Query<&RestPlace>,
+    places: Query<Ref<RestPlace>>,
     watched: Res<WatchedContacts>,
     mut known: Local<Known>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    if !tables.properties_gathered {
+    if !(tables.properties_gathered || tables.bodies_changed) {
         tables.edits = simulation.particles.edits();
         return;
     }
-    let Known { scales, materials, ordered } = &mut *known;
+    let Known { scales, materials, places: count, ordered, settings, contacts, said } = &mut *known;
     scales.retain(|&entity| entities.contains(entity));
     materials.retain(|&entity| entities.contains(entity));
-    simulation.bodies.clear();
-    simulation.contacts.clear();
+    settings.clear();
+    contacts.clear();
     tables.bodies.clear();
+    said.clear();
+    said.resize(
+        simulation.particles.len(),
+        Said { body: None, gravity_scale: 1.0, has_rest: false },
+    );
+    let places_changed = {
+        let (now, moved) = census(&places);
+        core::mem::replace(count, now) != now || moved
+    };
     // Nothing is solved in the order of their numbers, but what is reported of contacts is sorted by them.
     ordered.clear();
     ordered.extend(entities.iter().map(|(entity, order)| (order.copied(), entity)));
     ordered.sort_unstable();
     for &(_, entity) in &*ordered {
         let is_watched = watched.all || watched.body == Some(entity);
-        if let Ok((members, mut rows, solver, scale, representation, told)) = bodies.get_mut(entity)
+        let body = Some(tables.bodies.len() as u32);
+        let (own, says) = if let Ok((members, mut rows, solver, scale, representation, says)) =
+            bodies.get_mut(entity)
         {
             let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
-            let mut contacts = contacts(materials, &mut messages, entity, told);
-            contacts.events |= is_watched;
-            let own = solver.map_or(default(), |&solver| BodySettings::from(solver));
-            let representation = representation.copied().unwrap_or_default().within_a_step();
-            let own = BodySettings { representation, ..own };
-            let number = number(simulation, tables, entity, own, contacts);
+            let says = contacts_of(materials, &mut messages, entity, says);
             let scale = scale.map_or(1.0, |scale| scale.0);
             let reason = (!scale.is_finite()).then_some(Refusal::GravityScale);
             let sound = sound(scales, &mut messages, entity, reason);
-            let scale = if sound { scale } else { 1.0 };
+            let of_particle = Said {
+                body,
+                gravity_scale: if sound { scale } else { 1.0 },
+                has_rest: says.with_itself,
+            };
             for &row in rows.iter().filter(|&&row| row != GONE) {
-                simulation.particles.set_body(row as usize, Some(number));
-                simulation.particles.scale_gravity(row as usize, scale);
+                said[row as usize] = of_particle;
             }
-            if contacts.with_itself {
-                for (&row, member) in rows.iter().zip(members.iter()) {
-                    if let (Ok(&RestPlace(place)), true) = (places.get(member), row != GONE) {
-                        simulation.particles.set_rest(row as usize, Some(place));
+            if says.with_itself {
+                let there = rows.iter().zip(members.iter()).filter(|(row, _)| **row != GONE);
+                for (&row, member) in there {
+                    let known = simulation.particles.rest(row as usize);
+                    if places_changed || known.is_none() {
+                        let place = places.get(member).ok().map(|place| place.0);
+                        if place != known {
+                            simulation.particles.set_rest(row as usize, place);
+                        }
                     }
                 }
             }
-        } else if let Ok((row, told)) = loose.get(entity)
-            && let Some(row) = row.get().filter(|&row| row < simulation.particles.len())
+            let own = solver.map_or(default(), |&solver| BodySettings::from(solver));
+            let representation = representation.copied().unwrap_or_default().within_a_step();
+            (BodySettings { representation, ..own }, says)
+        } else if let Ok((row, says)) = loose.get(entity)
+            && let Some(row) = row.get().filter(|&row| row < said.len())
         {
-            let mut contacts = contacts(materials, &mut messages, entity, told);
-            contacts.events |= is_watched;
-            let number = number(simulation, tables, entity, default(), contacts);
-            simulation.particles.set_body(row, Some(number));
-        }
+            said[row] = Said { body, gravity_scale: 1.0, has_rest: false };
+            (default(), contacts_of(materials, &mut messages, entity, says))
+        } else {
+            continue;
+        };
+        let events = says.events || is_watched;
+        settings.push(own);
+        contacts.push(sinew::BodyContacts { events, ..says });
+        tables.bodies.push(entity);
+    }
+    write(simulation, &tables.held, said);
+    // What is written to is new.
+    if *simulation.bodies != *settings {
+        (*simulation.bodies).clone_from(settings);
+    }
+    if *simulation.contacts != *contacts {
+        (*simulation.contacts).clone_from(contacts);
     }
     tables.edits = simulation.particles.edits();
 }
 
-/// Gives a body a place in the solver's lists.
-fn number(
-    simulation: &mut sinew::Simulation,
-    tables: &mut Tables,
-    entity: Entity,
-    settings: BodySettings,
-    contacts: sinew::BodyContacts,
-) -> u32 {
-    let number = simulation.bodies.len() as u32;
-    simulation.bodies.push(settings);
-    simulation.contacts.push(contacts);
-    tables.bodies.push(entity);
-    number
+/// Writes what is said of particles to their rows, where it is not what stands there.
+fn write(simulation: &mut sinew::Simulation, held: &HeldProperties, said: &[Said]) {
+    let particles = &mut simulation.particles;
+    for (row, (said, own)) in said.iter().zip(&held.gravity_scale).enumerate() {
+        if particles.body(row) != said.body {
+            particles.set_body(row, said.body);
+        }
+        particles.set_gravity_scale(row, own * said.gravity_scale);
+        if !said.has_rest && particles.rest(row).is_some() {
+            particles.set_rest(row, None);
+        }
+    }
 }
 
 /// How a body takes part in contacts.
-fn contacts(
+fn contacts_of(
     broken: &mut BTreeSet<Entity>,
     messages: &mut MessageWriter<Refused>,
     entity: Entity,

@@ -89,8 +89,10 @@ pub(crate) fn compile_body_colliders(
     // What went is not told as a change; what came is one, so that their number says the rest.
     let now = [all[0].0, all[1].0, all[2].0, parts.iter().len()];
     let went = core::mem::replace(counts, now) != now;
-    let retied = || tables.retied || tables.properties_gathered || segments.are_off();
-    let anew = tables.stale || went || changed || reshaped.any();
+    let retied = || {
+        tables.retied || tables.properties_gathered || tables.bodies_changed || segments.are_off()
+    };
+    let anew = tables.relinked || went || changed || reshaped.any();
     // By what something collides; `None` if by nothing.
     let shape = |owner: Entity| match shaped.get(owner) {
         Ok((_, _, true)) => None,
@@ -139,7 +141,7 @@ pub(crate) fn compile_body_colliders(
         bends(body) && (explicit || with_parts.binary_search(&body).is_err())
     };
     let asks = (*any_bends, asks);
-    segments.list((&simulation.particles, tables), asks, &mut owners, &mut body_colliders);
+    segments.list((simulation, tables), asks, &mut owners, &mut body_colliders);
     body_colliders.sort_unstable_by_key(|&(order, part, _)| (order, part));
     owners.sort_unstable();
     for (body, own, is_body, is_built, surface) in &asking {

@@ -35,7 +35,8 @@ pub(crate) fn resolve_shapes(
     parts: Parts,
 ) {
     let (particles, tables) = (&world.simulation.particles, &world.tables);
-    if !(tables.properties_gathered || census(&surfaces).1 || census(&constraints).1) {
+    let of_particles = tables.properties_gathered || tables.bodies_changed;
+    if !(of_particles || census(&surfaces).1 || census(&constraints).1) {
         return;
     }
     for (body, members, mut rows, surface, constraints, mut resolved) in &mut bodies {

@@ -1,8 +1,8 @@
 //! Gather: the values of the particles' components into the columns, every tick.
 //!
 //! A warm tick copies what moves, the [`Particle`]s, table by table. What rarely changes (masses, radii, charges and so on) stands in the columns
-//! already, and is copied again for the tables in which Bevy saw a change; for all, where something was taken away, which leaves no mark behind. So
-//! what is written around Bevy's change detection is not seen, except in a [`Particle`] that is awake. A `Particle` that sleeps is not scattered, so that its change
+//! already, and is copied again for the particles of which Bevy saw a change, or that have other components than they had; for all, where a game has
+//! written to the columns. So what is written around Bevy's change detection is not seen, except in a [`Particle`] that is awake. A `Particle` that sleeps is not scattered, so that its change
 //! tick says whether somebody else wrote to it; where nobody did, it stands in the columns already, too.
 
 use bevy::ecs::change_detection::ContiguousRef;
@@ -16,7 +16,7 @@ use crate::components::{
     Radius,
 };
 use crate::messages::{Refusal, Refused, refuse};
-use crate::world::{HeldColumns, SinewWorld, Tables};
+use crate::world::{HeldProperties, SinewWorld, Tables};
 
 /// All that is said of a particle.
 type ParticleData = (
@@ -57,11 +57,10 @@ pub(crate) fn gather_particles(
 ) {
     // All of these are kept in tables.
     let Ok(tables) = particles.contiguous_iter() else { return };
-    let mut held = HeldColumns { layout: world.tables.layout.number, ..default() };
-    let (mut changed, mut added) = (false, false);
+    let (mut counts, mut changed, mut added) = ([0; 8], false, false);
     for table in tables {
         let change_ticks = change_ticks(&table);
-        held.counts.iter_mut().zip(&change_ticks).for_each(|(sum, change_ticks)| {
+        counts.iter_mut().zip(&change_ticks).for_each(|(sum, change_ticks)| {
             *sum += change_ticks.map_or(0, |change_ticks| change_ticks.len());
         });
         if properties_changed(&table) {
@@ -69,26 +68,37 @@ pub(crate) fn gather_particles(
             added |= change_ticks.iter().flatten().any(ChangeTicks::any_added);
         }
     }
-    let mut all = core::mem::replace(&mut world.tables.held, held) != held;
-    // Of what was added, as many others may have been taken away.
-    all |= added | bodies.changed() | (world.tables.edits != world.simulation.particles.edits());
-    // What bodies say comes on top of what their particles say, for all of them or for none.
-    all |= changed && bodies.any();
-    note_touched(&mut world, &particles, all || changed);
-    world.tables.properties_gathered = all;
+    let SinewWorld { simulation, tables } = &mut *world;
+    let layout = tables.layout.number;
+    let is_relaid = core::mem::replace(&mut tables.held.layout, layout) != layout;
+    // Of what was added, as many others may have been taken away, which leaves no mark.
+    let taken = core::mem::replace(&mut tables.held.counts, counts) != counts || added || is_relaid;
+    let which = match tables.edits != simulation.particles.edits() {
+        true => Which::All,
+        false if changed || taken => Which::Changed { taken },
+        false => Which::None,
+    };
+    tables.bodies_changed = bodies.changed() | is_relaid;
+    let any = which != Which::None || tables.bodies_changed;
+    note_touched(&mut world, &particles, any);
+    world.tables.properties_gathered = false;
     (world.tables.rested, world.tables.stepped) = (false, false);
-    world.tables.deferred = !(all || changed) && world.is_settled();
-    if world.tables.deferred {
-        return;
+    world.tables.deferred = !any && world.is_settled();
+    if !world.tables.deferred {
+        world.tables.properties_gathered =
+            gather_tables(&mut world, &mut messages, &particles, which);
     }
-    loop {
-        let is_new = gather_tables(&mut world, &mut messages, &particles, all);
-        if all || !(is_new && bodies.any()) {
-            break;
-        }
-        all = true;
-    }
-    world.tables.properties_gathered = all;
+}
+
+/// Of which particles the properties are to be copied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    None,
+    /// Of those that changed; and where components may have been `taken` away, of those that have others than they had.
+    Changed {
+        taken: bool,
+    },
+    All,
 }
 
 /// Notes which particles somebody else has written to since, if one sleeps.
@@ -110,49 +120,79 @@ fn note_touched(world: &mut SinewWorld, particles: &Query<ParticleData>, all: bo
     }
 }
 
-/// Whether it was news that one is set aside, or is not any more.
+/// Copies the states of all particles, and the properties of some. Whether there were such.
 fn gather_tables(
     world: &mut SinewWorld,
     messages: &mut MessageWriter<Refused>,
     particles: &Query<ParticleData>,
-    all: bool,
+    which: Which,
 ) -> bool {
-    let (mut is_new, keeps_sleepers) = (false, world.keeps_sleepers());
+    let (mut any, keeps_sleepers) = (false, world.keeps_sleepers());
+    let mut places = Vec::new();
     for table in particles.contiguous_iter().into_iter().flatten() {
         let (states, rows) = (&*table.1, table.2);
-        if all || properties_changed(&table) {
-            (0..rows.len()).for_each(|i| is_new |= gather_one(world, messages, &table, i));
-            continue;
-        }
+        places_to_copy(&world.tables.held, &table, which, &mut places);
+        let mut copied = places.iter().copied().peekable();
         let mut i = 0;
         while i < rows.len() {
-            let mut end = rows.len();
+            if copied.next_if_eq(&i).is_some() {
+                any |= gather_one(world, messages, &table, (i, true));
+                i += 1;
+                continue;
+            }
+            let mut end = copied.peek().copied().unwrap_or(rows.len());
             if keeps_sleepers {
-                i += world.sleeping_run(states, rows, i);
+                i += world.sleeping_run(states, &rows[..end], i);
                 if i == end {
-                    break;
+                    continue;
                 }
-                end = i + world.waking_run(rows, i);
+                end = i + world.waking_run(&rows[..end], i);
             }
             let run = world.tables.sound_run(&rows[i..end]);
             let loaded = world.load(&states[..end], &rows[..end], i);
             i += loaded;
             // What stopped it is a particle that is or was set aside.
             if loaded == 0 || loaded < run {
-                is_new |= gather_one(world, messages, &table, i);
+                any |= gather_one(world, messages, &table, (i, false));
                 i += 1;
             }
         }
     }
-    is_new
+    any
 }
 
-/// Copies all that is said of one particle. Whether it was news that it is set aside, or that it is not any more.
+/// The places of a table at which properties are to be copied, in order.
+fn places_to_copy(held: &HeldProperties, table: &Table, which: Which, places: &mut Vec<usize>) {
+    let rows = table.2;
+    places.clear();
+    match which {
+        Which::None => {}
+        Which::All => places.extend(0..rows.len()),
+        Which::Changed { taken } => {
+            if taken {
+                let kinds = kinds(table);
+                let others = |row: ParticleRow| held.kinds.get(row.0 as usize) != Some(&kinds);
+                places.extend((0..rows.len()).filter(|&place| others(rows[place])));
+            }
+            let [pinned, pinned_to, rest @ ..] = change_ticks(table);
+            for change_ticks in [pinned, pinned_to].iter().flatten().filter(|one| one.any_added()) {
+                places.extend(change_ticks.added());
+            }
+            for change_ticks in rest.iter().flatten().filter(|one| one.any_changed()) {
+                places.extend(change_ticks.changed());
+            }
+            places.sort_unstable();
+            places.dedup();
+        }
+    }
+}
+
+/// Copies all that is said of one particle, and says so. Of one that is set aside, as it was, nothing is, but where `anew`.
 fn gather_one(
     world: &mut SinewWorld,
     messages: &mut MessageWriter<Refused>,
     table: &Table,
-    i: usize,
+    (i, anew): (usize, bool),
 ) -> bool {
     let (entities, states, rows, mass, pinned, pinned_to, radius, charge, drag, force, scale) =
         table;
@@ -182,13 +222,19 @@ fn gather_one(
             refuse(messages, entities[i], Refusal::Particle(fault));
         }
     }
+    if fault.is_some() && !(is_new || anew) {
+        return false;
+    }
+    tables.held.kinds[row] = kinds(table);
+    tables.held.gravity_scale[row] = 1.0;
     if fault.is_some() {
         // Last good position, infinite mass, no charge: nothing notices it.
         let last = ParticleSeed::at(simulation.particles.position(row)).pinned();
         let put = simulation.particles.set(row, last);
         debug_assert!(put.is_ok(), "columns hold only finite positions");
-        return is_new;
+        return true;
     }
+    tables.held.gravity_scale[row] = seed.gravity_scale;
     let held = pinned.is_some() || pinned_to.is_some();
     let put = simulation.particles.set(row, if held { seed.pinned() } else { seed });
     debug_assert!(put.is_ok(), "the seed was checked above");
@@ -197,7 +243,7 @@ fn gather_one(
         simulation.particles.set_external_force(row, external);
     }
     tables.mass[row] = mass[i].0;
-    is_new
+    true
 }
 
 /// Whether anything but positions and velocities changed in a table. That one is pinned counts, where to does not.
@@ -205,6 +251,11 @@ fn properties_changed(table: &Table) -> bool {
     let [pinned, pinned_to, rest @ ..] = change_ticks(table);
     [pinned, pinned_to].iter().flatten().any(ChangeTicks::any_added)
         || rest.iter().flatten().any(ChangeTicks::any_changed)
+}
+
+/// Which of these columns a table has, a bit for each. Mass it always has.
+fn kinds(table: &Table) -> u8 {
+    change_ticks(table).iter().rev().fold(0, |bits, column| bits << 1 | u8::from(column.is_some()))
 }
 
 /// The columns of a table that hold properties.

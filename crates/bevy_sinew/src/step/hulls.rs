@@ -46,7 +46,7 @@ pub(crate) fn compile_hulls(
         now.iter_mut().zip(there).for_each(|(count, there)| *count += usize::from(there));
     }
     let went = core::mem::replace(&mut *count, now) != now;
-    if !tables.stale && !went && changed.is_empty() {
+    if !tables.relinked && !went && changed.is_empty() {
         return;
     }
     let mut bodies: Vec<_> = floating.iter().collect();

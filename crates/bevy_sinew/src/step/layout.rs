@@ -12,34 +12,77 @@ pub(crate) fn lay_out(
     mut counter: ResMut<CreationCounter>,
     mut world: ResMut<SinewWorld>,
     mut particles: Query<(Entity, &mut CreationOrder, &mut ParticleRow), With<Particle>>,
-    mut order: Local<Vec<(CreationOrder, Entity)>>,
+    mut found: Local<Found>,
 ) {
     if !changed.0 {
         return;
     }
     changed.0 = false;
 
-    order.clear();
-    for (entity, mut number, _) in &mut particles {
+    let SinewWorld { simulation, tables } = &mut *world;
+    let (Found { there, new }, mut order) =
+        (&mut *found, core::mem::take(&mut tables.layout.order));
+    let last = &mut order;
+    there.clear();
+    there.resize(last.len(), false);
+    new.clear();
+    for (entity, mut number, row) in &mut particles {
         // Spawned before the plugin was there to count.
         if number.0 == 0 {
             counter.0 += 1;
             number.0 = counter.0;
         }
-        order.push((*number, entity));
+        let own = (*number, entity);
+        match row.get().filter(|&row| last.get(row) == Some(&own)) {
+            Some(row) => there[row] = true,
+            None => new.push(own),
+        }
     }
-    order.sort_unstable();
-
-    let SinewWorld { simulation, tables } = &mut *world;
-    let both = order.iter().zip(&tables.entities);
-    let same = both.take_while(|((_, new), old)| new == *old).count();
+    let mut same = there.iter().position(|&there| !there).unwrap_or(last.len());
+    // Those that stay are in order already, and what is new mostly comes behind them.
+    let mut is_there = there.iter();
+    last.retain(|_| is_there.next() == Some(&true));
+    new.sort_unstable();
+    if let (Some(first), Some(own)) = (new.first(), last.last())
+        && first < own
+    {
+        same = same.min(last.partition_point(|own| own < first));
+        last.extend_from_slice(new);
+        last.sort_unstable();
+    } else {
+        last.extend_from_slice(new);
+    }
     tables.stale = true;
-    if same == order.len() && same == tables.entities.len() {
-        return;
+    let is_same = same == last.len() && same == tables.entities.len();
+    if !is_same {
+        put(simulation, tables, &mut particles, (last, same));
     }
+    tables.layout.order = order;
+}
+
+/// What a look at all particles finds; memory.
+#[derive(Default)]
+pub(crate) struct Found {
+    /// For each row whether its particle is still there.
+    there: Vec<bool>,
+    new: Vec<(CreationOrder, Entity)>,
+}
+
+/// Gives all their rows but so many, from the first on, that keep theirs.
+fn put(
+    simulation: &mut Simulation,
+    tables: &mut Tables,
+    particles: &mut Query<(Entity, &mut CreationOrder, &mut ParticleRow), With<Particle>>,
+    (order, same): (&[(CreationOrder, Entity)], usize),
+) {
     tables.layout.number += 1;
     tables.layout.same = same;
-    carry_over(simulation, tables, &order);
+    // Making room is no edit of the game's.
+    let unedited = tables.edits == simulation.particles.edits();
+    carry_over(simulation, tables, order);
+    if unedited {
+        tables.edits = simulation.particles.edits();
+    }
     for (row, (_, entity)) in order.iter().enumerate().skip(same) {
         if let Ok((_, _, mut its_row)) = particles.get_mut(*entity) {
             its_row.0 = row as u32;
@@ -69,6 +112,7 @@ fn carry_over(simulation: &mut Simulation, tables: &mut Tables, order: &[(Creati
     tables.set_aside = tables.refused.iter().flatten().count();
     tables.mass.truncate(same);
     tables.mass.resize(order.len(), 0.0);
+    tables.held.lay_out(same, order.len());
     let row_of = &mut tables.layout.row_of;
     for entity in tables.entities.drain(same..) {
         row_of.remove(&entity);

@@ -2,27 +2,27 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use sinew::{BodyCollider, Particles};
+use sinew::{BodyCollider, Particles, Simulation};
 
 use crate::components::{
-    Bound, Collider, ContactCache, CreationOrder, DistanceConstraint, ParticleOf, RigidPose,
+    Bound, Collider, ContactCache, CreationOrder, DistanceConstraint, RigidPose,
 };
 use crate::world::Tables;
 
 /// What is a rod and nothing else that collides.
 type Rod = (With<DistanceConstraint>, Without<Collider>, Without<RigidPose>);
 
-/// Rods, and whose particles are whose.
+/// Rods.
 #[derive(SystemParam)]
 pub(crate) struct Segments<'w, 's> {
     rods: Query<
         'w,
         's,
-        (Entity, &'static CreationOrder, &'static DistanceConstraint, Has<ContactCache>),
+        (&'static CreationOrder, &'static DistanceConstraint, Has<ContactCache>),
         Rod,
     >,
-    members: Query<'w, 's, &'static ParticleOf>,
-    remembering: Query<'w, 's, (), (With<ContactCache>, Rod)>,
+    all: Query<'w, 's, Entity, Rod>,
+    remembering: Query<'w, 's, Entity, (With<ContactCache>, Rod)>,
     commands: Commands<'w, 's>,
     /// How many rods have a memory since they were last listed.
     listed: Local<'s, usize>,
@@ -34,23 +34,27 @@ impl Segments<'_, '_> {
         self.remembering.iter().len() != *self.listed
     }
 
-    /// Lists the segments of bodies that ask for them, if `any` does, and who has any. What becomes one is given a memory of what it touches, and loses that when it
-    /// ceases to be one.
+    /// Lists the segments of bodies that ask for them, if `any` does, and who has any. Which particles are whose is known already. What becomes one is given a
+    /// memory of what it touches, and loses that when it ceases to be one.
     pub(crate) fn list(
         &mut self,
-        (particles, tables): (&Particles, &Tables),
+        (simulation, tables): (&Simulation, &Tables),
         (any, asks): (bool, impl Fn(Entity) -> bool),
         owners: &mut Vec<Entity>,
         body_colliders: &mut Vec<(CreationOrder, Entity, BodyCollider)>,
     ) {
-        let Self { rods, members, commands, listed, remembering } = self;
+        let Self { rods, all, remembering, commands, listed } = self;
         **listed = 0;
         if !any && remembering.is_empty() {
             return;
         }
+        let particles = &simulation.particles;
+        let asking: Vec<bool> = tables.bodies.iter().map(|&body| any && asks(body)).collect();
+        let asks = |body: u32| asking.get(body as usize) == Some(&true);
         let mut last = None;
-        for (entity, order, rod, remembers) in &*rods {
-            let owner = owner(rod, members).filter(|&body| asks(body));
+        let take = |entity: Entity| {
+            let Ok((order, rod, remembers)) = rods.get(entity) else { return };
+            let owner = owner(rod, particles, tables).filter(|&body| asks(body));
             let solid = owner.and_then(|_| segment(rod, particles, tables, &mut last));
             match (&solid, remembers) {
                 (Some(_), false) => drop(commands.entity(entity).insert(ContactCache::default())),
@@ -58,18 +62,31 @@ impl Segments<'_, '_> {
                 _ => {}
             }
             if let (Some(owner), Some(solid)) = (owner, solid) {
-                owners.push(owner);
+                owners.push(tables.bodies[owner as usize]);
                 body_colliders.push((*order, entity, BodyCollider { id: order.0, ..solid }));
                 **listed += 1;
             }
+        };
+        if !tables.links.sound {
+            all.iter().for_each(take);
+            return;
         }
+        // The solver's list, which has all there are, is in one piece, and there may be many rods of others.
+        let is_asking = |row: u32| particles.body(row as usize).is_some_and(asks);
+        let mut maybe: Vec<Entity> = remembering.iter().collect();
+        let known = simulation.distances().iter().zip(&tables.links.distances);
+        maybe.extend(known.filter(|(rod, _)| is_asking(rod.a)).map(|(_, place)| place.entity));
+        maybe.sort_unstable();
+        maybe.dedup();
+        maybe.into_iter().for_each(take);
     }
 }
 
-/// The body that both ends of a rod belong to.
-fn owner(rod: &DistanceConstraint, members: &Query<&ParticleOf>) -> Option<Entity> {
-    let [one, other] = [rod.a, rod.b].map(|end| members.get(end).map(|of| of.0).ok());
-    one.filter(|_| one == other && rod.bound != Bound::AtLeast)
+/// The number of the body that both ends of a rod belong to.
+fn owner(rod: &DistanceConstraint, particles: &Particles, tables: &Tables) -> Option<u32> {
+    let body = |end: Entity| particles.body(*tables.layout.row_of.get(&end)? as usize);
+    let one = body(rod.a)?;
+    (rod.bound != Bound::AtLeast && body(rod.b) == Some(one)).then_some(one)
 }
 
 /// The capsule of a rod, as thick as its thinner end; `None` if it has no thickness, or an end is gone or set aside. Rods of a rope are much alike:

@@ -4,7 +4,7 @@
 mod links;
 mod phases;
 
-pub(crate) use links::{LinkAt, Links, Place};
+pub(crate) use links::{LinkAt, Links, Place, Triangles};
 pub(crate) use phases::PhaseWatch;
 
 use core::ops::Deref;
@@ -205,11 +205,13 @@ pub(crate) struct Tables {
     /// How many rows are set aside.
     pub(crate) set_aside: usize,
     /// Which properties of particles the columns hold.
-    pub(crate) held: HeldColumns,
+    pub(crate) held: HeldProperties,
     /// How often properties in the columns had been changed when gathering was done. A game that does so, too, does it for a tick.
     pub(crate) edits: u64,
-    /// Whether the properties of all particles were copied in this tick.
+    /// Whether properties of a particle were copied in this tick.
     pub(crate) properties_gathered: bool,
+    /// Whether a body came, went or has something new to say in this tick, or has its particles in other rows.
+    pub(crate) bodies_changed: bool,
     /// Mass of each row, kg, pinned or not: a pinned particle still counts where its body is.
     pub(crate) mass: Vec<f32>,
     /// The body (or the loose particle) of each number in `Simulation::bodies` and `Simulation::contacts`.
@@ -226,6 +228,8 @@ pub(crate) struct Tables {
     pub(crate) links: Links,
     /// Distances, springs or surfaces must be compiled afresh.
     pub(crate) stale: bool,
+    /// Whether they were in this tick.
+    pub(crate) relinked: bool,
     /// Whether distances came, went or changed before this tick.
     pub(crate) retied: bool,
     /// Where rows are drawn.
@@ -254,12 +258,27 @@ pub(crate) struct Tables {
     pub(crate) forces: Option<Box<[Vec<Vec3>; 4]>>,
 }
 
-/// What properties the columns hold: of which rows, and of how many particles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct HeldColumns {
+/// What properties the columns hold.
+#[derive(Debug, Default)]
+pub(crate) struct HeldProperties {
+    /// The layout of rows that they are in.
     pub(crate) layout: u64,
     /// How many particles there are with each of the components that say them.
     pub(crate) counts: [usize; 8],
+    /// Which of these components the particle of each row had when its properties were copied, a bit for each; 0 of a row whose properties never were.
+    pub(crate) kinds: Vec<u8>,
+    /// By how much each particle says that gravity on it is scaled; its body may scale it, too.
+    pub(crate) gravity_scale: Vec<f32>,
+}
+
+impl HeldProperties {
+    /// Makes room for so many rows, of which some, from the first on, are what they were.
+    pub(crate) fn lay_out(&mut self, same: usize, rows: usize) {
+        self.kinds.truncate(same);
+        self.kinds.resize(rows, 0);
+        self.gravity_scale.truncate(same);
+        self.gravity_scale.resize(rows, 1.0);
+    }
 }
 
 /// Which particles were written to since they were last gathered.

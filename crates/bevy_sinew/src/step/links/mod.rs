@@ -15,7 +15,7 @@ use crate::changes::census;
 use crate::components::{CreationOrder, DistanceConstraint, Spring, WindSurface};
 use crate::messages::Refused;
 use crate::rows::Rows;
-use crate::world::{Place, SinewWorld, Tables};
+use crate::world::{Links, Place, SinewWorld, Tables, Triangles};
 use change_detection::ChangeDetector;
 use entry::{Entry, LinkValidator, refill, unmoved, update_incrementally};
 use kinds::Collected;
@@ -77,10 +77,10 @@ pub(crate) fn compile_links(
     mut surfaces: Query<(Ref<WindSurface>, &mut Rows<WindSurface>)>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    if !tables.stale {
+    tables.relinked = core::mem::take(&mut tables.stale);
+    if !tables.relinked {
         return;
     }
-    tables.stale = false;
 
     let before = core::mem::take(&mut tables.reported_errors);
     let mut links = core::mem::take(&mut tables.links);
@@ -120,18 +120,44 @@ pub(crate) fn compile_links(
     links.version += 1;
     tables.reported_errors = validator.reported_errors();
 
-    // Triangles are ordered by their particles' rows, which follow creation; a torn corner just leaves its triangles out.
+    tables.links = links;
+    compile_surfaces(simulation, tables, &mut surfaces);
+}
+
+/// Lists the triangles, if not all of them are where they were.
+///
+/// They are ordered by their particles' rows, which follow creation; a torn corner just leaves its triangles out.
+fn compile_surfaces(
+    simulation: &mut Simulation,
+    tables: &mut Tables,
+    surfaces: &mut Query<(Ref<WindSurface>, &mut Rows<WindSurface>)>,
+) {
+    let Tables { links: Links { triangles, .. }, layout, set_aside, .. } = &mut *tables;
+    let before = *triangles;
+    *triangles = Triangles {
+        surfaces: surfaces.iter().len(),
+        set_aside: *set_aside,
+        layout: layout.number,
+        ..before
+    };
+    let same = Triangles { layout: before.layout, ..*triangles } == before;
+    let stays = same && *set_aside == 0 && before.end <= layout.same_since(before.layout);
+    if stays && !surfaces.iter().any(|(surface, _)| surface.is_changed()) {
+        return;
+    }
     let list = &mut simulation.forces.surfaces;
     list.clear();
-    for (surface, mut rows) in &mut surfaces {
+    let mut end = 0;
+    for (surface, mut rows) in surfaces {
         let corners = surface.triangles.iter().flatten().copied();
         let rows = rows.resolve(&tables.layout, surface.is_changed(), corners);
         let all_sound =
             |corners: &&[u32; 3]| corners.iter().all(|&row| tables.is_sound(row as usize));
         list.extend(rows.as_chunks().0.iter().filter(all_sound));
+        end = rows.iter().fold(end, |end, &row| end.max(row as usize + 1));
     }
     list.sort_unstable();
-    tables.links = links;
+    tables.links.triangles.end = end;
 }
 
 /// Compiles the distances from the first on that is not what it was; false if all have to be.
