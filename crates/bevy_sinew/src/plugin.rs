@@ -226,6 +226,7 @@ impl Plugin for SinewPlugin {
                 .chain()
                 .in_set(SinewSystems::Extract),
         );
+        app.add_systems(Last, links::note_gone);
         // Before transforms are propagated and bounds computed, which look at what is written here. Where there is nothing to write, an executor asks
         // a condition in a tenth of the time that it takes to hand a system to a thread.
         app.add_systems(

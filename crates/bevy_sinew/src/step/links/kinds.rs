@@ -3,8 +3,7 @@
 use core::any::TypeId;
 
 use bevy::ecs::component::ComponentId;
-use bevy::ecs::lifecycle::RemovedComponentEntity;
-use bevy::ecs::message::MessageCursor;
+use bevy::ecs::lifecycle::RemovedComponentMessages;
 use bevy::prelude::*;
 use sinew::Simulation;
 
@@ -150,6 +149,11 @@ impl Kinds {
         refilled.map(|(kept, list)| Collected::From(kept, list))
     }
 
+    /// Notes which constraints have gone.
+    pub(super) fn note_gone(&mut self, removed: &RemovedComponentMessages) {
+        self.kinds.iter_mut().for_each(|kind| kind.note_gone(removed));
+    }
+
     /// What was collected.
     pub(super) fn take(&mut self) -> Collected {
         core::mem::take(&mut self.collected)
@@ -165,6 +169,9 @@ trait Kind: Send + Sync {
 
     /// Looks for what came, went or changed since the system that asks last ran.
     fn refresh(&mut self, world: &World);
+
+    /// Notes what has gone since.
+    fn note_gone(&mut self, removed: &RemovedComponentMessages);
 
     /// What there was.
     fn detector(&self) -> &ChangeDetector;
@@ -196,7 +203,6 @@ struct Of<T: ParticleConstraint> {
     present: QueryState<(Entity, Ref<'static, T>), With<CreationOrder>>,
     unnumbered: QueryState<Entity, (With<T>, Without<CreationOrder>)>,
     id: ComponentId,
-    gone: MessageCursor<RemovedComponentEntity>,
     detector: ChangeDetector,
 }
 
@@ -207,7 +213,6 @@ impl<T: ParticleConstraint> Of<T> {
             present: QueryState::new(world),
             unnumbered: QueryState::new(world),
             id: world.register_component::<T>(),
-            gone: MessageCursor::default(),
             detector: ChangeDetector::default(),
         }
     }
@@ -245,11 +250,14 @@ impl<T: ParticleConstraint> Kind for Of<T> {
     }
 
     fn refresh(&mut self, world: &World) {
-        let Self { all, present, id, gone, detector, .. } = self;
+        let Self { all, present, id, detector, .. } = self;
         all.update_archetypes(world);
-        let removed = world.removed_components().get(*id);
-        let gone = removed.map(|removed| gone.read(removed)).into_iter().flatten();
-        detector.detect(&present.query(world), gone.cloned().map(Entity::from));
+        detector.note_gone(world.removed_components().get(*id));
+        detector.detect(&present.query(world));
+    }
+
+    fn note_gone(&mut self, removed: &RemovedComponentMessages) {
+        self.detector.note_gone(removed.get(self.id));
     }
 
     fn detector(&self) -> &ChangeDetector {

@@ -8,6 +8,7 @@ mod kinds;
 pub use kinds::RegisterParticleConstraint;
 pub(crate) use kinds::{Kinds, register_ours};
 
+use bevy::ecs::lifecycle::RemovedComponentMessages;
 use bevy::prelude::*;
 use sinew::Simulation;
 
@@ -20,6 +21,16 @@ use change_detection::ChangeDetector;
 use entry::{Entry, LinkValidator, refill, unmoved, update_incrementally};
 use kinds::Collected;
 
+/// Notes in each frame which distances and constraints have gone, for the next tick.
+pub(crate) fn note_gone(
+    mut kinds: ResMut<Kinds>,
+    distances: RemovedComponents<DistanceConstraint>,
+    removed: &RemovedComponentMessages,
+) {
+    kinds.distances.note_gone(distances.messages());
+    kinds.note_gone(removed);
+}
+
 /// Notes whether distances, springs or surfaces came, went or changed; few distances are taken into account at once. No hook does: a body comes and
 /// goes with tens of thousands of them.
 pub(crate) fn notice_links(
@@ -29,15 +40,16 @@ pub(crate) fn notice_links(
     numbered: Query<(Entity, &CreationOrder, &DistanceConstraint)>,
     springs: Query<Ref<Spring>>,
     surfaces: Query<Ref<WindSurface>>,
-    mut removed: RemovedComponents<DistanceConstraint>,
+    removed: RemovedComponents<DistanceConstraint>,
     mut counts: Local<[usize; 2]>,
 ) {
-    // Of what was removed Bevy tells for two frames, and a tick may be farther away. Who replaces it has changed, so their numbers say it all.
+    // Who replaces what was removed has changed, so their numbers say it all.
     let found = [census(&springs), census(&surfaces)];
     let now = found.map(|(count, _)| count);
     let went = core::mem::replace(&mut *counts, now) != now;
     let detector = &mut kinds.distances;
-    detector.detect(&distances, removed.read());
+    detector.note_gone(removed.messages());
+    detector.detect(&distances);
     let SinewWorld { simulation, tables } = &mut *world;
     tables.retied = detector.is_any();
     tables.stale |= went || found.iter().any(|&(_, changed)| changed);
