@@ -413,7 +413,8 @@ fn load_particles(mut world: ResMut<SinewWorld>, particles: Query<(&Particle, &P
 impl Tables {
     /// Whether an entity is a particle that is set aside.
     pub(crate) fn is_set_aside(&self, entity: Entity) -> bool {
-        self.layout.row_of.get(&entity).is_some_and(|&row| self.refused[row as usize].is_some())
+        self.set_aside > 0
+            && self.layout.row_of.get(&entity).is_some_and(|&row| !self.is_sound(row as usize))
     }
 
     /// Whether a row is there, and not set aside.
