@@ -40,13 +40,14 @@ pub(crate) fn add(app: &mut App) {
         (
             build::notice_scale
                 .run_if(any_may_have_moved.or_else(any_with_component::<build::AwaitsPlace>)),
+            // What is large comes first: where something goes or is cut, what was created after it is laid out and compiled again.
+            build::build::<Cloth>,
+            build::build::<SoftBody>,
+            build::build::<Ragdoll>,
+            build::build::<Articulated>,
+            build::build::<RigidMesh>,
             build::build::<RigidBox>,
             build::build::<Rope>,
-            build::build::<Cloth>,
-            build::build::<Ragdoll>,
-            build::build::<RigidMesh>,
-            build::build::<SoftBody>,
-            build::build::<Articulated>,
             build::build_waiting::<Rope>,
             built::announce,
         )
