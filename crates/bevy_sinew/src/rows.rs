@@ -5,8 +5,6 @@ use core::marker::PhantomData;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
-use crate::components::CreationOrder;
-
 /// Which row each particle has.
 #[derive(Default)]
 pub(crate) struct Layout {
@@ -14,8 +12,6 @@ pub(crate) struct Layout {
     pub(crate) number: u64,
     /// So many rows, from the first on, have the particles that they had in the layout before this one.
     pub(crate) same: usize,
-    /// All particles, row by row: in the order of creation.
-    pub(crate) order: Vec<(CreationOrder, Entity)>,
     /// The row of each particle: for rebuilding what names particles; never read in a tick without changes.
     pub(crate) row_of: EntityHashMap<u32>,
 }

@@ -20,8 +20,7 @@ pub(crate) fn lay_out(
     changed.0 = false;
 
     let SinewWorld { simulation, tables } = &mut *world;
-    let (Found { there, new }, mut order) =
-        (&mut *found, core::mem::take(&mut tables.layout.order));
+    let (Found { there, new }, mut order) = (&mut *found, core::mem::take(&mut tables.order));
     let last = &mut order;
     there.clear();
     there.resize(last.len(), false);
@@ -57,7 +56,7 @@ pub(crate) fn lay_out(
     if !is_same {
         put(simulation, tables, &mut particles, (last, same));
     }
-    tables.layout.order = order;
+    tables.order = order;
 }
 
 /// What a look at all particles finds; memory.

@@ -15,7 +15,7 @@ use bevy::prelude::*;
 use sinew::pose::{Motion, Pose};
 use sinew::{ContactParticipant, ParticleFault, Particles, Simulation, SolverReport};
 
-use crate::components::{Particle, ParticleRow};
+use crate::components::{CreationOrder, Particle, ParticleRow};
 use crate::messages::ReportedErrors;
 use crate::rows::Layout;
 
@@ -200,6 +200,8 @@ impl ParticlesMut<'_> {
 pub(crate) struct Tables {
     /// The particle of each row, in the order of creation.
     pub(crate) entities: Vec<Entity>,
+    /// The same with their numbers.
+    pub(crate) order: Vec<(CreationOrder, Entity)>,
     /// Why a row is set aside, if it is.
     pub(crate) refused: Vec<Option<ParticleFault>>,
     /// How many rows are set aside.
