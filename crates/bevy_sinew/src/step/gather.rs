@@ -128,19 +128,19 @@ fn gather_tables(
     which: Which,
 ) -> bool {
     let (mut any, keeps_sleepers) = (false, world.keeps_sleepers());
-    let mut places = Vec::new();
+    let mut copied = Vec::new();
     for table in particles.contiguous_iter().into_iter().flatten() {
         let (states, rows) = (&*table.1, table.2);
-        places_to_copy(&world.tables.held, &table, which, &mut places);
-        let mut copied = places.iter().copied().peekable();
+        mark_copied(&world.tables.held, &table, which, &mut copied);
         let mut i = 0;
         while i < rows.len() {
-            if copied.next_if_eq(&i).is_some() {
+            if copied.get(i) == Some(&true) {
                 any |= gather_one(world, messages, &table, (i, true));
                 i += 1;
                 continue;
             }
-            let mut end = copied.peek().copied().unwrap_or(rows.len());
+            let next = copied.get(i..).and_then(|rest| rest.iter().position(|&copied| copied));
+            let mut end = next.map_or(rows.len(), |next| i + next);
             if keeps_sleepers {
                 i += world.sleeping_run(states, &rows[..end], i);
                 if i == end {
@@ -161,29 +161,27 @@ fn gather_tables(
     any
 }
 
-/// The places of a table at which properties are to be copied, in order.
-fn places_to_copy(held: &HeldProperties, table: &Table, which: Which, places: &mut Vec<usize>) {
+/// At which places of a table properties are to be copied; empty if at none.
+fn mark_copied(held: &HeldProperties, table: &Table, which: Which, copied: &mut Vec<bool>) {
     let rows = table.2;
-    places.clear();
-    match which {
-        Which::None => {}
-        Which::All => places.extend(0..rows.len()),
-        Which::Changed { taken } => {
-            if taken {
-                let kinds = kinds(table);
-                let others = |row: ParticleRow| held.kinds.get(row.0 as usize) != Some(&kinds);
-                places.extend((0..rows.len()).filter(|&place| others(rows[place])));
-            }
-            let [pinned, pinned_to, rest @ ..] = change_ticks(table);
-            for change_ticks in [pinned, pinned_to].iter().flatten().filter(|one| one.any_added()) {
-                places.extend(change_ticks.added());
-            }
-            for change_ticks in rest.iter().flatten().filter(|one| one.any_changed()) {
-                places.extend(change_ticks.changed());
-            }
-            places.sort_unstable();
-            places.dedup();
-        }
+    copied.clear();
+    let taken = match which {
+        Which::None => return,
+        Which::All => return copied.resize(rows.len(), true),
+        Which::Changed { taken } => taken,
+    };
+    if taken {
+        let kinds = kinds(table);
+        let others = |row: &ParticleRow| held.kinds.get(row.0 as usize) != Some(&kinds);
+        copied.extend(rows.iter().map(others));
+    }
+    copied.resize(rows.len(), false);
+    let [pinned, pinned_to, rest @ ..] = change_ticks(table);
+    for change_ticks in [pinned, pinned_to].iter().flatten().filter(|one| one.any_added()) {
+        change_ticks.added().for_each(|place| copied[place] = true);
+    }
+    for change_ticks in rest.iter().flatten().filter(|one| one.any_changed()) {
+        change_ticks.changed().for_each(|place| copied[place] = true);
     }
 }
 
