@@ -84,6 +84,20 @@ fn what_a_body_says_is_said_once_however_often_its_particles_change() {
     assert_eq!(scales(&app), [0.5, 1.0]);
 }
 
+/// The product was left as it had been, so that it depended on what the body had said before.
+#[test]
+fn a_scale_of_gravity_that_no_number_holds_with_its_body_is_the_particles_own() {
+    let mut app = bare_app();
+    let body = app.world_mut().spawn((ParticleBody, GravityScale(2.0))).id();
+    let heavy = (Particle::at(Vec3::ZERO), Pinned::HERE, GravityScale(1e30), ParticleOf(body));
+    let particle = app.world_mut().spawn(heavy).id();
+    tick(&mut app, 2);
+    assert_eq!(held(&app, particle)[4], 2e30);
+    app.world_mut().get_mut::<GravityScale>(body).unwrap().0 = 1e30;
+    tick(&mut app, 1);
+    assert_eq!(held(&app, particle)[4], 1e30);
+}
+
 #[test]
 fn what_a_game_changes_in_the_columns_besides_state_holds_for_a_tick() {
     #[derive(Resource)]

@@ -167,12 +167,12 @@ pub(crate) struct Known {
     settings: Vec<BodySettings>,
     contacts: Vec<sinew::BodyContacts>,
     /// Of each row.
-    said: Vec<Said>,
+    of_rows: Vec<OfBody>,
 }
 
-/// What a body says of a particle.
+/// What a particle has of its body.
 #[derive(Clone, Copy)]
-struct Said {
+struct OfBody {
     body: Option<u32>,
     gravity_scale: f32,
     has_rest: bool,
@@ -204,16 +204,17 @@ pub(crate) fn gather_bodies(
         tables.edits = simulation.particles.edits();
         return;
     }
-    let Known { scales, materials, places: count, ordered, settings, contacts, said } = &mut *known;
+    let Known { scales, materials, places: count, ordered, settings, contacts, of_rows } =
+        &mut *known;
     scales.retain(|&entity| entities.contains(entity));
     materials.retain(|&entity| entities.contains(entity));
     settings.clear();
     contacts.clear();
     tables.bodies.clear();
-    said.clear();
-    said.resize(
+    of_rows.clear();
+    of_rows.resize(
         simulation.particles.len(),
-        Said { body: None, gravity_scale: 1.0, has_rest: false },
+        OfBody { body: None, gravity_scale: 1.0, has_rest: false },
     );
     let places_changed = {
         let (now, moved) = census(&places);
@@ -226,23 +227,23 @@ pub(crate) fn gather_bodies(
     for &(_, entity) in &*ordered {
         let is_watched = watched.all || watched.body == Some(entity);
         let body = Some(tables.bodies.len() as u32);
-        let (own, says) = if let Ok((members, mut rows, solver, scale, representation, says)) =
+        let (own, asked) = if let Ok((members, mut rows, solver, scale, representation, asked)) =
             bodies.get_mut(entity)
         {
             let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
-            let says = contacts_of(materials, &mut messages, entity, says);
+            let asked = contacts_of(materials, &mut messages, entity, asked);
             let scale = scale.map_or(1.0, |scale| scale.0);
             let reason = (!scale.is_finite()).then_some(Refusal::GravityScale);
             let sound = sound(scales, &mut messages, entity, reason);
-            let of_particle = Said {
+            let of_particle = OfBody {
                 body,
                 gravity_scale: if sound { scale } else { 1.0 },
-                has_rest: says.with_itself,
+                has_rest: asked.with_itself,
             };
             for &row in rows.iter().filter(|&&row| row != GONE) {
-                said[row as usize] = of_particle;
+                of_rows[row as usize] = of_particle;
             }
-            if says.with_itself {
+            if asked.with_itself {
                 let there = rows.iter().zip(members.iter()).filter(|(row, _)| **row != GONE);
                 for (&row, member) in there {
                     let known = simulation.particles.rest(row as usize);
@@ -256,21 +257,21 @@ pub(crate) fn gather_bodies(
             }
             let own = solver.map_or(default(), |&solver| BodySettings::from(solver));
             let representation = representation.copied().unwrap_or_default().within_a_step();
-            (BodySettings { representation, ..own }, says)
-        } else if let Ok((row, says)) = loose.get(entity)
-            && let Some(row) = row.get().filter(|&row| row < said.len())
+            (BodySettings { representation, ..own }, asked)
+        } else if let Ok((row, asked)) = loose.get(entity)
+            && let Some(row) = row.get().filter(|&row| row < of_rows.len())
         {
-            said[row] = Said { body, gravity_scale: 1.0, has_rest: false };
-            (default(), contacts_of(materials, &mut messages, entity, says))
+            of_rows[row] = OfBody { body, gravity_scale: 1.0, has_rest: false };
+            (default(), contacts_of(materials, &mut messages, entity, asked))
         } else {
             continue;
         };
-        let events = says.events || is_watched;
+        let events = asked.events || is_watched;
         settings.push(own);
-        contacts.push(sinew::BodyContacts { events, ..says });
+        contacts.push(sinew::BodyContacts { events, ..asked });
         tables.bodies.push(entity);
     }
-    write(simulation, &tables.held, said);
+    write(simulation, &tables.held, of_rows);
     // What is written to is new.
     if *simulation.bodies != *settings {
         (*simulation.bodies).clone_from(settings);
@@ -281,15 +282,17 @@ pub(crate) fn gather_bodies(
     tables.edits = simulation.particles.edits();
 }
 
-/// Writes what is said of particles to their rows, where it is not what stands there.
-fn write(simulation: &mut sinew::Simulation, held: &HeldProperties, said: &[Said]) {
+/// Writes to rows what particles have of their bodies, where it is not what stands there. A scale of gravity that is not finite with that of the body is the
+/// particle's own.
+fn write(simulation: &mut sinew::Simulation, held: &HeldProperties, of_rows: &[OfBody]) {
     let particles = &mut simulation.particles;
-    for (row, (said, own)) in said.iter().zip(&held.gravity_scale).enumerate() {
-        if particles.body(row) != said.body {
-            particles.set_body(row, said.body);
+    for (row, (of_body, &own)) in of_rows.iter().zip(&held.gravity_scale).enumerate() {
+        if particles.body(row) != of_body.body {
+            particles.set_body(row, of_body.body);
         }
-        particles.set_gravity_scale(row, own * said.gravity_scale);
-        if !said.has_rest && particles.rest(row).is_some() {
+        let scale = own * of_body.gravity_scale;
+        particles.set_gravity_scale(row, if scale.is_finite() { scale } else { own });
+        if !of_body.has_rest && particles.rest(row).is_some() {
             particles.set_rest(row, None);
         }
     }

@@ -71,15 +71,16 @@ pub(crate) fn gather_particles(
     let SinewWorld { simulation, tables } = &mut *world;
     let layout = tables.layout.number;
     let is_relaid = core::mem::replace(&mut tables.held.layout, layout) != layout;
-    // Of what was added, as many others may have been taken away, which leaves no mark.
-    let taken = core::mem::replace(&mut tables.held.counts, counts) != counts || added || is_relaid;
+    // Of what was added, as many others may have been removed, which leaves no mark.
+    let removed =
+        core::mem::replace(&mut tables.held.counts, counts) != counts || added || is_relaid;
     let which = match tables.edits != simulation.particles.edits() {
-        true => Which::All,
-        false if changed || taken => Which::Changed { taken },
-        false => Which::None,
+        true => DirtyProperties::All,
+        false if changed || removed => DirtyProperties::Changed { removed },
+        false => DirtyProperties::None,
     };
     tables.bodies_changed = bodies.changed() | is_relaid;
-    let any = which != Which::None || tables.bodies_changed;
+    let any = which != DirtyProperties::None || tables.bodies_changed;
     note_touched(&mut world, &particles, any);
     world.tables.properties_gathered = false;
     (world.tables.rested, world.tables.stepped) = (false, false);
@@ -92,11 +93,11 @@ pub(crate) fn gather_particles(
 
 /// Of which particles the properties are to be copied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Which {
+enum DirtyProperties {
     None,
-    /// Of those that changed; and where components may have been `taken` away, of those that have others than they had.
+    /// Of those that changed; and where components may have been `removed`, of those that have others than they had.
     Changed {
-        taken: bool,
+        removed: bool,
     },
     All,
 }
@@ -125,21 +126,21 @@ fn gather_tables(
     world: &mut SinewWorld,
     messages: &mut MessageWriter<Refused>,
     particles: &Query<ParticleData>,
-    which: Which,
+    which: DirtyProperties,
 ) -> bool {
     let (mut any, keeps_sleepers) = (false, world.keeps_sleepers());
-    let mut copied = Vec::new();
+    let mut dirty = Vec::new();
     for table in particles.contiguous_iter().into_iter().flatten() {
         let (states, rows) = (&*table.1, table.2);
-        mark_copied(&world.tables.held, &table, which, &mut copied);
+        mark_dirty(&world.tables.held, &table, which, &mut dirty);
         let mut i = 0;
         while i < rows.len() {
-            if copied.get(i) == Some(&true) {
+            if dirty.get(i) == Some(&true) {
                 any |= gather_one(world, messages, &table, (i, true));
                 i += 1;
                 continue;
             }
-            let next = copied.get(i..).and_then(|rest| rest.iter().position(|&copied| copied));
+            let next = dirty.get(i..).and_then(|rest| rest.iter().position(|&dirty| dirty));
             let mut end = next.map_or(rows.len(), |next| i + next);
             if keeps_sleepers {
                 i += world.sleeping_run(states, &rows[..end], i);
@@ -161,27 +162,27 @@ fn gather_tables(
     any
 }
 
-/// At which places of a table properties are to be copied; empty if at none.
-fn mark_copied(held: &HeldProperties, table: &Table, which: Which, copied: &mut Vec<bool>) {
+/// Marks the places of a table at which properties are to be copied; empty if there are none.
+fn mark_dirty(held: &HeldProperties, table: &Table, which: DirtyProperties, dirty: &mut Vec<bool>) {
     let rows = table.2;
-    copied.clear();
-    let taken = match which {
-        Which::None => return,
-        Which::All => return copied.resize(rows.len(), true),
-        Which::Changed { taken } => taken,
+    dirty.clear();
+    let removed = match which {
+        DirtyProperties::None => return,
+        DirtyProperties::All => return dirty.resize(rows.len(), true),
+        DirtyProperties::Changed { removed } => removed,
     };
-    if taken {
+    if removed {
         let kinds = kinds(table);
         let others = |row: &ParticleRow| held.kinds.get(row.0 as usize) != Some(&kinds);
-        copied.extend(rows.iter().map(others));
+        dirty.extend(rows.iter().map(others));
     }
-    copied.resize(rows.len(), false);
+    dirty.resize(rows.len(), false);
     let [pinned, pinned_to, rest @ ..] = change_ticks(table);
     for change_ticks in [pinned, pinned_to].iter().flatten().filter(|one| one.any_added()) {
-        change_ticks.added().for_each(|place| copied[place] = true);
+        change_ticks.added().for_each(|place| dirty[place] = true);
     }
     for change_ticks in rest.iter().flatten().filter(|one| one.any_changed()) {
-        change_ticks.changed().for_each(|place| copied[place] = true);
+        change_ticks.changed().for_each(|place| dirty[place] = true);
     }
 }
 

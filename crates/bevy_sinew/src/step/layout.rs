@@ -12,7 +12,7 @@ pub(crate) fn lay_out(
     mut counter: ResMut<CreationCounter>,
     mut world: ResMut<SinewWorld>,
     mut particles: Query<(Entity, &mut CreationOrder, &mut ParticleRow), With<Particle>>,
-    mut found: Local<Found>,
+    mut found: Local<Scratch>,
 ) {
     if !changed.0 {
         return;
@@ -20,10 +20,10 @@ pub(crate) fn lay_out(
     changed.0 = false;
 
     let SinewWorld { simulation, tables } = &mut *world;
-    let (Found { there, new }, mut order) = (&mut *found, core::mem::take(&mut tables.order));
+    let (Scratch { present, new }, mut order) = (&mut *found, core::mem::take(&mut tables.order));
     let last = &mut order;
-    there.clear();
-    there.resize(last.len(), false);
+    present.clear();
+    present.resize(last.len(), false);
     new.clear();
     for (entity, mut number, row) in &mut particles {
         // Spawned before the plugin was there to count.
@@ -33,14 +33,14 @@ pub(crate) fn lay_out(
         }
         let own = (*number, entity);
         match row.get().filter(|&row| last.get(row) == Some(&own)) {
-            Some(row) => there[row] = true,
+            Some(row) => present[row] = true,
             None => new.push(own),
         }
     }
-    let mut same = there.iter().position(|&there| !there).unwrap_or(last.len());
+    let mut same = present.iter().position(|&present| !present).unwrap_or(last.len());
     // Those that stay are in order already, and what is new mostly comes behind them.
-    let mut is_there = there.iter();
-    last.retain(|_| is_there.next() == Some(&true));
+    let mut is_present = present.iter();
+    last.retain(|_| is_present.next() == Some(&true));
     new.sort_unstable();
     if let (Some(first), Some(own)) = (new.first(), last.last())
         && first < own
@@ -54,21 +54,21 @@ pub(crate) fn lay_out(
     tables.stale = true;
     let is_same = same == last.len() && same == tables.entities.len();
     if !is_same {
-        put(simulation, tables, &mut particles, (last, same));
+        assign_rows(simulation, tables, &mut particles, (last, same));
     }
     tables.order = order;
 }
 
-/// What a look at all particles finds; memory.
+/// Memory.
 #[derive(Default)]
-pub(crate) struct Found {
+pub(crate) struct Scratch {
     /// For each row whether its particle is still there.
-    there: Vec<bool>,
+    present: Vec<bool>,
     new: Vec<(CreationOrder, Entity)>,
 }
 
 /// Gives all their rows but so many, from the first on, that keep theirs.
-fn put(
+fn assign_rows(
     simulation: &mut Simulation,
     tables: &mut Tables,
     particles: &mut Query<(Entity, &mut CreationOrder, &mut ParticleRow), With<Particle>>,

@@ -16,15 +16,16 @@ pub(crate) struct Links {
     pub(crate) layout: u64,
     /// Counts the changes of the lists.
     pub(crate) version: u64,
-    pub(crate) triangles: Triangles,
+    pub(crate) surfaces: CompiledSurfaces,
 }
 
 /// Of what the solver's list of triangles was made.
-#[derive(Clone, Copy, Default, PartialEq)]
-pub(crate) struct Triangles {
-    /// How many surfaces there were, and how many particles were set aside.
-    pub(crate) surfaces: usize,
-    pub(crate) set_aside: usize,
+#[derive(Clone, Copy, Default)]
+pub(crate) struct CompiledSurfaces {
+    /// How many surfaces there were.
+    pub(crate) count: usize,
+    /// Whether no particle was set aside.
+    pub(crate) all_sound: bool,
     /// The layout of rows that they named, and the end of those rows.
     pub(crate) layout: u64,
     pub(crate) end: usize,

@@ -4,7 +4,7 @@
 mod links;
 mod phases;
 
-pub(crate) use links::{LinkAt, Links, Place, Triangles};
+pub(crate) use links::{CompiledSurfaces, LinkAt, Links, Place};
 pub(crate) use phases::PhaseWatch;
 
 use core::ops::Deref;

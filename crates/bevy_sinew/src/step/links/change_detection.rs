@@ -22,9 +22,9 @@ pub(crate) struct ChangeDetector {
     pub(super) added: Vec<Entity>,
     /// What is said to have gone. It may not be all.
     pub(super) gone: Vec<Entity>,
-    /// What has gone since the last look, as far as it was noted, and up to where Bevy was listened to.
+    /// What has gone since the last look, as far as it was noted, and up to where Bevy's messages were read.
     noted: Vec<Entity>,
-    heard: MessageCursor<RemovedComponentEntity>,
+    cursor: MessageCursor<RemovedComponentEntity>,
     /// By how many more there are.
     pub(super) grown: isize,
 }
@@ -32,7 +32,7 @@ pub(crate) struct ChangeDetector {
 impl ChangeDetector {
     /// Notes what has gone. Bevy tells that for two frames, when a tick may be farther away.
     pub(super) fn note_gone(&mut self, removed: Option<&Messages<RemovedComponentEntity>>) {
-        let gone = removed.map(|removed| self.heard.read(removed)).into_iter().flatten();
+        let gone = removed.map(|removed| self.cursor.read(removed)).into_iter().flatten();
         let room = NOTED.saturating_sub(self.noted.len());
         self.noted.extend(gone.cloned().map(Entity::from).take(room));
     }

@@ -16,7 +16,7 @@ use crate::changes::census;
 use crate::components::{CreationOrder, DistanceConstraint, Spring, WindSurface};
 use crate::messages::Refused;
 use crate::rows::Rows;
-use crate::world::{Links, Place, SinewWorld, Tables, Triangles};
+use crate::world::{CompiledSurfaces, Place, SinewWorld, Tables};
 use change_detection::ChangeDetector;
 use entry::{Entry, LinkValidator, refill, unmoved, update_incrementally};
 use kinds::Collected;
@@ -144,16 +144,11 @@ fn compile_surfaces(
     tables: &mut Tables,
     surfaces: &mut Query<(Ref<WindSurface>, &mut Rows<WindSurface>)>,
 ) {
-    let Tables { links: Links { triangles, .. }, layout, set_aside, .. } = &mut *tables;
-    let before = *triangles;
-    *triangles = Triangles {
-        surfaces: surfaces.iter().len(),
-        set_aside: *set_aside,
-        layout: layout.number,
-        ..before
-    };
-    let same = Triangles { layout: before.layout, ..*triangles } == before;
-    let stays = same && *set_aside == 0 && before.end <= layout.same_since(before.layout);
+    let (known, count) = (tables.links.surfaces, surfaces.iter().len());
+    let all_sound = tables.set_aside == 0;
+    let unmoved = known.end <= tables.layout.same_since(known.layout);
+    tables.links.surfaces.layout = tables.layout.number;
+    let stays = known.all_sound && all_sound && known.count == count && unmoved;
     if stays && !surfaces.iter().any(|(surface, _)| surface.is_changed()) {
         return;
     }
@@ -163,13 +158,13 @@ fn compile_surfaces(
     for (surface, mut rows) in surfaces {
         let corners = surface.triangles.iter().flatten().copied();
         let rows = rows.resolve(&tables.layout, surface.is_changed(), corners);
-        let all_sound =
-            |corners: &&[u32; 3]| corners.iter().all(|&row| tables.is_sound(row as usize));
-        list.extend(rows.as_chunks().0.iter().filter(all_sound));
-        end = rows.iter().fold(end, |end, &row| end.max(row as usize + 1));
+        let sound = |corners: &&[u32; 3]| corners.iter().all(|&row| tables.is_sound(row as usize));
+        list.extend(rows.as_chunks().0.iter().filter(sound));
+        end = rows.iter().fold(end, |end, &row| end.max((row as usize).saturating_add(1)));
     }
     list.sort_unstable();
-    tables.links.triangles.end = end;
+    let layout = tables.layout.number;
+    tables.links.surfaces = CompiledSurfaces { count, all_sound, layout, end };
 }
 
 /// Compiles the distances from the first on that is not what it was; false if all have to be.
