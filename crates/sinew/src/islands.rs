@@ -20,6 +20,8 @@ pub(crate) struct Islands {
     pub(crate) dormant_number: u64,
     /// Stretches of islands of one particle each that no constraint holds, in this step.
     pub(crate) singles: Vec<Singles>,
+    /// Rows of single particles that body colliders may come to touch in this step, ascending.
+    pub(crate) near_shapes: Vec<u32>,
 }
 
 /// Islands one behind the other of a particle each, in rows one behind the other: there is nothing to sweep, and only what may touch something is looked at.

@@ -1,4 +1,5 @@
-//! Cloth that a rigid shape presses on: contacts and its rods have turns, so that what weighs a thousand times as much as a particle does not stretch it far.
+//! Cloth that a rigid shape presses on: what is pushed is a piece of cloth, and contacts and its rods have turns, so that what weighs ten thousand times as much as a particle does not stretch
+//! it far.
 
 use std::ops::Range;
 
@@ -62,6 +63,22 @@ impl Pressed {
         Self::sheet(Vec3::Y * 2.0, true).crate_of(5.0, Vec3::new(0.1, 3.2, 0.0))
     }
 
+    /// A crate hangs above a sheet whose corners have been led together by an eighth, so that it sags; and falls then.
+    fn slack(mass: f32) -> Self {
+        let mut sheet = Self::sheet(Vec3::Y * 2.0, true);
+        let corners = sheet.cloth.clone().filter(|&i| sheet.world.particles.inverse_mass(i) == 0.0);
+        let corners: Vec<usize> = corners.collect();
+        for _ in 0..60 {
+            for &i in &corners {
+                let at = sheet.world.particles.position(i);
+                let by = Vec3::new(0.9977, 1.0, 0.9977);
+                sheet.world.particles.set_position(i, at * by);
+            }
+            sheet.world.step(DT).unwrap();
+        }
+        sheet.crate_of(mass, Vec3::new(0.1, 2.4, 0.0))
+    }
+
     /// A sheet falls on a ball, and a crate of 5 kg on both, which slides off.
     fn on_a_ball() -> Self {
         let sheet = Self::sheet(Vec3::Y * 1.2, false).crate_of(5.0, Vec3::new(0.1, 2.4, 0.0));
@@ -111,9 +128,9 @@ impl Pressed {
 #[test]
 fn what_a_crate_falls_on_is_stretched_by_less() {
     let scenes = [
-        ("caught", Pressed::caught as fn() -> Pressed, [1.0, 1.2]),
-        ("on a ball", Pressed::on_a_ball, [0.4, 0.05]),
-        ("on crates", Pressed::on_crates, [0.17, 0.06]),
+        ("caught", Pressed::caught as fn() -> Pressed, [0.4, 0.4]),
+        ("on a ball", Pressed::on_a_ball, [0.2, 0.04]),
+        ("on crates", Pressed::on_crates, [0.1, 0.05]),
     ];
     let found = scenes.map(|(name, scene, most)| {
         let mut pressed = scene();
@@ -123,6 +140,18 @@ fn what_a_crate_falls_on_is_stretched_by_less() {
     });
     for (name, found, [at_impact, then]) in found {
         assert!(found[0] < at_impact && found[1] < then, "{name}: {found:?}");
+    }
+}
+
+/// On a corner of it a crate has a handful of particles, of which each weighs a ten-thousandth of it. Moved one by one, they were moved by 9 cm in each substep to carry it: threads were
+/// stretched to twice their length and more as long as it lay there, and it came to no rest.
+#[test]
+fn a_crate_that_lies_in_slack_cloth_stretches_it_by_little() {
+    for (mass, most) in [(1.0, 0.1), (5.0, 0.15), (50.0, 0.9)] {
+        let mut pressed = Pressed::slack(mass).ticks(150);
+        let stretched = pressed.stretch(60);
+        println!("{mass} kg: {stretched}");
+        assert!(stretched < most, "{mass} kg: {stretched}");
     }
 }
 
@@ -151,7 +180,7 @@ fn cloth_that_a_crate_flies_into_keeps_the_momentum_of_both() {
     println!("{before:?} {after:?}, cloth at {carried} m/s");
     assert!(carried < -1.0, "it was hit: {carried}");
     assert!((after.0 - before.0).length() < 1e-4 * before.0.length(), "{before:?} {after:?}");
-    assert!((after.1 - before.1).length() < 2e-3 * before.0.length(), "{before:?} {after:?}");
+    assert!((after.1 - before.1).length() < 5e-4 * before.0.length(), "{before:?} {after:?}");
 }
 
 /// Each sheet has turns of its own.

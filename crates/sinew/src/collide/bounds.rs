@@ -169,11 +169,15 @@ impl ClassBounds {
         let mut worst = 0.0_f32;
         for plane in &self.planes {
             let out = plane.correction(places, row);
-            worst = worst.max(push(places, row, out, (plane.friction, recover)));
+            if out != Vec3::ZERO {
+                worst = worst.max(push(places, row, out, (plane.friction, recover)));
+            }
         }
         for room in &self.boxes {
             let out = room.correction(places, row);
-            worst = worst.max(push(places, row, out, (room.friction, recover)));
+            if out != Vec3::ZERO {
+                worst = worst.max(push(places, row, out, (room.friction, recover)));
+            }
         }
         worst
     }

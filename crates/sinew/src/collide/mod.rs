@@ -19,6 +19,7 @@
 //! | `sweep` | what a shape meets on a straight way, and what it is near |
 //! | `body_contact` | compounds that collide by their shape, ropes by their segments |
 //! | `friction` | Coulomb's law in positions |
+//! | `pressed` | what contacts ask of large cloth that body colliders press on |
 //! | `recovery` | how much of an overlap a particle is put out by in a substep |
 //! | `world` | what all of them are told of a world |
 //! | `stage` | all of it in its order |
@@ -40,6 +41,7 @@ mod material;
 mod nearby;
 mod pairs;
 mod particle_contact;
+mod pressed;
 mod recovery;
 mod shape;
 mod stage;
@@ -62,6 +64,7 @@ pub(crate) use manifold::{Broad, ManifoldScratch, collide};
 pub(crate) use particle_contact::{
     BatchContacts, InstantInterval, NormalImpulse, NormalImpulses, ParticleContacts,
 };
+pub(crate) use pressed::{Aggregate, PressedCloth, Push, ring_share};
 pub(crate) use recovery::recovery;
 pub(crate) use shape::Kind as ShapeKind;
 pub(crate) use stage::Contacts;

@@ -279,7 +279,7 @@ impl Nearby {
             };
             // Who is hit is as fast as what hits it.
             let fastest = others().map(speed).fold(extent.spread, f32::max);
-            let reach = |speed: f32| reach(speed, world.gravity, world.dt);
+            let reach = |speed: f32| reach(speed, world.g(), world.dt);
             let own = extent.led + extent.radius + extent.rounding() + reach(fastest);
             let regions = |other: usize| {
                 let theirs = &bodies[other];
@@ -456,7 +456,7 @@ impl BodyExtent {
 
     /// What it may reach in the step; a box that overlaps nothing for one that takes no part.
     fn bounds(&self, world: &World) -> (Vec3, Vec3) {
-        let wide = reach(self.fastest.sqrt(), world.gravity, world.dt) + self.rounding();
+        let wide = reach(self.fastest.sqrt(), world.g(), world.dt) + self.rounding();
         (self.low - wide, self.high + wide)
     }
 
@@ -536,7 +536,7 @@ mod tests {
                 islands: &islands,
                 dt: 1.0 / 60.0,
                 substeps: 10,
-                gravity: 9.81,
+                gravity: Vec3::Y * -9.81,
                 at_rest: false,
             };
             let mut nearby = Nearby::default();

@@ -7,6 +7,7 @@ use super::impact::{Impact, Impacts};
 use super::nearby::Nearby;
 use super::pairs::Pairs;
 use super::particle_contact::{NormalImpulse, NormalImpulses, ParticleContacts};
+use super::pressed::PressedCloth;
 use super::triangles::Triangles;
 use super::world::World;
 use crate::islands::Islands;
@@ -115,23 +116,17 @@ impl Contacts {
         !quiet || !self.pairs.is_empty() || !self.triangles.is_empty()
     }
 
-    /// Between the constraints of a substep of `h` seconds and its velocities. `hold_pressed` is as [`BodyContactSolver::project`] has it, and is lent what single
-    /// particles touch.
+    /// Between the constraints of a substep of `h` seconds and its velocities.
     pub(crate) fn project(
         &mut self,
         particles: &mut Particles,
         world: &World,
         (h, substep): (f32, u32),
-        mut hold_pressed: impl FnMut(
-            &mut Particles,
-            (&ParticleContacts, &mut [NormalImpulse]),
-            &mut Vec<u32>,
-        ) -> bool,
+        cloth: &mut impl PressedCloth,
     ) {
         let Self { particle_contacts, normal_impulses, nearby, body_contact, .. } = self;
-        body_contact.project(particles, (world, nearby), (h, substep), |particles, pressed| {
-            hold_pressed(particles, (particle_contacts, normal_impulses), pressed)
-        });
+        let cloth = (cloth, &*particle_contacts, &mut normal_impulses[..]);
+        body_contact.project(particles, (world, nearby), (h, substep), cloth);
         self.pairs.project(particles, world.filter, h);
         // Last, so that what it says of sides holds when the next substep begins.
         self.triangles.project(particles, world.filter);

@@ -1,5 +1,7 @@
 //! What the parts of contacts are told of a world.
 
+use glam::Vec3;
+
 use super::body_collider::BodyCollider;
 use super::collider::Collider;
 use super::filter::ContactFilter;
@@ -17,8 +19,16 @@ pub(crate) struct World<'a> {
     /// Length of the step, seconds, and its substeps.
     pub(crate) dt: f32,
     pub(crate) substeps: u32,
-    /// Magnitude of gravity, m/s².
-    pub(crate) gravity: f32,
+    /// Gravity, m/s².
+    pub(crate) gravity: Vec3,
     /// Whether nothing moves in this step, neither particles nor colliders, and nobody listens to contacts.
     pub(crate) at_rest: bool,
+}
+
+impl World<'_> {
+    /// Magnitude of gravity, m/s².
+    #[inline]
+    pub(crate) fn g(&self) -> f32 {
+        self.gravity.length()
+    }
 }

@@ -29,6 +29,7 @@ use crate::collide::{
 };
 use crate::constraints::{Boundaries, Constraint, Distance, Pin};
 use crate::forces::{self, Forces};
+use crate::islands::Islands;
 use crate::kept::Kept;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
@@ -303,9 +304,7 @@ impl Simulation {
         let parameters = self.substep_parameters();
         let solve::SubstepParameters { h, gravity, number: substep, of: substeps, .. } = parameters;
         let Self { particles, settings, instructions, workers, scratch, report, .. } = self;
-        let (boundaries, colliders, body_colliders) =
-            (&self.boundaries, &self.colliders, &self.body_colliders);
-        let at_rest = scratch.at_rest;
+        let steps = (h, substeps, scratch.at_rest);
         let Scratch { plan, filter, contacts, solving, loads, single_rows, sweep_scratch, .. } =
             scratch;
         let execution = execution(*instructions, workers);
@@ -314,25 +313,11 @@ impl Simulation {
         let context = solve::SolveContext::new(plan, particle_contacts, parameters, execution);
         solve::solve_all(particles, normal_impulses, context, open, (&mut *solving, loads), report);
         if open.is_some() {
-            let dt = h * substeps as f32;
-            let world = World {
-                boundaries,
-                colliders,
-                body_colliders,
-                filter,
-                islands: &plan.islands,
-                dt,
-                substeps,
-                gravity,
-                at_rest,
-            };
-            contacts.project(particles, &world, (h, substep), |particles, own, pressed| {
-                let (particle_contacts, normal_impulses) = own;
-                let context =
-                    solve::SolveContext::new(plan, particle_contacts, parameters, execution);
-                let strain = solving.strain();
-                solve::hold_pressed(particles, normal_impulses, context, pressed, strain)
-            });
+            let given = (&self.boundaries, &self.colliders[..], &self.body_colliders[..]);
+            let among = (&*filter, &plan.islands);
+            let world = contact_world(given, among, self.forces.gravity, steps);
+            let mut cloth = solving.pressed_cloth(plan, parameters, execution);
+            contacts.project(particles, &world, (h, substep), &mut cloth);
             plan.islands.note_pressed(contacts.body_contact.pressed_rows());
             let Contacts { particle_contacts, normal_impulses, body_contact, .. } = contacts;
             let context = solve::SolveContext::new(plan, particle_contacts, parameters, execution);
@@ -516,4 +501,16 @@ fn execution(
     workers: &Option<Arc<dyn Workers>>,
 ) -> ExecutionContext<'_> {
     ExecutionContext { instructions, workers: workers.as_deref() }
+}
+
+/// What contacts depend on: shapes and what holds particles; what may touch, and islands; gravity, m/s²; the length of a substep, seconds, their number, and whether nothing moves.
+fn contact_world<'a>(
+    given: (&'a Boundaries, &'a [Collider], &'a [BodyCollider]),
+    (filter, islands): (&'a ContactFilter, &'a Islands),
+    gravity: Vec3,
+    (h, substeps, at_rest): (f32, u32, bool),
+) -> World<'a> {
+    let (boundaries, colliders, body_colliders) = given;
+    let dt = h * substeps as f32;
+    World { boundaries, colliders, body_colliders, filter, islands, dt, substeps, gravity, at_rest }
 }

@@ -3,8 +3,7 @@
 use glam::{Vec3, Vec4};
 use smallvec::SmallVec;
 
-use super::{Scratch, Simulation, Substep};
-use crate::collide::World;
+use super::{Scratch, Simulation, Substep, contact_world};
 use crate::constraints::{Constraint, Distance};
 use crate::forces;
 use crate::islands::Islands;
@@ -256,25 +255,20 @@ impl Simulation {
         let scratch = &mut self.scratch;
         let at_rest = scratch.at_rest && !listens;
         let Substep { length, remaining: substeps } = scratch.substep;
-        let (dt, gravity) = (length * substeps as f32, forces.gravity.length());
         let (plan, filter) = (&scratch.plan, &mut scratch.filter);
         filter.update(particles, contacts, &self.ignored, &plan.islands, links);
-        let world = World {
-            boundaries,
-            colliders,
-            body_colliders,
-            filter,
-            islands: &plan.islands,
-            dt,
-            substeps,
-            gravity,
-            at_rest,
-        };
+        let given = (&*boundaries, &colliders[..], &body_colliders[..]);
+        let (among, steps) = ((&*filter, &plan.islands), (length, substeps, at_rest));
+        let world = contact_world(given, among, forces.gravity, steps);
         scratch.contacts.use_instructions(self.instructions);
         scratch.contacts.begin((particles, &forces.surfaces), world, contact_cache);
         scratch.contacts.particle_contacts.note_inside(particles);
         let Scratch { contacts, plan, .. } = scratch;
-        let Islands { list, members, .. } = &mut plan.islands;
+        let Islands { list, members, near_shapes, .. } = &mut plan.islands;
+        near_shapes.clear();
+        near_shapes.extend(contacts.body_contact.rows_near_shapes());
+        near_shapes.sort_unstable();
+        near_shapes.dedup();
         for island in list.iter_mut().filter(|island| island.takes_microsteps()) {
             let mut last = NO_BODY;
             (island.meets_others, island.meets_any, island.pressed) = (false, false, false);

@@ -174,8 +174,8 @@ impl TaskSlice<'_> {
                 && may_relax(plan, island)
                 && let [run] = &runs[..]
             {
-                let MicrostepScratch { start, moved, strain, .. } = &mut *scratch;
-                let scratch = (&mut *moved, strain);
+                let MicrostepScratch { start, moved, strain, masses, .. } = &mut *scratch;
+                let scratch = (&mut *moved, strain, masses);
                 relax(context, number, self.island(number), run.clone(), &mut sweep, scratch);
                 start.iter_mut().zip(moved).for_each(|(start, moved)| *start += *moved);
             }
@@ -202,6 +202,8 @@ pub(super) struct MicrostepScratch {
     /// How far a relaxation moved each particle.
     moved: Vec<Vec4>,
     strain: StrainScratch,
+    /// Inverse masses of what a relaxation held, 1/kg.
+    masses: Vec<f32>,
     /// Rows of a task that take microsteps.
     pub(super) apart: Vec<StepRows>,
 }

@@ -71,7 +71,6 @@ pub(crate) use measure::{measure, measure_overlaps};
 pub(crate) use microsteps::divide;
 pub(crate) use momentum::is_free;
 pub(crate) use plan::{Change, Changes, Given, GroupKind, List, Plan};
-pub(crate) use pressed_cloth::hold_pressed;
 pub(crate) use recovery::limit_all_recoveries;
 pub(crate) use sweep_scratch::SweepScratch;
 pub(crate) use world::{SolveScratch, propagate_impacts, settle_all, solve_all};

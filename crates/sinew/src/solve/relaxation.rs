@@ -11,8 +11,8 @@
 //! move where the substep began along with its end, so that nothing is thrown: it is a matter of what is seen, and not of what goes on.
 //!
 //! What nothing holds, no pin and no surface, is left as it is: it bears no load, and to move it without its velocity would take some of its spin. So is what
-//! may touch particles of another body, what a shape of another body has pressed on in this step, and what something is tied to: those would be pushed, and thus be given
-//! the speed, by what has none.
+//! may touch particles of another body, and what something is tied to: those would be pushed, and thus be given the speed, by what has none. Where a shape of another body has
+//! pressed on the island in this step, what that may come to touch is held meanwhile as if it were pinned, and the rest is relaxed.
 //!
 //! The next sweep goes back into its circle, which is a motion, if one that nobody sees, and is left in the velocities. So the less the slower the island is,
 //! and what lies still stays as it lies.
@@ -47,8 +47,8 @@ const CALM: f32 = 0.02;
 
 /// Whether an island may be relaxed in this step.
 pub(super) fn may_relax(plan: &Plan, island: &Island) -> bool {
-    let Island { meets_others, pressed, strain_measured, .. } = *island;
-    !(meets_others || pressed || strain_measured) && plan.tethers.tie_rods_of(island).is_none()
+    let Island { meets_others, strain_measured, .. } = *island;
+    !(meets_others || strain_measured) && plan.tethers.tie_rods_of(island).is_none()
 }
 
 /// Takes the island of a number, whose places are in such a range of its own, through the relaxed sweeps after the last microstep of a step, which `context` is of.
@@ -59,10 +59,13 @@ pub(super) fn relax(
     own: IslandSlice,
     range: Range<usize>,
     mut sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
-    (moved, strain): (&mut Vec<Vec4>, &mut StrainScratch),
+    (moved, strain, masses): (&mut Vec<Vec4>, &mut StrainScratch, &mut Vec<f32>),
 ) {
     let IslandSlice { mut places, mut multipliers, mut normal_impulses, .. } = own;
     let island = &context.plan.islands.list[number];
+    let held = rows_held(context.plan, island);
+    masses.clear();
+    masses.extend(held.iter().map(|&row| core::mem::take(inverse_mass(&mut places, row))));
     moved.clear();
     moved.extend_from_slice(&places.position[range.clone()]);
     let motion = (rms_speed(&places.velocity[range.clone()]) / CALM).min(1.0);
@@ -92,10 +95,24 @@ pub(super) fn relax(
     }
     let island = (number, context.plan.members(number));
     project_contacts(context, &mut places, &mut normal_impulses, island);
+    held.iter().zip(masses).for_each(|(&row, w)| *inverse_mass(&mut places, row) = *w);
     for (i, moved) in range.zip(moved) {
         *moved = (places.position[i] - *moved).with_w(0.0);
         places.start[i] += *moved;
     }
+}
+
+/// The rows of an island that shapes of other bodies may come to touch, where one has pressed on any.
+fn rows_held<'a>(plan: &'a Plan, island: &Island) -> &'a [u32] {
+    let rows = plan.stretch(island).filter(|_| island.pressed).unwrap_or_default();
+    let near = &plan.islands.near_shapes;
+    let place = |row: usize| near.partition_point(|&one| (one as usize) < row);
+    &near[place(rows.start)..place(rows.end)]
+}
+
+fn inverse_mass<'a>(places: &'a mut Places, row: u32) -> &'a mut f32 {
+    let at = places.at(row);
+    &mut places.position[at].w
 }
 
 /// Root mean square, m/s.

@@ -16,9 +16,9 @@ use super::momentum::{MomentumDrift, note_drift};
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::parts::Parts;
 use super::plan::{Plan, Task};
+use super::pressed_cloth::{HeldCloth, PressedScratch};
 use super::remaining::Remaining;
 use super::report::{IslandReport, SolverReport};
-use super::strain_limit::StrainScratch;
 use super::sweep_scratch::SweepScratch;
 use super::task_slice::{IslandSlice, TaskSlice, slices};
 use super::turned_places::TurnedPlaces;
@@ -42,7 +42,7 @@ pub(crate) struct SolveScratch {
     /// Where particles of an island were before it was swept once more.
     before: Vec<Vec4>,
     /// What cloth needs that is pressed on.
-    strain: StrainScratch,
+    pressed: PressedScratch,
     /// The most sweeps in each substep of a whole step.
     iteration_counts: Kept<Vec<AtomicU32>>,
 }
@@ -90,9 +90,14 @@ impl AsMut<Wavefront> for ThreadScratch {
 }
 
 impl SolveScratch {
-    /// What cloth needs that is [pressed on](super::hold_pressed).
-    pub(crate) fn strain(&mut self) -> &mut StrainScratch {
-        &mut self.strain
+    /// Cloth as contacts of a substep see it.
+    pub(crate) fn pressed_cloth<'a>(
+        &'a mut self,
+        plan: &'a Plan,
+        substep: SubstepParameters,
+        execution: ExecutionContext<'a>,
+    ) -> HeldCloth<'a> {
+        HeldCloth::new(plan, (substep, execution), &mut self.pressed)
     }
 
     pub(super) fn parts(

@@ -181,7 +181,7 @@ impl BodyContactSolver {
         let (velocity, left) = (step * rate, dt * (1.0 - share));
         let way = velocity * left;
         let spun = spin.length() * rate * part.reach * left;
-        let jolted = JOLTED * world.gravity * dt * dt;
+        let jolted = JOLTED * world.g() * dt * dt;
         let speculative_margin = spun + jolted + SWERVED * way.length() + SHAKEN * part.reach;
         let origin = particles.origin[row];
         let r = rotation(q);

@@ -32,7 +32,7 @@ impl ParticleContacts {
         self.reaches.clear();
         self.batches.clear();
         self.inside.clear();
-        self.set_recovery(world.dt / world.substeps.max(1) as f32, world.gravity);
+        self.set_recovery(world.dt / world.substeps.max(1) as f32, world.g());
         if self.is_empty() {
             return;
         }
@@ -110,7 +110,7 @@ impl ParticleContacts {
                 .map(|i| particles.velocity[i].truncate().length_squared())
                 .fold(0.0, f32::max)
                 .sqrt();
-            let reach = nearby::reach(fastest, world.gravity, world.dt);
+            let reach = nearby::reach(fastest, world.g(), world.dt);
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             for i in rows() {
                 self.last_seen[i] = particles.position[i].truncate().extend(reach * reach);

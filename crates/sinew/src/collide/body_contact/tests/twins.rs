@@ -6,7 +6,7 @@ use super::super::BodyContactSolver;
 use super::heaps::pour;
 use super::*;
 use crate::collide::nearby::Nearby;
-use crate::collide::{ContactFilter, World};
+use crate::collide::{ContactFilter, ParticleContacts, World};
 use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
@@ -30,7 +30,7 @@ fn substeps(
         islands: &islands,
         dt: 1.0 / 60.0,
         substeps: 10,
-        gravity: 9.81,
+        gravity: Vec3::Y * -9.81,
         at_rest: false,
     };
     body_colliders.broad_phase(particles, &seen, &nearby, &mut Default::default());
@@ -41,7 +41,8 @@ fn substeps(
             particles.velocity[i] = v.extend(h);
             particles.position[i] += (v * h).extend(0.0);
         }
-        body_colliders.project(particles, (&seen, &nearby), (h, number), |_, _| false);
+        let no_cloth = (&mut (), &ParticleContacts::default(), &mut [][..]);
+        body_colliders.project(particles, (&seen, &nearby), (h, number), no_cloth);
         for i in 0..particles.len() {
             let v = (particles.position[i] - particles.start[i]).truncate() / h;
             particles.velocity[i] = v.extend(h);
