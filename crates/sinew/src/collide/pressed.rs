@@ -48,15 +48,15 @@ pub(crate) struct Aggregate<'a> {
 }
 
 impl Aggregate<'_> {
-    /// How far an impulse of a newton second on the particle in the middle moves it along its direction, a unit vector, 1/kg.
+    /// How far an impulse on the particle in the middle moves it along the direction of both, a unit vector, for each kg m, 1/kg.
     #[inline]
     pub(crate) fn compliance(&self, along: Vec3) -> f32 {
         let moment = self.lever.cross(along);
         self.inverse_mass + moment.dot(self.inverse_inertia * moment)
     }
 
-    /// Moves the particles by an impulse on the one in their middle, whose row is `middle`, in a unit of time.
-    pub(crate) fn push(&self, particles: &mut Particles, middle: u32, impulse: Vec3) {
+    /// Moves the particles by an impulse on the one in their middle, whose row is `middle`: kg m, a mass times how far it is moved in the substep.
+    pub(crate) fn apply_impulse(&self, particles: &mut Particles, middle: u32, impulse: Vec3) {
         let shift = impulse * self.inverse_mass;
         let turn = self.inverse_inertia * self.lever.cross(impulse);
         let barycentre = particles.start[middle as usize].truncate() - self.lever;

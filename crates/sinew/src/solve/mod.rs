@@ -7,7 +7,7 @@
 //! - `context` is what all of them need to know of a substep, `task_slice` what a task or an island has to itself, `sweep_scratch` what a thread keeps the memory of to sweep it;
 //! - `microsteps` takes a large soft island through a substep in smaller steps of its own; when a step ends `relaxation` shares out what is left of its errors, and
 //!   `strain_limit` brings within 3 % those of its rods that are off by more;
-//! - `pressed_cloth` holds large cloth by its rods in between while shapes of other bodies press on it;
+//! - `pressed_cloth` is large cloth that shapes of other bodies press on: which particles go along with one that is pushed, and how rods and tethers hold them in between;
 //! - `rod_graph` says which rods end at a particle;
 //! - `instances` takes islands that are built alike side by side, as `lane_particles`;
 //! - `wavefront` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;

@@ -30,17 +30,16 @@ use crate::particles::{Particles, Places};
 use crate::pose::symmetric;
 use crate::threads::ExecutionContext;
 
-/// Over so many rings of rods about what was pressed on a push is handed on in one turn. Of the two scenes of `TURNS` (`body_contact`) in the same second by none, 1, 2 and 4,
-/// with four turns: 10, 5.2, 3.7 and 3.3 %, in 2.6, 2.9, 3.3 and 3.5 ms; 9.4, 5.1, 4.3 and 3.9 %, in 3.0, 3.4, 3.7 and 4.6 ms. With two turns and 2, 4 and 8 rings it is 4.2, 3.4
-/// and 3.0 %, in 2.5, 2.6 and 2.8 ms; 4.5, 4.0 and 3.7 %, in 2.7, 3.0 and 3.6 ms.
+/// Over so many rings of rods about what was pressed on a push is handed on in one turn. In the two scenes of `TURNS` (`body_contact`) by 2, 4 and 8: 3.7, 3.3 and 3.0 %, in 2.4, 2.4 and
+/// 2.7 ms; 5.0, 4.2 and 4.3 %, in 3.2, 3.4 and 3.8 ms.
 const RINGS: usize = 4;
 
 /// A push goes to so many rings that no rod is stretched by more than this share of its length. Particles that are not pressed on, and go along with what hardly needs
-/// them, are thrown a little in each substep: while all pushes counted (`COMES_ON`), particles of a sheet on nine crates moved by 343, 11 and 5 mm/s in the eighth second by 1, 2 and 4 %, root mean
-/// square.
+/// them, are thrown a little in each substep: particles of a sheet that lies on nine crates move by 233, 2 and 5 mm/s from tick to tick in the eighth second by 1, 2 and 4 %, root mean square.
 const STRAIN: f32 = 0.02;
 
-/// Of so many rings of rods an aggregate is at the most: in cloth of 64 × 64 some 900 particles. By 8 and 12 what a crate in slack cloth stretches it by is half as much again.
+/// Of so many rings of rods an aggregate is at the most: of grid cloth some 900 particles. By 8 and 12, before some pushes were taken back, what a
+/// crate in slack cloth stretches it by was half as much again.
 const MOST_RINGS: u32 = 16;
 
 /// Cloth that contacts press on in a substep, held by its constraints.
@@ -382,7 +381,7 @@ mod tests {
                 aggregate(at, push, |particles, own| {
                     let own = own.unwrap();
                     let before = particles.position.clone();
-                    own.push(particles, at, impulse);
+                    own.apply_impulse(particles, at, impulse);
                     let start = |row: usize| particles.start[row].truncate();
                     let middle = start(at as usize);
                     let moved = |row: usize| (particles.position[row] - before[row]).truncate();

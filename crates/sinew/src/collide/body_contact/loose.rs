@@ -17,15 +17,14 @@ use super::swept_bounds::SweptBounds;
 use super::{BodyContactSolver, ContactEvent};
 use crate::particles::{NO_BODY, Particles};
 
-/// Single particles that touch a body collider weigh together up to this share of it, as long as others go along with them ([`PressedCloth::aggregate`]). Of the two scenes of
-/// `TURNS` (`body_contact`), the mean of each frame's worst strain in the second to fourth second of the one, the third and fourth of the other, by 10 and 30 %: 3.2, 4.2 and 2.5, and 3.2, 3.2 and 2.9 %;
-/// 6.8 and 5.5, and 5.0 and 4.8 %. By none it is 20, 39 and 26 %; 25 and 60 %.
+/// Single particles that touch a body collider weigh together up to this share of it, as long as others go along with them ([`PressedCloth::aggregate`]). In the two scenes of
+/// `TURNS` (`body_contact`) by none, 10, 30 and 100 %: 29, 3.6, 3.3 and 3.3 %, in 1.9, 2.7, 2.4 and 2.7 ms; 116, 5.4, 4.2 and 4.3 %, in 2.9, 3.4, 3.4 and 3.7 ms.
 const AGGREGATED: f32 = 0.3;
 
-/// A particle that a body collider pushes by more than so many times what that has come on is pulled onto it, by cloth that is draped over it, and is pushed alone for
-/// the rest: it hands nothing on. A sheet that falls on nine crates moves by 290, 166 and 159 mm/s in the third to the fifth second if all of it counts, by 25, 5 and 3 with once or
-/// eight times, and by 11, 7 and 5 if nothing goes along at all (root mean square, from tick to tick).
-const COMES_ON: f32 = 8.0;
+/// How many particles go along follows from how far one is pushed, up to so many times the way of the body collider itself. Cloth that is draped over something is pulled onto it by its own
+/// tension: there the body does not move, and each particle is pushed alone. A sheet that falls on nine crates moves by 146, 29 and 26 mm/s in the third to the fifth second if all of each push
+/// counts, and by 8, 3 and 3 with this, root mean square, from tick to tick.
+const BODY_APPROACH: f32 = 8.0;
 
 /// Particles near body colliders. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -215,7 +214,7 @@ impl Loose {
         pressed.clear();
         let mut frame = None;
         let count = pairs.len();
-        // Those that others have gone along with are asked twice: they have pushed each other, too.
+        // Those that others have gone along with have two passes: they have pushed each other, too.
         for number in 0..2 * count {
             let again = number >= count;
             let near = &mut pairs[number % count];
@@ -252,12 +251,12 @@ impl Loose {
             let n = n + body.turn.cross(n);
             // Moments about where the substep began, which is what Verlet keeps.
             let lever = p.truncate() + lift - body.centre;
-            let comes = (q - p).truncate().dot(n) - way.dot(n);
-            let distance = touch.depth.min(COMES_ON * comes);
+            let body_approach = (q - p).truncate().dot(n) - way.dot(n);
+            let distance = touch.depth.min(BODY_APPROACH * body_approach);
             let push = presses[s].push((inverse_mass, w), (n, distance));
-            // What is inside rather than on its way in is put out alone, at a bounded speed: along with others it would be put out by each of them.
-            let comes_in = touch.normal.dot(from - to);
-            let push = push.filter(|_| 2.0 * comes_in > touch.depth);
+            // An old overlap is recovered alone, at a bounded speed: each of several that go along with each other would recover it once more.
+            let approach = touch.normal.dot(from - to);
+            let push = push.filter(|_| 2.0 * approach > touch.depth);
             let aggregate = push.and_then(|push| cloth.aggregate(particles, near.row, push));
             let weight = |along: Vec3| {
                 let moment = lever.cross(along);
@@ -295,7 +294,7 @@ impl Loose {
             }
             if let Some(aggregate) = aggregate {
                 near.push = push;
-                aggregate.push(particles, near.row, impulse);
+                aggregate.apply_impulse(particles, near.row, impulse);
                 pressed.extend(aggregate.members.iter().map(|&(row, _)| row));
             } else {
                 particles.position[i] += (impulse * w).extend(0.0);
@@ -531,7 +530,7 @@ impl LooseContact {
         if !(force > 0.0 && force.is_finite()) {
             return;
         }
-        aggregate.push(particles, self.row, n * -force);
+        aggregate.apply_impulse(particles, self.row, n * -force);
         bodies[at][SHIFT] += (n * (force * inverse_mass)).extend(0.0);
         bodies[at][TURN] += (turn * force).extend(0.0);
         self.force -= force;

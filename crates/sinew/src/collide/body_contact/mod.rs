@@ -104,8 +104,8 @@ const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
 const DEEP: f32 = 4e-3;
 
 /// So often single particles and body colliders are parted in a substep, where what is pressed on is held by its constraints in between. Of sheets of 64 × 64, six starts
-/// each, the mean of each frame's worst strain, and milliseconds a frame: a crate of 5 kg that has fallen into one held at its corners, by 1, 2, 4 and 8: 8.3, 4.2, 3.7 and 3.6 %, in 1.8,
-/// 2.5, 3.3 and 4.3 ms; into a slack one 6.4, 4.5, 4.3 and 4.0 %, in 1.8, 2.7, 3.7 and 4.7 ms.
+/// each, the mean of each frame's worst strain, and milliseconds a frame, by 1, 2 and 4: in the second after a crate of 5 kg has fallen into one held at its corners 8.4, 3.3 and 3.1 %, in 1.8,
+/// 2.4 and 3.5 ms; into a slack one 8.3, 4.2 and 3.9 %, in 2.4, 3.4 and 4.8 ms.
 const TURNS: u32 = 2;
 
 /// A contact of this step that somebody listens to.
