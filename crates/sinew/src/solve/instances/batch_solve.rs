@@ -116,7 +116,11 @@ impl<'a> BatchSolve<'a> {
     /// What an instance batch may touch, if its bodies can go through this step together.
     fn contacts(&self, batch: &InstanceBatch) -> Option<BatchContacts<'a>> {
         let islands = &self.context.plan.islands.list[batch.islands.clone()];
-        if islands.iter().any(|island| island.rigid || island.measured || island.is_left_alone()) {
+        if islands.iter().any(|island| island.rigid || island.measured || island.one_state) {
+            return None;
+        }
+        let awake = islands.iter().filter(|island| !island.asleep).count();
+        if !batch.is_worth(awake) {
             return None;
         }
         let settings = &islands[0].settings;
@@ -188,7 +192,7 @@ impl<'a> BatchSolve<'a> {
             for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
                 let from = batch.islands.start - self.task.islands.start;
                 let reports = &mut self.reports[from..from + batch.islands.len()];
-                let sweeps = storage.convergence.report(reports);
+                let sweeps = storage.convergence.report(reports, storage.asleep);
                 if let BatchMotion::Step(whole) = &self.motion {
                     whole.iteration_counts[substep].fetch_max(sweeps, Ordering::Relaxed);
                     let (free, keeps_angular) = (storage.left(), context.keeps_spin(storage));
@@ -223,10 +227,14 @@ impl<'a> BatchSolve<'a> {
         let islands = &islands[batch.islands.clone()];
         self.note_heights(batch, planes, storage);
         // In the lanes that are left, too, the last body is what it is: they write the same as its own.
-        let is_free = |lane: usize| islands[lane.min(islands.len() - 1)].free;
-        let number = |lane: usize| batch.islands.start + lane.min(islands.len() - 1);
-        storage.islands = core::array::from_fn(|lane| number(lane) as u32);
-        storage.free = (0..LANES).fold(0, |free, lane| free | u32::from(is_free(lane)) << lane);
+        let last = islands.len() - 1;
+        (storage.free, storage.asleep) = (0, 0);
+        for lane in 0..LANES {
+            let own = &islands[lane.min(last)];
+            storage.islands[lane] = (batch.islands.start + lane.min(last)) as u32;
+            storage.free |= u32::from(own.free && !own.asleep) << lane;
+            storage.asleep |= u32::from(own.asleep) << lane;
+        }
         let start = match &self.motion {
             BatchMotion::Substep { start, .. } => *start,
             BatchMotion::Step(whole) => &*whole.start,

@@ -21,12 +21,17 @@ pub(super) struct ConvergenceMask {
 /// All before their first sweep.
 impl Default for ConvergenceMask {
     fn default() -> Self {
-        let going = (1 << LANES) - 1;
-        Self { going, converged: 0, fell_back: 0, touched: 0, violated: 0, sweeps: [0.0; LANES] }
+        Self::all_but(0)
     }
 }
 
 impl ConvergenceMask {
+    /// All before their first sweep but those of a mask, which have none.
+    pub(super) fn all_but(aside: u32) -> Self {
+        let going = ((1 << LANES) - 1) & !aside;
+        Self { going, converged: 0, fell_back: 0, touched: 0, violated: 0, sweeps: [0.0; LANES] }
+    }
+
     /// Whether a body is to be swept again.
     pub(super) fn is_going(&self, lane: usize) -> bool {
         self.going >> lane & 1 != 0
@@ -45,10 +50,11 @@ impl ConvergenceMask {
         self.sweeps[lane] = other.sweeps[from];
     }
 
-    /// Tells it the reports of the islands; returns the most sweeps.
-    pub(super) fn report(&self, reports: &mut [IslandReport]) -> u32 {
+    /// Adds it to the reports of the islands but those `asleep`; returns the most sweeps.
+    pub(super) fn report(&self, reports: &mut [IslandReport], asleep: u32) -> u32 {
         let mut most = 0;
-        for (lane, report) in reports.iter_mut().enumerate() {
+        let awake = |lane: usize| asleep >> lane & 1 == 0;
+        for (lane, report) in reports.iter_mut().enumerate().filter(|(lane, _)| awake(*lane)) {
             let sweeps = self.sweeps[lane] as u32;
             report.sweeps += sweeps;
             report.most_sweeps = report.most_sweeps.max(sweeps);

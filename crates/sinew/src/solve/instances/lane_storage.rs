@@ -43,6 +43,8 @@ pub(crate) struct LaneStorage {
     pub(super) bodies: usize,
     /// A bit for each body to which nothing outside gives momentum.
     pub(super) free: u32,
+    /// A bit for each body that sleeps: it is neither swept nor reported, and stays as it is.
+    pub(super) asleep: u32,
     pub(super) convergence: ConvergenceMask,
 }
 
@@ -74,7 +76,7 @@ impl LaneStorage {
 
     /// Makes room for eight bodies that are built as those of another lane storage, and has none.
     pub(super) fn clear_as(&mut self, other: &Self) {
-        self.bodies = LANES;
+        (self.bodies, self.asleep) = (LANES, 0);
         self.convergence = ConvergenceMask { going: 0, ..ConvergenceMask::default() };
         self.now.resize(other.now.len(), LaneParticles::ZERO);
         self.start.resize(other.start.len(), LaneParticles::ZERO);

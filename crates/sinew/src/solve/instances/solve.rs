@@ -34,7 +34,7 @@ pub(super) struct BatchContext<'a> {
 impl BatchContext<'_> {
     /// Begins a substep: none has been swept.
     pub(super) fn begin(&self, storage: &mut LaneStorage) {
-        storage.convergence = ConvergenceMask::default();
+        storage.convergence = ConvergenceMask::all_but(storage.asleep);
         storage.multipliers.clear();
         if self.settings.max_sweeps > 1 {
             storage.multipliers.resize(self.batch.multipliers, [0.0; _]);
@@ -75,7 +75,8 @@ impl BatchContext<'_> {
     ) {
         let Self { settings, planes, recover, violation, .. } = *self;
         let most = settings.max_sweeps as f32;
-        let (mut kept, mut over) = (0, 0);
+        // A sleeper's particles count as pinned, and kernels move nobody who is; whatever they do, it is put back.
+        let (mut kept, mut over) = (0, storage.asleep);
         while (storage.convergence.going & storage.mask()).count_ones() > few {
             if over != 0 {
                 storage.keep(over);

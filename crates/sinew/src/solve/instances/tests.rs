@@ -253,6 +253,61 @@ fn so_they_have_where_a_step_is_taken_phase_by_phase() {
     }
 }
 
+/// One of eight that slept had the others of its batch solved one by one, so that a crowd of figures took longer the more of them lay still.
+#[test]
+fn so_they_have_where_some_of_them_sleep() {
+    let lull = |world: &mut Simulation, body: usize, size: usize| {
+        world.sleep[body] = crate::Sleep { asleep: true, still: 9.0, ..crate::Sleep::allowed() };
+        for row in body * size..(body + 1) * size {
+            world.particles.set_velocity(row, Vec3::ZERO);
+        }
+    };
+    for (build, tune) in [
+        (ropes as Build, (|_| {}) as fn(&mut Simulation)),
+        (ragdolls, |_| {}),
+        (ragdolls, |world| world.boundaries.planes.push(Plane::ground(0.4))),
+        (strips, |world| world.forces.winds.push(crate::Wind::steady(Vec3::X * 3.0))),
+        (jellies, crowd),
+    ] {
+        let mut together = world(build, 0..20);
+        let mut alone: Vec<_> = (0..20).map(|number| world(build, [number])).collect();
+        let size = alone[0].particles.len();
+        // So far apart that nobody wakes another one.
+        let part = |world: &mut Simulation, rows: core::ops::Range<usize>, number: usize| {
+            for row in rows {
+                let at = world.particles.position(row) + Vec3::Z * 8.0 * number as f32;
+                world.particles.set_position(row, at);
+            }
+        };
+        for (number, alone) in alone.iter_mut().enumerate() {
+            part(&mut together, number * size..(number + 1) * size, number);
+            part(alone, 0..size, number);
+        }
+        tune(&mut together);
+        alone.iter_mut().for_each(tune);
+        together.sleep.resize(20, crate::Sleep::allowed());
+        let sleepers = [1, 7, 8, 10, 11, 12, 13, 14, 15];
+        for (number, alone) in alone.iter_mut().enumerate() {
+            alone.sleep.resize(1, crate::Sleep::allowed());
+            if sleepers.contains(&number) {
+                lull(&mut together, number, size);
+                lull(alone, 0, size);
+            }
+        }
+        for tick in 0..30 {
+            together.step(1.0 / 60.0).unwrap();
+            for (number, alone) in alone.iter_mut().enumerate() {
+                alone.step(1.0 / 60.0).unwrap();
+                let own = bits(&together, number * size..(number + 1) * size);
+                assert_eq!(own, bits(alone, 0..size), "tick {tick}, body {number}");
+                assert_eq!(together.sleep[number].asleep, alone.sleep[0].asleep);
+            }
+        }
+        let asleep = sleepers.iter().filter(|&&number| together.sleep[number].asleep).count();
+        assert!(asleep > 0, "nobody is left asleep of {size}");
+    }
+}
+
 #[test]
 fn what_happens_to_one_does_not_change_the_others() {
     let harm: [fn(&mut Simulation, usize); 4] = [

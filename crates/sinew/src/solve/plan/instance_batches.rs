@@ -85,6 +85,12 @@ impl InstanceBatch {
         self.first..self.first + self.islands.len() as u32 * self.members
     }
 
+    /// Whether so many of its bodies, which are to be solved in a step, are better off in it than alone.
+    pub(in crate::solve) fn is_worth(&self, bodies: usize) -> bool {
+        // Identical ones are compacted with those of other batches.
+        bodies >= if self.topology.is_some() { 1 } else { LEAST.min(self.islands.len()) }
+    }
+
     /// Whether the bodies of both are the same in every number.
     pub(in crate::solve) fn has_same_topology(&self, other: &Self) -> bool {
         self.topology.is_some() && self.topology == other.topology
