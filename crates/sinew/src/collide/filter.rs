@@ -31,9 +31,12 @@ pub(crate) struct ContactFilter {
     joined: Vec<[u32; 2]>,
     /// Bodies that are not to touch all the same, likewise; and bodies and colliders.
     apart: Vec<[u32; 2]>,
+    apart_before: Vec<[u32; 2]>,
     ignored: Vec<[u32; 2]>,
     /// [Edits](Particles::edits) of the particles when `joined` was found; `None` when constraints have changed since.
     seen: Option<u64>,
+    /// How often anything else than in the step before was found in it.
+    changes: u64,
 }
 
 impl ContactFilter {
@@ -57,17 +60,22 @@ impl ContactFilter {
         islands: &Islands,
         (distances, constraints): (&[Distance], &[Constraint]),
     ) {
-        self.bodies.clear();
-        self.bodies.extend_from_slice(contacts);
+        let mut changed = take(&mut self.bodies, contacts);
         self.revision = contacts.revision();
-        self.islands.clear();
-        self.islands.extend_from_slice(&islands.of);
+        changed |= take(&mut self.islands, &islands.of);
         if self.seen != Some(particles.edits()) || self.counts.len() != self.bodies.len() {
+            changed = true;
             self.seen = Some(particles.edits());
             self.count_particles(particles);
             self.find_joints(particles, distances, constraints);
         }
-        self.take_ignored(ignored);
+        changed |= self.take_ignored(ignored);
+        self.changes += u64::from(changed);
+    }
+
+    /// A number that is another one when something may touch that might not in the step before, or the other way round.
+    pub(crate) fn changes(&self) -> u64 {
+        self.changes
     }
 
     /// How a body takes part; as by default for one that is not listed, and for [`NO_BODY`].
@@ -127,8 +135,10 @@ impl ContactFilter {
         among(&self.joined) || among(&self.apart)
     }
 
-    fn take_ignored(&mut self, ignored: &[[ContactParticipant; 2]]) {
-        let Self { apart, ignored: with_colliders, .. } = self;
+    /// Takes pairs that never touch, and returns whether those of two bodies are others than before.
+    fn take_ignored(&mut self, ignored: &[[ContactParticipant; 2]]) -> bool {
+        let Self { apart, apart_before, ignored: with_colliders, .. } = self;
+        core::mem::swap(apart, apart_before);
         apart.clear();
         with_colliders.clear();
         for &pair in ignored {
@@ -145,6 +155,7 @@ impl ContactFilter {
         }
         apart.sort_unstable();
         with_colliders.sort_unstable();
+        apart != apart_before
     }
 
     fn count_particles(&mut self, particles: &Particles) {
@@ -186,4 +197,14 @@ impl ContactFilter {
         joined.sort_unstable();
         joined.dedup();
     }
+}
+
+/// Copies a list, and returns whether it was another one.
+fn take<T: Clone + PartialEq>(to: &mut Vec<T>, from: &[T]) -> bool {
+    let differs = to[..] != *from;
+    if differs {
+        to.clear();
+        to.extend_from_slice(from);
+    }
+    differs
 }

@@ -1,10 +1,9 @@
 //! Who of those that were found is close: so close that the two may touch or pass through each other in this substep.
 //!
-//! What was found lasts for a while, and is some thirty for each that touches. So they are asked eight at a time how near they are at the least
-//! ([`least_distance`](super::least_distance)), which is no decision: who is close is asked again, in double precision, and a candidate more changes nothing.
-//!
-//! Eight that are far off are not even asked as long as nobody can have come near (conservative advancement, after Mirtich 1996): in a substep two come nearer by
-//! twice what the fastest goes at the most, beside what all do in the mean.
+//! What was found lasts for some steps, and is some hundred for each that touches. Most of those can come to touch only if members go far within their margins along
+//! the diagonal of a box; who could not, however all go within them, is left out as soon as it is found. Of the others it is asked in each substep, eight at a time, how
+//! near they are at the least ([`least_distance`](super::least_distance)), and those that are close are put together, eight by eight again, for the sweeps. None of it is a
+//! decision: who is close is asked again, in double precision, and a candidate more changes nothing.
 //!
 //! Contacts put members elsewhere, so that others become close. Who may by that is in the list, too, as long as nobody is put further than is allowed for, which
 //! is some more than in the substep before; then the list is made again.
@@ -12,9 +11,9 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::least_distance::{of_edges, to_triangle};
-use super::neighbour_list::{TriangleCandidate, mean};
+use super::neighbour_list::{LONGER, TriangleCandidate, mean};
 use super::participants::{TriangleParticipants, largest};
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, Vector, Work, with};
 use crate::particles::Particles;
 
 /// Scratch; what is in it for longer than a substep saves asking, and changes no result.
@@ -22,7 +21,7 @@ use crate::particles::Particles;
 pub(super) struct CloseList {
     /// Which instructions are used; all give the same bits.
     pub(super) instructions: InstructionSet,
-    /// All candidates, those of corners first.
+    /// Those that were picked, in their order: those of corners first.
     blocks: Vec<CandidateBlock>,
     /// Where each member is, metres from the first one's origin, and how far that is from where it began in this substep, beside what all do in the mean;
     /// and that place.
@@ -30,12 +29,8 @@ pub(super) struct CloseList {
     began: Vec<Vec3>,
     /// How far rounding may have put them elsewhere, metres.
     rounding: f32,
-    /// Where each was seen last, metres from its own origin.
-    seen: Vec<Vec3>,
-    /// How far the fastest of each substep has gone all in all, metres.
-    gone: f32,
-    /// Places of blocks of which some are close, ascending.
-    close: Vec<u32>,
+    /// Those that are close, in their order.
+    close: Vec<CandidateBlock>,
     /// Where each was when they were listed; and how far it may go in this substep and be put, and be put again.
     listed: Vec<Vec4>,
     /// How far each may be put until others are close, metres; and how far it has been put.
@@ -50,17 +45,19 @@ pub(super) struct CloseList {
 
 /// Eight candidates. Where there are fewer, the first one stands in the places that are left.
 #[derive(Clone, Copy, Debug)]
-struct CandidateBlock {
+struct WideCandidate {
     members: [[u32; LANES]; 4],
     /// The largest distance that they keep, metres.
     reach: [f32; LANES],
-    /// Number of the first, and how many there are.
-    first: u32,
     count: u32,
     edges: bool,
-    /// How far the nearest are from touching at the least, metres, when so much was [`gone`](CloseList::gone).
-    left: f32,
-    gone: f32,
+}
+
+/// Eight candidates, ascending, by their numbers.
+#[derive(Clone, Copy, Debug)]
+struct CandidateBlock {
+    wide: WideCandidate,
+    numbers: [u32; LANES],
 }
 
 /// The next substep puts somebody further than the last by no more than this factor, mostly.
@@ -71,123 +68,111 @@ const SURPRISE: f32 = 0.1;
 const FORGOTTEN: f32 = 0.9;
 
 impl CloseList {
-    /// Takes candidates, those of corners first, and where members have been seen.
-    pub(super) fn take(
+    /// Picks candidates, those of corners first: those of whom some can come near as long as each member is no further from where it is than its `range`, metres.
+    pub(super) fn pick(
         &mut self,
         candidates: &[TriangleCandidate],
         participants: &TriangleParticipants,
         particles: &Particles,
+        ranges: &[f32],
     ) {
-        let Self { blocks, gone, .. } = self;
-        *gone = 0.0;
+        let Self { blocks, ends, instructions, .. } = self;
         blocks.clear();
-        for (number, candidate) in (0..).zip(candidates) {
-            match blocks.last_mut() {
-                Some(last) if last.edges == candidate.edges && last.count < LANES as u32 => {
-                    last.put(candidate, participants);
-                }
-                _ => blocks.push(CandidateBlock::new(number, candidate, participants)),
+        let (zero, mut far) = (first_origin(participants, particles), 0.0_f32);
+        ends.clear();
+        ends.extend(participants.rows.iter().zip(ranges).map(|(&row, range)| {
+            let at = place(particles, row, zero);
+            far = far.max(at.abs().max_element());
+            at.extend(*range)
+        }));
+        let slack = 2.0 * ROUNDING * far;
+        let mut number = 0;
+        while let Some(first) = candidates.get(number) {
+            let mut wide = WideCandidate::new(first, participants);
+            let others = candidates[number + 1..].iter().take(LANES - 1);
+            for other in others.take_while(|other| other.edges == first.edges) {
+                wide.put(other.four, reach_of(other, participants));
             }
+            let ask = AskBlock { wide: &wide, ends, slack, both: true };
+            push_lanes(blocks, &wide, with(*instructions, ask), |lane| (number + lane) as u32);
+            number += wide.count as usize;
         }
-        self.note_places(participants, particles);
-    }
-
-    /// Notes where members are.
-    pub(super) fn note_places(
-        &mut self,
-        participants: &TriangleParticipants,
-        particles: &Particles,
-    ) {
-        self.seen.clear();
-        let rows = participants.rows.iter();
-        self.seen.extend(rows.map(|&row| particles.position[row as usize].truncate()));
     }
 
     /// Lists who is close in a substep that has been predicted.
     pub(super) fn begin_substep(
         &mut self,
-        candidates: &[TriangleCandidate],
         participants: &TriangleParticipants,
         particles: &Particles,
     ) {
-        let Self { ends, began, seen, gone, rounding, put, .. } = self;
+        let Self { ends, began, rounding, .. } = self;
         let way = |row: usize| (particles.position[row] - particles.start[row]).truncate();
-        let way_of = |i: usize| way(participants.rows[i] as usize).as_dvec3();
-        let common = mean(participants, way_of).as_vec3();
-        let zero =
-            participants.rows.first().map_or(Vec3::ZERO, |&row| particles.origin[row as usize]);
-        let (mut longest, mut far) = (0.0_f32, 0.0_f32);
+        let common = mean(participants.rows.iter().map(|&row| way(row as usize)));
+        let zero = first_origin(participants, particles);
+        let mut far = 0.0_f32;
         ends.clear();
         began.clear();
-        for (&row, seen) in participants.rows.iter().zip(&*seen) {
+        for &row in &participants.rows {
+            let at = place(particles, row, zero);
             let row = row as usize;
-            let at = (particles.origin[row] - zero) + particles.position[row].truncate();
             let own = way(row) - common;
             began.push(at - own);
             let own = own.length() * LONGER;
-            let before = (particles.start[row].truncate() - *seen).length();
             // What is no number does not count: it touches nobody.
-            longest = longest.max(own + before);
             far = far.max(at.abs().max_element());
             ends.push(at.extend(own));
         }
-        // Of a place, and of some times that it is put elsewhere.
-        *rounding = 2e-6 * far;
-        *gone += longest + *put;
+        *rounding = ROUNDING * far;
         self.puts.resize(self.ends.len(), 0.0);
         self.base *= FORGOTTEN;
         self.allowances.clear();
         self.allowances.extend(self.puts.iter().map(|put| self.base + MORE * put));
         self.puts.fill(0.0);
         (self.put, self.outrun) = (0.0, false);
-        self.list(candidates);
+        self.list();
     }
 
     /// Lists them again if somebody was put further than was allowed for. Returns whether it was so.
-    pub(super) fn keep_up(&mut self, candidates: &[TriangleCandidate]) -> bool {
+    pub(super) fn keep_up(&mut self) -> bool {
         let outrun = core::mem::take(&mut self.outrun);
         if outrun {
-            // Of blocks that are passed over it is not known how far theirs have been put.
-            self.gone += self.put;
             self.base = (2.0 * self.base).max(SURPRISE * self.put);
             for (allowance, &put) in self.allowances.iter_mut().zip(&self.puts) {
                 let wanted = if put > *allowance { 2.0 * put } else { self.base };
                 *allowance = allowance.max(wanted);
             }
-            self.list(candidates);
+            self.list();
         }
         outrun
     }
 
-    fn list(&mut self, candidates: &[TriangleCandidate]) {
-        let Self { blocks, ends, rounding, gone, close, allowances, listed, instructions, .. } =
-            self;
-        debug_assert!(
-            blocks.last().is_none_or(|last| (last.first + last.count) as usize == candidates.len())
-        );
-        let most = allowances.iter().copied().fold(0.0, f32::max);
+    fn list(&mut self) {
+        let Self { blocks, ends, rounding, close, allowances, listed, instructions, .. } = self;
         listed.clear();
         let each = ends.iter().zip(&*allowances);
         listed.extend(each.map(|(end, put)| end.truncate().extend(end.w + 2.0 * put)));
         close.clear();
-        let [rounding, most] = [2.0 * *rounding, 4.0 * most];
-        with(*instructions, ListClose { blocks, listed, rounding, most, gone: *gone, close });
+        with(*instructions, ListClose { blocks, listed, slack: 2.0 * *rounding, close });
     }
 
-    /// Of one block of which some are close the number of its first candidate, and which are close where members are now, a bit each; `None` where there is no such.
-    pub(super) fn ask(&self, place: usize) -> Option<(u32, u32)> {
-        let block = &self.blocks[*self.close.get(place)? as usize];
-        let ask = AskBlock { block, ends: &self.ends, slack: 2.0 * self.rounding };
-        Some((block.first, with(self.instructions, ask)))
+    /// Which candidates of a block of those that are listed are close where members are now, a bit each, of those from a number on; `None` where there is no such block.
+    pub(super) fn ask(&self, place: usize, from: u32) -> Option<u32> {
+        let CandidateBlock { wide, numbers } = self.close.get(place)?;
+        let slack = 2.0 * self.rounding;
+        let before = numbers[..wide.count as usize].partition_point(|number| *number < from);
+        let ask = AskBlock { wide, ends: &self.ends, slack, both: false };
+        Some(with(self.instructions, ask) & (u32::MAX << before))
     }
 
-    /// The place of that which has a candidate of some number, or of the first one after it.
+    /// The number of one of a block.
+    pub(super) fn number(&self, place: usize, lane: u32) -> u32 {
+        self.close[place].numbers[lane as usize]
+    }
+
+    /// The first block that has a candidate of a number or of a higher one.
     pub(super) fn place_of(&self, number: u32) -> usize {
-        let ends = |place: &u32| {
-            let block = &self.blocks[*place as usize];
-            block.first + block.count
-        };
-        self.close.partition_point(|place| ends(place) <= number)
+        let last = |block: &CandidateBlock| block.numbers[block.wide.count as usize - 1];
+        self.close.partition_point(|block| last(block) < number)
     }
 
     /// Notes that a member was put elsewhere, by so many metres.
@@ -201,34 +186,59 @@ impl CloseList {
     }
 }
 
-/// What a length of `f32`s may be longer by than it comes to.
-const LONGER: f32 = 1.0 + 1e-5;
+/// Where members are, metres from the first one's origin.
+fn place(particles: &Particles, row: u32, zero: Vec3) -> Vec3 {
+    let row = row as usize;
+    (particles.origin[row] - zero) + particles.position[row].truncate()
+}
 
-impl CandidateBlock {
-    fn new(first: u32, candidate: &TriangleCandidate, participants: &TriangleParticipants) -> Self {
-        let mut block = Self {
-            members: candidate.four.map(|member| [member; LANES]),
-            reach: [0.0; LANES],
-            first,
-            count: 0,
-            edges: candidate.edges,
-            left: f32::NEG_INFINITY,
-            gone: 0.0,
-        };
-        block.put(candidate, participants);
-        block
+fn first_origin(participants: &TriangleParticipants, particles: &Particles) -> Vec3 {
+    participants.rows.first().map_or(Vec3::ZERO, |&row| particles.origin[row as usize])
+}
+
+/// How far rounding may have put a place elsewhere, as a share of its largest coordinate: that of itself, and of some times that it is put.
+const ROUNDING: f32 = 2e-6;
+
+/// The largest distance that the two of a candidate keep, metres.
+fn reach_of(candidate: &TriangleCandidate, participants: &TriangleParticipants) -> f32 {
+    largest(&participants.radius, candidate.four, candidate.edges).min(candidate.most)
+}
+
+impl WideCandidate {
+    /// A first one.
+    fn of(four: [u32; 4], reach: f32, edges: bool) -> Self {
+        let members = four.map(|member| [member; LANES]);
+        let mut wide = Self { members, reach: [0.0; LANES], count: 0, edges };
+        wide.put(four, reach);
+        wide
+    }
+
+    fn new(candidate: &TriangleCandidate, participants: &TriangleParticipants) -> Self {
+        Self::of(candidate.four, reach_of(candidate, participants), candidate.edges)
+    }
+
+    /// Whether there is room for one more of a kind.
+    #[inline(always)]
+    fn takes(&self, edges: bool) -> bool {
+        self.edges == edges && self.count < LANES as u32
     }
 
     /// Adds one.
-    #[inline]
-    fn put(&mut self, candidate: &TriangleCandidate, participants: &TriangleParticipants) {
+    #[inline(always)]
+    fn put(&mut self, four: [u32; 4], reach: f32) {
         let place = self.count as usize;
-        for (members, member) in self.members.iter_mut().zip(candidate.four) {
+        for (members, member) in self.members.iter_mut().zip(four) {
             members[place] = member;
         }
-        let reach = largest(&participants.radius, candidate.four, candidate.edges);
-        self.reach[place] = reach.min(candidate.most);
+        self.reach[place] = reach;
         self.count += 1;
+    }
+
+    /// One of them, and its distance.
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> ([u32; 4], f32) {
+        let [i, j, k, l] = &self.members;
+        ([i[lane], j[lane], k[lane], l[lane]], self.reach[lane])
     }
 
     /// The places that are filled, a bit each.
@@ -254,13 +264,10 @@ impl CandidateBlock {
 
 /// Lists who is close: nearer than its distance and what the two may go in the substep, and be put.
 struct ListClose<'a> {
-    blocks: &'a mut [CandidateBlock],
+    blocks: &'a [CandidateBlock],
     listed: &'a [Vec4],
-    rounding: f32,
-    /// What two may be put, and be put again, at the most, metres.
-    most: f32,
-    gone: f32,
-    close: &'a mut Vec<u32>,
+    slack: f32,
+    close: &'a mut Vec<CandidateBlock>,
 }
 
 impl Work for ListClose<'_> {
@@ -268,32 +275,43 @@ impl Work for ListClose<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { blocks, listed, rounding, most, gone, close } = self;
-        for (place, block) in (0..).zip(blocks) {
-            // Two are nearer each other by what both have gone, which may be as much as their way in this substep.
-            if block.left > 4.0 * (gone - block.gone) + most + rounding {
-                continue;
-            }
-            let [least, ways] = block.least::<L>(listed);
-            let left = least - (L::load(&block.reach) + ways);
-            let far = L::splat(rounding).lt(left);
-            if !far.bits() & block.filled() != 0 {
-                close.push(place);
-            }
-            let nearest = left.array().into_iter().fold(f32::INFINITY, |nearest, left| {
-                // What is no number is asked again.
-                if left >= nearest { nearest } else { left }
-            });
-            (block.left, block.gone) = (nearest, gone);
+        let Self { blocks, listed, slack, close } = self;
+        for CandidateBlock { wide, numbers } in blocks {
+            let near = AskBlock { wide, ends: listed, slack, both: true }.run::<L>();
+            push_lanes(close, wide, near, |lane| numbers[lane]);
         }
     }
 }
 
-/// Which of eight are close, a bit each.
+/// Adds some of eight candidates to blocks, by their numbers.
+#[inline(always)]
+fn push_lanes(
+    blocks: &mut Vec<CandidateBlock>,
+    wide: &WideCandidate,
+    lanes: u32,
+    number: impl Fn(usize) -> u32,
+) {
+    for lane in SetLanes(lanes) {
+        let ((four, reach), number) = (wide.lane(lane), number(lane));
+        match blocks.last_mut() {
+            Some(last) if last.wide.takes(wide.edges) => {
+                last.numbers[last.wide.count as usize] = number;
+                last.wide.put(four, reach);
+            }
+            _ => blocks.push(CandidateBlock {
+                wide: WideCandidate::of(four, reach, wide.edges),
+                numbers: [number; LANES],
+            }),
+        }
+    }
+}
+
+/// Which of eight are close, a bit each: nearer than their distance, or than what the two have gone (so that they may have passed); or than `both` together.
 struct AskBlock<'a> {
-    block: &'a CandidateBlock,
+    wide: &'a WideCandidate,
     ends: &'a [Vec4],
     slack: f32,
+    both: bool,
 }
 
 impl Work for AskBlock<'_> {
@@ -301,9 +319,11 @@ impl Work for AskBlock<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
-        let [least, ways] = self.block.least::<L>(self.ends);
-        let far = (L::load(&self.block.reach).max(ways) + L::splat(self.slack)).lt(least);
-        !far.bits() & self.block.filled()
+        let [least, ways] = self.wide.least::<L>(self.ends);
+        let reach = L::load(&self.wide.reach);
+        let near = if self.both { reach + ways } else { reach.max(ways) };
+        let far = (near + L::splat(self.slack)).lt(least);
+        !far.bits() & self.wide.filled()
     }
 }
 
@@ -374,7 +394,8 @@ mod tests {
         let candidates: Vec<_> =
             (0..1501).map(|number| candidate(number >= 700, &mut dice)).collect();
         let mut list = CloseList::default();
-        list.take(&candidates, &participants, &particles);
+        let anywhere = [f32::INFINITY; COUNT];
+        list.pick(&candidates, &participants, &particles, &anywhere);
         let (mut touching, mut passing, mut passed_over) = (0, 0, 0);
         for substep in 0..200 {
             // All are carried along; each goes its own way, some fast.
@@ -387,17 +408,14 @@ mod tests {
             if let Some(poisoned) = poisoned {
                 particles.position[poisoned] *= Vec4::new(f32::NAN, 1.0, 1.0, 1.0);
             }
-            list.begin_substep(&candidates, &participants, &particles);
+            list.begin_substep(&participants, &particles);
             for _ in 0..6 {
-                list.keep_up(&candidates);
+                list.keep_up();
                 let mut asked = vec![false; candidates.len()];
-                let places = (0..).map_while(|place| list.ask(place));
-                for (first, close) in places {
-                    (0..8).for_each(|bit| {
-                        if close >> bit & 1 == 1 {
-                            asked[(first + bit) as usize] = true;
-                        }
-                    });
+                for (place, close) in (0..).map_while(|place| Some((place, list.ask(place, 0)?))) {
+                    for lane in SetLanes(close) {
+                        asked[list.number(place, lane as u32) as usize] = true;
+                    }
                 }
                 passed_over += asked.iter().filter(|&&asked| !asked).count();
                 for (number, candidate) in candidates.iter().enumerate() {
@@ -420,9 +438,54 @@ mod tests {
                     list.note_put(i, by.as_dvec3());
                 }
             }
-            list.note_places(&participants, &particles);
         }
         assert!(touching > 1000 && passing > 1000, "{touching}, {passing}");
         assert!(passed_over > 200 * 6 * 1501 / 3, "{passed_over}");
+    }
+
+    #[test]
+    fn who_is_not_taken_cannot_come_near() {
+        const COUNT: usize = 60;
+        let mut dice = Dice(5);
+        let mut particles = Particles::default();
+        let mut participants = TriangleParticipants::default();
+        for row in 0..COUNT as u32 {
+            particles.push(ParticleSeed::at(dice.vector() * 0.4)).unwrap();
+            participants.rows.push(row);
+            participants.radius.push(0.02 + 0.01 * dice.next());
+        }
+        let ranges: Vec<f32> = (0..COUNT).map(|_| 0.03 + 0.03 * dice.next()).collect();
+        let all: Vec<_> = (0..4000)
+            .map(|number| TriangleCandidate {
+                four: [0; 4].map(|_| dice.below(COUNT)),
+                most: f32::INFINITY,
+                edges: number >= 1900,
+            })
+            .collect();
+        let mut list = CloseList::default();
+        list.pick(&all, &participants, &particles, &ranges);
+        let taken: Vec<u32> = list
+            .blocks
+            .iter()
+            .flat_map(|block| block.numbers[..block.wide.count as usize].iter().copied())
+            .collect();
+        let (mut left, mut near) = (taken.iter().peekable(), 0);
+        for (number, candidate) in (0..).zip(&all) {
+            if left.next_if(|next| **next == number).is_some() {
+                continue;
+            }
+            let reach = largest(&participants.radius, candidate.four, candidate.edges);
+            for _ in 0..20 {
+                let to = candidate.four.map(|i| {
+                    let by = dice.vector().normalize_or_zero() * ranges[i as usize];
+                    (particles.position(i as usize) + by).as_dvec3()
+                });
+                let least = exact(&Four { from: to, to, edges: candidate.edges });
+                assert!(least >= f64::from(reach), "{candidate:?}");
+                near += u32::from(least < 3.0 * f64::from(reach));
+            }
+        }
+        assert!(left.next().is_none(), "in their order");
+        assert!((200..3800).contains(&taken.len()) && near > 10, "{} taken, {near}", taken.len());
     }
 }

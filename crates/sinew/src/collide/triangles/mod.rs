@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `participants` | who takes part: triangles, their corners and edges, particles |
 //! | `neighbour_list` | who may come to touch whom, and whether somebody went further than was looked |
+//! | `block_search` | which boxes about triangles overlap |
 //! | `close_list` | who of those is close in this substep |
 //! | `least_distance` | how near two may be at the least, eight at a time |
 //! | `distance` | the nearest points of a particle and a triangle, and of two edges |
@@ -22,17 +23,18 @@
 //!
 //! # How it goes
 //!
-//! [`broad_phase`](Triangles::broad_phase) runs once a step, and lists who may come to touch whom. In each substep [`project`](Triangles::project)
-//! looks again if somebody has gone further than was reckoned with, finds who of those is close, eight at a time (`close_list`), and sweeps over these, up to [`SWEEPS`] times: whoever overlaps or has passed is put back, at once. A later sweep asks only those of whom somebody
-//! has moved since. Who still passes through somebody after that goes with it for the rest of the substep (`zone`). What decides is done in double
+//! [`broad_phase`](Triangles::broad_phase) runs once a step, and lists who may come to touch whom, unless what was listed in an earlier one still holds. In each substep
+//! [`project`](Triangles::project) looks again if somebody has gone further than was reckoned with, finds who of those is close, eight at a time (`close_list`), and
+//! sweeps over these, up to [`SWEEPS`] times: whoever overlaps or has passed is put back, at once. A later sweep asks only those of whom somebody has moved since, and so
+//! does another round of sweeps for those whom contacts have put further than was reckoned with. Who still passes through somebody after that goes with it for the rest of the substep (`zone`). What decides is done in double
 //! precision, and one after the other: a tier for tens of thousands of triangles, not for millions.
 //!
 //! # The order, and what it depends on
 //!
 //! What is listed is in the order of the rows, and who does not touch changes nothing. That makes the result a function of positions and of the order
 //! of the rows alone: not of the order of the triangles or of their corners, nor of threads or instructions. Those that touch nothing of a heap change no bit
-//! of it, nor do margins, as long as nobody is put further than was reckoned with within a substep. That is why who may come to touch is looked for when a step
-//! begins, even where what was found before would do: so all follows from where everybody is then.
+//! of it, nor do margins, nor when it was looked last: how far contacts may put somebody before those around it are asked again follows from its radius and its speed when the
+//! step begins, and not from what was found.
 //!
 //! # What cannot happen, and what can
 //!
@@ -44,6 +46,7 @@
 //!
 //! The thickness is softer than that: in a squeeze it may be less for a while, never nothing.
 
+mod block_search;
 mod close_list;
 mod crossing;
 mod least_distance;
@@ -71,6 +74,8 @@ use zone::Zones;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Triangles {
     participants: TriangleParticipants,
+    /// Those of the step before.
+    former: TriangleParticipants,
     neighbours: TriangleNeighbours,
     state: SubstepState,
     zones: Zones,
@@ -94,8 +99,8 @@ const SWEEPS: u32 = 4;
 /// After the first sweep, what is missing of a distance is left to the next substep if it is less than this share of it.
 const NEGLIGIBLE: f64 = 0.01;
 
-/// How often it looks again within a substep because somebody was put further than was reckoned with.
-const REBUILDS: u32 = 2;
+/// So often those are asked again in a substep whom contacts have put further than was reckoned with.
+const ROUNDS: u32 = 2;
 
 /// A candidate that did not touch.
 const NONE: u32 = u32::MAX;
@@ -104,6 +109,7 @@ impl Triangles {
     /// Chooses the instructions of the wide kernels. They never change a result.
     pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
         self.state.close.instructions = instructions;
+        self.neighbours.instructions = instructions;
     }
 
     /// Lists what may come to touch in a step of `dt` seconds.
@@ -121,12 +127,17 @@ impl Triangles {
         self.reported.clear();
         self.hits.clear();
         (self.rebuilds, self.rounds, self.dt) = (0, 0, dt);
+        core::mem::swap(&mut self.participants, &mut self.former);
         self.participants.take(particles, surfaces, (filter, nearby), solid);
         if self.is_empty() {
             self.neighbours.clear();
             return;
         }
-        self.rebuild(particles, filter, false);
+        let Self { participants, former, neighbours, .. } = self;
+        neighbours.begin_step(participants, particles, dt);
+        if !participants.are(former) || !neighbours.hold(participants, particles, filter) {
+            self.rebuild(particles, filter, false);
+        }
     }
 
     /// Whether nobody takes part.
@@ -143,7 +154,7 @@ impl Triangles {
         if self.is_empty() || last >= particles.len() {
             return 0.0;
         }
-        if self.neighbours.is_skin_exceeded(&self.participants, particles) {
+        if self.neighbours.is_outrun(&self.participants, particles, true) {
             self.rebuild(particles, filter, true);
         }
         if self.neighbours.candidates.is_empty() {
@@ -151,15 +162,18 @@ impl Triangles {
         }
         self.state.load(&self.participants, particles);
         let (mut worst, mut sweep) = (0.0_f64, 0);
-        for rebuild in 0..=REBUILDS {
+        let mut fresh = true;
+        for round in 0..=ROUNDS {
             self.hit_of.resize(self.neighbours.candidates.len(), NONE);
-            let Self { participants, neighbours, state, .. } = self;
-            state.close.begin_substep(&neighbours.candidates, participants, particles);
+            let Self { participants, state, .. } = self;
+            if fresh {
+                state.close.begin_substep(participants, particles);
+            }
             let (before, mut agree) = (sweep, false);
             for number in 0..SWEEPS {
                 sweep += 1;
-                // Those of whom one has moved in the last sweep or in this one.
-                let since = if number == 0 { 0 } else { sweep - 1 };
+                // All; after that those of whom one was put further than was reckoned with, or has moved in the last sweep or in this one.
+                let since = if number == 0 && round == 0 { 0 } else { sweep - 1 };
                 // That it has looked again changes nothing where all agreed.
                 let least = if sweep == 1 { 0.0 } else { NEGLIGIBLE };
                 worst = worst.max(self.sweep((particles, filter), sweep, since, least));
@@ -178,15 +192,19 @@ impl Triangles {
                 self.hit_of[candidate as usize] = NONE;
             }
             let moved = self.state.moved.iter().any(|&moved| moved > before);
-            if !moved || !self.state.store(&self.participants, particles) || rebuild == REBUILDS {
+            if !moved {
                 break;
             }
-            if !self.neighbours.is_skin_exceeded(&self.participants, particles) {
+            let Self { participants, neighbours, state, .. } = self;
+            let far = state.store(participants, particles, &neighbours.reserve, sweep);
+            if !far || round == ROUNDS {
                 break;
             }
-            self.rebuild(particles, filter, true);
+            fresh = neighbours.is_outrun(participants, particles, false);
+            if fresh {
+                self.rebuild(particles, filter, true);
+            }
         }
-        self.state.close.note_places(&self.participants, particles);
         worst
     }
 
@@ -217,20 +235,17 @@ impl Triangles {
     ) -> f64 {
         let Self { participants, neighbours, state, hits, hit_of, hit_candidates, .. } = self;
         let candidates = &neighbours.candidates[..];
-        state.close.keep_up(candidates);
-        let (mut worst, mut next) = (0.0_f64, 0);
-        // Of eight candidates the first, which are close, and from which on they are to be asked.
-        let (mut first, mut close, mut begin) = (0, 0_u32, 0);
+        state.close.keep_up();
+        // The next eight, and which of those before them are close and still to be asked.
+        let (mut worst, mut next, mut close) = (0.0_f64, 0, 0_u32);
         loop {
-            close &= u32::MAX << begin;
             if close == 0 {
-                let Some(block) = state.close.ask(next) else { break };
-                (first, close) = block;
-                (next, begin) = (next + 1, 0);
+                let Some(these) = state.close.ask(next, 0) else { break };
+                (next, close) = (next + 1, these);
                 continue;
             }
-            let number = first + close.trailing_zeros();
-            begin = close.trailing_zeros() + 1;
+            let number = state.close.number(next - 1, close.trailing_zeros());
+            close &= close - 1;
             let candidate = &candidates[number as usize];
             if !state.moved_since(candidate.four, since) {
                 continue;
@@ -259,19 +274,19 @@ impl Triangles {
                 state.part(four, shares, -slid, inverse, sweep);
             }
             // Others may be close now, of the same eight, too.
-            let outrun = state.close.keep_up(candidates);
-            let place = if outrun { state.close.place_of(number) } else { next - 1 };
-            (next, close) = match state.close.ask(place) {
-                Some((same, close)) if same == first => (place + 1, close),
-                _ => (place, 0),
-            };
+            let outrun = state.close.keep_up();
+            let place = if outrun { state.close.place_of(number + 1) } else { next - 1 };
+            let others = state.close.ask(place, number + 1);
+            (next, close) = (place + 1, others.unwrap_or(0));
         }
         worst
     }
 
     fn rebuild(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
-        self.neighbours.rebuild((&self.participants, filter), particles, self.dt, within);
-        self.state.close.take(&self.neighbours.candidates, &self.participants, particles);
+        let Self { participants, neighbours, state, .. } = self;
+        neighbours.rebuild((participants, filter), particles, self.dt, within);
+        let TriangleNeighbours { candidates, ranges, .. } = neighbours;
+        state.close.pick(candidates, participants, particles, ranges);
         self.rebuilds += 1;
     }
 }

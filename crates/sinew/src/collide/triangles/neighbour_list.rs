@@ -4,13 +4,14 @@
 //! around that. As long as everybody is within its margin, beside what all do alike, whoever touches was found. A triangle's box is that about those
 //! of its corners. What is found is in the order of the triangles that stand for it, and so in that of the rows, whatever the margins are.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 
 use super::super::distance::{of_segments, to_triangle};
+use super::block_search::BlockSearch;
 use super::participants::{EDGES, TriangleParticipants, largest};
 use crate::collide::filter::ContactFilter;
-use crate::collide::manifold::{Broad, NO_GROUP};
-use crate::kept::Kept;
+use crate::collide::manifold::NO_GROUP;
+use crate::lanes::InstructionSet;
 use crate::particles::{NO_BODY, Particles};
 
 /// A particle and a triangle, or two edges, that may come to touch.
@@ -30,29 +31,43 @@ pub(super) struct TriangleNeighbours {
     pub(super) candidates: Vec<TriangleCandidate>,
     /// Those of edges, before they are put behind the others.
     edges: Vec<TriangleCandidate>,
-    /// Where each was, metres from its own origin.
+    /// Where each was, metres from its own origin, and how far from there it may be, metres.
     home: Vec<Vec3>,
-    /// How far from there along each axis it stays within what was found, metres.
     margin: Vec<f32>,
-    /// Whether nothing moves it.
+    /// How far contacts may put each from where it is predicted in a substep of this step before others may be near it, metres: a part of its margin.
+    pub(super) reserve: Vec<f32>,
+    /// How far from where it is each has been in this substep, and may go within its margin, metres.
+    pub(super) ranges: Vec<f32>,
+    /// Whether nothing moves it, and its origin, metres.
     pinned: Vec<bool>,
-    /// The box about each; about triangles and loose particles.
-    own: Vec<(Vec3, Vec3)>,
+    origin: Vec<Vec3>,
+    /// By which [rules](ContactFilter::changes) they were found; `None` if nothing was.
+    rules: Option<u64>,
+    /// The box about each; those about the [`EDGES`] of each triangle, and about all of it; and about triangles and loose particles.
+    own: Vec<Aabb>,
+    of_triangles: Vec<[Aabb; 4]>,
     boxes: Vec<(Vec3, Vec3)>,
-    /// Of each box the body that it is of, if that does not touch itself.
-    groups: Vec<u32>,
     pairs: Vec<[u32; 2]>,
-    broad: Kept<Broad>,
+    search: BlockSearch,
+    /// Which instructions are used; all give the same bits.
+    pub(super) instructions: InstructionSet,
 }
 
-/// The margin is what a particle covers in half a step, beside what all do, at the speed that it has or that all have in the mean (because they may hit
-/// it), within these bounds: shares of its shortest edge and of its radius.
+/// The margin is the reserve, and what a particle covers in so many steps, beside what all do, at the speed that it has or that all have in the mean (because they
+/// may hit it), within these bounds: shares of its shortest edge and of its radius.
 ///
-/// A wider one finds more that is never close, a narrower one is outrun sooner. Two sheets of 64 × 64 that fall on each other took 75, 74 and 82 ms a tick with a
-/// quarter, half and all of a step.
-const SHARE: f32 = 0.5;
+/// A wider one finds more that is never close, a narrower one is outrun sooner. Two sheets of 64 × 64 of which one falls on the other, on a ball, take 35.7, 35.8 and
+/// 35.1 ms a frame with a half, 0.7 and one step.
+const SHARE: f32 = 1.0;
 const LEAST: [f32; 2] = [0.02, 0.25];
 const MOST: [f32; 2] = [0.5, 1.0];
+
+/// The reserve is so much of its radius (of the mean one, of who has none), and what it covers in such a share of a step. More of it has fewer asked again, and wider margins:
+/// those two sheets take 43.6, 39.3 and 37.8 ms with a quarter, an eighth and this share of the radius, in which some are put further in each substep.
+const RESERVE: [f32; 2] = [0.06, 0.03];
+
+/// What a length of `f32`s may be longer by than it comes to.
+pub(super) const LONGER: f32 = 1.0 + 1e-5;
 
 /// Further out, squares are no `f32`, metres.
 const FAR: f64 = 1e15;
@@ -60,6 +75,67 @@ const FAR: f64 = 1e15;
 impl TriangleNeighbours {
     pub(super) fn clear(&mut self) {
         self.candidates.clear();
+        self.rules = None;
+    }
+
+    /// Begins a step of `dt` seconds: finds how far contacts may put each in a substep of it.
+    pub(super) fn begin_step(
+        &mut self,
+        participants: &TriangleParticipants,
+        particles: &Particles,
+        dt: f32,
+    ) {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for radius in participants.radius.iter().filter(|radius| **radius > 0.0) {
+            sum += f64::from(*radius);
+            count += 1.0;
+        }
+        let usual = if count > 0.0 { (sum / count) as f32 } else { 0.0 };
+        let [of_radius, of_step] = RESERVE;
+        self.reserve.clear();
+        self.reserve.extend(participants.rows.iter().zip(&participants.radius).map(
+            |(&row, &radius)| {
+                let speed = particles.velocity[row as usize].truncate().length();
+                let radius = if radius > 0.0 { radius } else { usual };
+                // What is no number counts as none.
+                of_radius * radius + (of_step * dt * speed).max(0.0)
+            },
+        ));
+    }
+
+    /// Whether what was found in an earlier step, of the same participants, holds when one begins.
+    pub(super) fn hold(
+        &self,
+        participants: &TriangleParticipants,
+        particles: &Particles,
+        filter: &ContactFilter,
+    ) -> bool {
+        let rows = participants.rows.iter().map(|&row| row as usize);
+        // Of who was nowhere nobody was found.
+        self.rules == Some(filter.changes())
+            && self.home.iter().all(|home| home.is_finite())
+            && rows.zip(self.pinned.iter().zip(&self.origin)).all(|(row, (&pinned, &origin))| {
+                (particles.position[row].w == 0.0) == pinned && particles.origin[row] == origin
+            })
+            && !self.is_outrun(participants, particles, true)
+    }
+
+    /// Whether somebody has gone further than its margin beside what all do in the mean; less its reserve, where contacts may still put it.
+    pub(super) fn is_outrun(
+        &self,
+        participants: &TriangleParticipants,
+        particles: &Particles,
+        keeps_reserve: bool,
+    ) -> bool {
+        let Self { home, margin, reserve, .. } = self;
+        let rows = participants.rows.iter().map(|&row| row as usize);
+        let way = |(row, home): (usize, &Vec3)| particles.position[row].truncate() - *home;
+        let ways = rows.zip(home).map(way);
+        let common = mean(ways.clone());
+        let rooms = margin.iter().zip(reserve);
+        let rooms = rooms.map(|(all, kept)| if keeps_reserve { all - kept } else { *all });
+        // What is no number does not count.
+        ways.zip(rooms).any(|(way, room)| (way - common).length() * LONGER > room)
     }
 
     /// Looks where everybody is, and who is near whom; at the beginning of a step of `dt` seconds, or `within` a substep that has been predicted.
@@ -70,61 +146,45 @@ impl TriangleNeighbours {
         dt: f32,
         within: bool,
     ) {
+        self.rules = Some(filter.changes());
         self.measure(participants, particles, dt);
         self.enclose(participants, particles, within);
-        let Self { boxes, groups, pairs, broad, .. } = self;
+        let Self { boxes, pairs, search, instructions, .. } = self;
         // Most that are near a triangle are of the cloth that it is of.
         let group = |of: u32| {
             let body = participants.body[of as usize];
             let alone = body != NO_BODY && !filter.body(body).with_itself;
             if alone { body } else { NO_GROUP }
         };
-        groups.clear();
-        groups.extend(participants.triangles.iter().map(|&[corner, ..]| group(corner)));
-        groups.extend(participants.loose.iter().map(|&one| group(one)));
-        broad.0.pairs_of_groups(boxes, groups, pairs);
+        let count = participants.triangles.len();
+        let member = |i: usize| match participants.triangles.get(i) {
+            Some(&[corner, ..]) => corner,
+            None => participants.loose[i - count],
+        };
+        search.pairs(boxes, |i| group(member(i)), count, *instructions, pairs);
         let pairs = core::mem::take(&mut self.pairs);
         self.candidates.clear();
         self.edges.clear();
+        let mut asked = None;
         for &[i, j] in &pairs {
-            self.consider((participants, filter), i as usize, j as usize);
+            self.consider((participants, filter), [i as usize, j as usize], &mut asked);
         }
         self.pairs = pairs;
         self.candidates.append(&mut self.edges);
     }
 
-    /// Whether somebody has gone further than its margin, beside what all do alike: no displacement is within all margins of each one's.
-    pub(super) fn is_skin_exceeded(
-        &self,
-        participants: &TriangleParticipants,
-        particles: &Particles,
-    ) -> bool {
-        let (mut low, mut high) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
-        let greater = |a: f32, b: f32| if b > a { b } else { a };
-        let less = |a: f32, b: f32| if b < a { b } else { a };
-        for ((&row, home), &margin) in participants.rows.iter().zip(&self.home).zip(&self.margin) {
-            let way = particles.position[row as usize].truncate() - *home;
-            let (least, most) = (way - margin, way + margin);
-            // What is no number does not count.
-            low = Vec3::new(
-                greater(low.x, least.x),
-                greater(low.y, least.y),
-                greater(low.z, least.z),
-            );
-            high = Vec3::new(less(high.x, most.x), less(high.y, most.y), less(high.z, most.z));
-        }
-        !low.cmple(high).all()
-    }
-
     /// Finds the margins.
     fn measure(&mut self, participants: &TriangleParticipants, particles: &Particles, dt: f32) {
-        let Self { home, margin, pinned, .. } = self;
+        let Self { home, margin, reserve, pinned, origin, .. } = self;
         home.clear();
+        home.extend(
+            participants.rows.iter().map(|&row| particles.position[row as usize].truncate()),
+        );
         pinned.clear();
         pinned
             .extend(participants.rows.iter().map(|&row| particles.position[row as usize].w == 0.0));
-        let place = |&row: &u32| particles.position[row as usize].truncate();
-        home.extend(participants.rows.iter().map(place));
+        origin.clear();
+        origin.extend(participants.rows.iter().map(|&row| particles.origin[row as usize]));
         // The square of the shortest edge of each; of particles that have none, the mean of all edges of triangles.
         margin.clear();
         margin.resize(participants.rows.len(), f32::INFINITY);
@@ -144,15 +204,15 @@ impl TriangleNeighbours {
             }
         }
         let typical = if count > 0.0 { (sum / count) as f32 } else { 0.0 };
-        let velocity =
-            |i: usize| particles.velocity[participants.rows[i] as usize].truncate().as_dvec3();
-        let all = mean(participants, velocity);
-        let speed = |i: usize| (velocity(i) - all).length();
-        let usual = mean(participants, |i| DVec3::splat(speed(i))).x;
-        for (i, margin) in margin.iter_mut().enumerate() {
+        let velocity = |row: u32| particles.velocity[row as usize].truncate();
+        let all = mean(participants.rows.iter().map(|&row| velocity(row)));
+        let speed = |row: u32| (velocity(row) - all).length();
+        let usual = mean(participants.rows.iter().map(|&row| Vec3::splat(speed(row)))).x;
+        for (i, (margin, &row)) in margin.iter_mut().zip(&participants.rows).enumerate() {
             let edge = if *margin < f32::INFINITY { *margin } else { typical }.sqrt();
             let of = |share: [f32; 2]| share[0] * edge + share[1] * participants.radius[i];
-            *margin = (SHARE * speed(i).max(usual) as f32 * dt).max(of(LEAST)).min(of(MOST));
+            let own = (SHARE * speed(row).max(usual) * dt).max(of(LEAST)).min(of(MOST));
+            *margin = own + reserve[i];
         }
     }
 
@@ -163,22 +223,21 @@ impl TriangleNeighbours {
         particles: &Particles,
         within: bool,
     ) {
-        let Self { margin, own, boxes, .. } = self;
+        let Self { margin, own, of_triangles, boxes, ranges, .. } = self;
         let is_there = |row: &u32| particles.position[*row as usize].is_finite();
         let first =
             participants.rows.iter().copied().find(is_there).unwrap_or(participants.rows[0]);
         let zero = particles.origin[first as usize];
-        let path = |i: usize| {
-            let row = participants.rows[i] as usize;
-            (particles.position[row] - particles.start[row]).truncate().as_dvec3()
-        };
+        let path = |i: usize| way(particles, participants.rows[i]).as_dvec3();
         own.clear();
+        ranges.clear();
         for (i, &row) in participants.rows.iter().enumerate() {
             let row = row as usize;
             let shift = (particles.origin[row] - zero).as_dvec3();
             let to = shift + particles.position[row].truncate().as_dvec3();
             let back = if within { path(i) } else { DVec3::ZERO };
             let from = to - back;
+            ranges.push((back.as_vec3().length() + margin[i]) * LONGER);
             // A coordinate is rounded by 2⁻²⁴ of itself at most, and then its sum with the rest.
             let rounding = to.abs().max(from.abs()).max_element() * 2e-7;
             let about = f64::from(margin[i] + participants.radius[i]) + rounding;
@@ -186,23 +245,27 @@ impl TriangleNeighbours {
             // One that is nowhere is in no box, and not near anybody.
             let extent = low.abs().max(high.abs()).max_element();
             let good = from.is_finite() && to.is_finite() && extent < FAR;
-            let nowhere = (Vec3::NAN, Vec3::NAN);
-            own.push(if good { (low.as_vec3(), high.as_vec3()) } else { nowhere });
+            own.push(if good { Aabb::new(low.as_vec3(), high.as_vec3()) } else { Aabb::NOWHERE });
         }
-        boxes.clear();
-        boxes.extend(participants.triangles.iter().map(|corners| {
-            let [a, b, c] = corners.map(|corner| own[corner as usize]);
-            both(both(a, b), c)
+        of_triangles.clear();
+        of_triangles.extend(participants.triangles.iter().map(|corners| {
+            let corners = corners.map(|corner| own[corner as usize]);
+            let [a, b, c] = EDGES.map(|[i, j]| corners[i].and(&corners[j]));
+            [a, b, c, a.and(&c)]
         }));
-        boxes.extend(participants.loose.iter().map(|&i| own[i as usize]));
+        boxes.clear();
+        boxes.extend(of_triangles.iter().map(|[.., all]| all.corners()));
+        boxes.extend(participants.loose.iter().map(|&i| own[i as usize].corners()));
     }
 
-    /// Takes what two boxes stand for: two triangles, or a triangle and a particle.
+    /// Takes what two boxes stand for: two triangles, or a triangle and a particle. Of the last two bodies whose triangles were `asked` for it is known whether they may
+    /// touch.
+    #[inline]
     fn consider(
         &mut self,
         (participants, filter): (&TriangleParticipants, &ContactFilter),
-        i: usize,
-        j: usize,
+        [i, j]: [usize; 2],
+        asked: &mut Option<([u32; 2], bool)>,
     ) {
         let count = participants.triangles.len();
         let Some(&one) = participants.triangles.get(i) else { return };
@@ -214,7 +277,14 @@ impl TriangleNeighbours {
             return;
         }
         let other = participants.triangles[j];
-        if !participants.may_touch(filter, one[0], other[0]) {
+        // That depends on rows only of bodies of one particle.
+        let bodies = [one[0], other[0]].map(|corner| participants.body[corner as usize]);
+        let may = match *asked {
+            Some((last, may)) if last == bodies => may,
+            _ => participants.may_touch(filter, one[0], other[0]),
+        };
+        *asked = Some((bodies, may));
+        if !may {
             return;
         }
         for (corners, which, against) in [(one, i, j), (other, j, i)] {
@@ -225,18 +295,24 @@ impl TriangleNeighbours {
                 }
             }
         }
+        let [of_one, of_other] = [&self.of_triangles[i], &self.of_triangles[j]];
         for (place, [a, b]) in EDGES.into_iter().enumerate() {
-            if participants.own[i] & (8 << place) == 0 {
+            let edge = &of_one[place];
+            if participants.own[i] & (8 << place) == 0 || !edge.overlaps(&of_other[3]) {
                 continue;
             }
             for (place, [c, d]) in EDGES.into_iter().enumerate() {
-                if participants.own[j] & (8 << place) != 0 {
-                    self.consider_edges(participants, [one[a], one[b], other[c], other[d]]);
+                let owned = participants.own[j] & (8 << place) != 0;
+                if owned && edge.overlaps(&of_other[place]) {
+                    let four = [one[a], one[b], other[c], other[d]];
+                    let candidate = self.edge_candidate(participants, four);
+                    self.edges.extend(candidate);
                 }
             }
         }
     }
 
+    #[inline]
     fn consider_corner(
         &mut self,
         participants: &TriangleParticipants,
@@ -246,7 +322,7 @@ impl TriangleNeighbours {
         let corners = participants.triangles[triangle];
         let [a, b, c] = corners;
         if corners.contains(&particle)
-            || !overlap(self.own[particle as usize], self.boxes[triangle])
+            || !self.own[particle as usize].overlaps(&self.of_triangles[triangle][3])
         {
             return;
         }
@@ -254,19 +330,20 @@ impl TriangleNeighbours {
         self.candidates.extend(candidate);
     }
 
-    fn consider_edges(&mut self, participants: &TriangleParticipants, four: [u32; 4]) {
+    /// Of two edges whose boxes overlap.
+    #[inline]
+    fn edge_candidate(
+        &self,
+        participants: &TriangleParticipants,
+        four: [u32; 4],
+    ) -> Option<TriangleCandidate> {
         let [a, b, c, d] = four;
         if a == c || a == d || b == c || b == d {
-            return;
-        }
-        let [one, end, other, last] = four.map(|i| self.own[i as usize]);
-        if !overlap(both(one, end), both(other, last)) {
-            return;
+            return None;
         }
         // The lower one first, whichever triangle stands for it.
         let four = if [a, b] < [c, d] { four } else { [c, d, a, b] };
-        let candidate = self.candidate(participants, four, true);
-        self.edges.extend(candidate);
+        self.candidate(participants, four, true)
     }
 
     /// The candidate, if the two may touch.
@@ -291,14 +368,19 @@ impl TriangleNeighbours {
     }
 }
 
-/// The mean of something that all members have; what is no number does not count.
-pub(super) fn mean(participants: &TriangleParticipants, of: impl Fn(usize) -> DVec3) -> DVec3 {
+/// The mean of some vectors; what is no number does not count.
+pub(super) fn mean(all: impl Iterator<Item = Vec3>) -> Vec3 {
     let (mut sum, mut count) = (DVec3::ZERO, 0.0);
-    for one in (0..participants.rows.len()).map(of).filter(|one| one.is_finite()) {
-        sum += one;
+    for one in all.filter(|one| one.is_finite()) {
+        sum += one.as_dvec3();
         count += 1.0;
     }
-    if count > 0.0 { sum / count } else { DVec3::ZERO }
+    (sum / f64::max(count, 1.0)).as_vec3()
+}
+
+/// How far a row has gone in this substep, metres.
+fn way(particles: &Particles, row: u32) -> Vec3 {
+    (particles.position[row as usize] - particles.start[row as usize]).truncate()
 }
 
 /// How far the two are apart, metres.
@@ -311,14 +393,37 @@ fn distance([p, a, b, c]: [DVec3; 4], edges: bool) -> f64 {
     (p - (a * i + b * j + c * k)).length()
 }
 
-#[inline(always)]
-fn both(a: (Vec3, Vec3), b: (Vec3, Vec3)) -> (Vec3, Vec3) {
-    // Not `min` and `max`, which pass over what is no number.
-    let nowhere = a.0.is_nan() || b.0.is_nan();
-    if nowhere { (Vec3::NAN, Vec3::NAN) } else { (a.0.min(b.0), a.1.max(b.1)) }
+/// A box, each corner in one register for the comparisons.
+#[derive(Clone, Copy, Debug)]
+struct Aabb {
+    least: Vec3A,
+    most: Vec3A,
 }
 
-#[inline(always)]
-fn overlap(a: (Vec3, Vec3), b: (Vec3, Vec3)) -> bool {
-    a.0.cmple(b.1).all() && b.0.cmple(a.1).all()
+impl Aabb {
+    /// What overlaps nothing, nor does a box about it.
+    const NOWHERE: Self = Self { least: Vec3A::NAN, most: Vec3A::NAN };
+
+    fn new(least: Vec3, most: Vec3) -> Self {
+        Self { least: least.into(), most: most.into() }
+    }
+
+    fn corners(&self) -> (Vec3, Vec3) {
+        (self.least.into(), self.most.into())
+    }
+
+    /// The box about two.
+    #[inline(always)]
+    fn and(&self, other: &Self) -> Self {
+        // `min` and `max` pass over what is no number.
+        if self.least.is_nan() || other.least.is_nan() {
+            return Self::NOWHERE;
+        }
+        Self { least: self.least.min(other.least), most: self.most.max(other.most) }
+    }
+
+    #[inline(always)]
+    fn overlaps(&self, other: &Self) -> bool {
+        (self.least.cmple(other.most) & other.least.cmple(self.most)).all()
+    }
 }

@@ -131,6 +131,24 @@ impl TriangleParticipants {
         }
     }
 
+    /// Whether others are the same in all that their neighbours depend on, but for where they are.
+    pub(super) fn are(&self, others: &Self) -> bool {
+        // Triangles and what is loose say what each stands for; what is no number is itself here.
+        let bits = |rest: &[Vec3]| -> bool {
+            let each = rest.iter().zip(&others.rest);
+            rest.len() == others.rest.len()
+                && each
+                    .into_iter()
+                    .all(|(a, b)| a.to_array().map(f32::to_bits) == b.to_array().map(f32::to_bits))
+        };
+        self.rows == others.rows
+            && self.body == others.body
+            && self.radius == others.radius
+            && self.triangles == others.triangles
+            && self.loose == others.loose
+            && bits(&self.rest)
+    }
+
     /// Gives each corner and each edge to the first triangle that has it.
     fn share_out(&mut self) {
         let Self { rows, triangles, own, number, begins, edges, .. } = self;

@@ -91,19 +91,27 @@ impl SubstepState {
         }
     }
 
-    /// Puts those that were moved there. Returns whether any was.
+    /// Puts those that were moved there. Returns whether one was put further than its `reserve`, metres: those count as moved in the sweep of a number, and all
+    /// others as if they had not been.
     pub(super) fn store(
-        &self,
+        &mut self,
         participants: &TriangleParticipants,
         particles: &mut Particles,
+        reserve: &[f32],
+        sweep: u32,
     ) -> bool {
         let mut any = false;
-        for ((&row, at), &moved) in participants.rows.iter().zip(&self.at).zip(&self.moved) {
-            if moved > 0 {
-                let place = &mut particles.position[row as usize];
-                *place = at.as_vec3().extend(place.w);
-                any = true;
+        let each = participants.rows.iter().zip(&self.at).zip(&mut self.moved).zip(reserve);
+        for (((&row, at), moved), &reserve) in each {
+            if *moved == 0 {
+                continue;
             }
+            let place = &mut particles.position[row as usize];
+            let to = at.as_vec3();
+            let far = (to - place.truncate()).abs().max_element() > reserve;
+            *place = to.extend(place.w);
+            *moved = if far { sweep } else { 0 };
+            any |= far;
         }
         any
     }

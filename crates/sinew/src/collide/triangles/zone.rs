@@ -12,6 +12,7 @@ use glam::DVec3;
 
 use super::neighbour_list::TriangleCandidate;
 use super::solve::SubstepState;
+use crate::lanes::SetLanes;
 use crate::union_find::UnionFind;
 
 /// Zones of a substep. Scratch.
@@ -64,12 +65,11 @@ impl Zones {
         state: &mut SubstepState,
         since: u32,
     ) -> bool {
-        state.close.keep_up(candidates);
+        state.close.keep_up();
         let mut any = false;
-        for (first, mut close) in (0..).map_while(|place| state.close.ask(place)) {
-            while close != 0 {
-                let number = first + close.trailing_zeros();
-                close &= close - 1;
+        for (place, close) in (0..).map_while(|place| Some((place, state.close.ask(place, 0)?))) {
+            for lane in SetLanes(close) {
+                let number = state.close.number(place, lane as u32);
                 let candidate = &candidates[number as usize];
                 if !state.moved_since(candidate.four, since)
                     || state.four(candidate).crossing().is_none()

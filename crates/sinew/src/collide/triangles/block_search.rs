@@ -1,0 +1,179 @@
+//! Which boxes of triangles overlap. Triangles that follow each other are near each other, and mostly of one cloth: eight of them are searched as one, and those
+//! of two blocks that are near are compared eight at a time.
+
+use glam::Vec3;
+
+use crate::collide::manifold::{Broad, NO_GROUP};
+use crate::kept::Kept;
+use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, Work, with};
+
+/// A search for boxes that overlap. What it keeps between calls is memory alone.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BlockSearch {
+    blocks: Vec<BoxBlock>,
+    /// The box about each block, and its group; and which overlap.
+    bounds: Vec<(Vec3, Vec3)>,
+    groups: Vec<u32>,
+    near: Vec<[u32; 2]>,
+    broad: Kept<Broad>,
+}
+
+/// Boxes that follow each other, of one group. What is no box, or missing, is one that nothing overlaps: its least corner is infinitely far above its greatest.
+#[derive(Clone, Copy, Debug)]
+struct BoxBlock {
+    first: u32,
+    count: u32,
+    least: [[f32; LANES]; 3],
+    most: [[f32; LANES]; 3],
+}
+
+impl BlockSearch {
+    /// All pairs `[i, j]`, `i < j`, of boxes (least and greatest corner) that overlap or touch and are not of one [group](NO_GROUP), sorted. Of those from `last` on,
+    /// which are no triangles, none are looked for among each other.
+    pub(super) fn pairs(
+        &mut self,
+        boxes: &[(Vec3, Vec3)],
+        of: impl Fn(usize) -> u32,
+        last: usize,
+        instructions: InstructionSet,
+        out: &mut Vec<[u32; 2]>,
+    ) {
+        let Self { blocks, bounds, groups, near, broad } = self;
+        blocks.clear();
+        bounds.clear();
+        groups.clear();
+        for (i, &(least, most)) in boxes.iter().enumerate() {
+            let group = of(i);
+            let room = blocks.last().is_some_and(|block| block.count < LANES as u32);
+            if !room || groups.last() != Some(&group) || i == last {
+                blocks.push(BoxBlock::new(i as u32));
+                bounds.push((Vec3::INFINITY, Vec3::NEG_INFINITY));
+                groups.push(group);
+            }
+            let (Some(block), Some(bounds)) = (blocks.last_mut(), bounds.last_mut()) else { break };
+            let lane = block.count as usize;
+            block.count += 1;
+            if least.cmple(most).all() {
+                for axis in 0..3 {
+                    block.least[axis][lane] = least[axis];
+                    block.most[axis][lane] = most[axis];
+                }
+                *bounds = (bounds.0.min(least), bounds.1.max(most));
+            }
+        }
+        broad.0.pairs_of_groups(bounds, groups, near);
+        out.clear();
+        with(instructions, ComparePairs { blocks, groups, near, last: last as u32, out });
+    }
+}
+
+impl BoxBlock {
+    fn new(first: u32) -> Self {
+        let (least, most) = ([[f32::INFINITY; LANES]; 3], [[f32::NEG_INFINITY; LANES]; 3]);
+        Self { first, count: 0, least, most }
+    }
+
+    /// A bit for each that a box overlaps or touches.
+    #[inline(always)]
+    fn overlapping<L: Lanes>(&self, least: [f32; 3], most: [f32; 3]) -> u32 {
+        let mut apart = L::zero();
+        for axis in 0..3 {
+            let (own_least, own_most) = (L::load(&self.least[axis]), L::load(&self.most[axis]));
+            apart = apart.or(own_most.lt(L::splat(least[axis])));
+            apart = apart.or(L::splat(most[axis]).lt(own_least));
+        }
+        !apart.bits() & ((1 << LANES) - 1)
+    }
+}
+
+/// Compares the boxes of blocks that are near each other; `near` are pairs of those, sorted.
+struct ComparePairs<'a> {
+    blocks: &'a [BoxBlock],
+    groups: &'a [u32],
+    near: &'a [[u32; 2]],
+    last: u32,
+    out: &'a mut Vec<[u32; 2]>,
+}
+
+impl Work for ComparePairs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { blocks, groups, mut near, last, out } = self;
+        for (number, block) in blocks.iter().enumerate() {
+            if block.first >= last {
+                break;
+            }
+            let mut count = 0;
+            while count < near.len() && near[count][0] as usize == number {
+                count += 1;
+            }
+            let (own, others) = near.split_at(count);
+            near = others;
+            for lane in 0..block.count as usize {
+                let least = [block.least[0][lane], block.least[1][lane], block.least[2][lane]];
+                let most = [block.most[0][lane], block.most[1][lane], block.most[2][lane]];
+                let i = block.first + lane as u32;
+                if groups[number] == NO_GROUP {
+                    let behind = u32::MAX << (lane + 1);
+                    for other in SetLanes(block.overlapping::<L>(least, most) & behind) {
+                        out.push([i, block.first + other as u32]);
+                    }
+                }
+                for &[_, other] in own {
+                    let theirs = &blocks[other as usize];
+                    for lane in SetLanes(theirs.overlapping::<L>(least, most)) {
+                        out.push([i, theirs.first + lane as u32]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_finds_what_comparing_all_with_all_finds_in_the_same_order() {
+        let mut state = 7_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as f32 / (1_u64 << 24) as f32
+        };
+        for (count, last, size) in [(300, 250, 0.2), (70, 70, 0.5), (9, 0, 1.0), (0, 0, 1.0)] {
+            let mut boxes: Vec<_> = (0..count)
+                .map(|_| {
+                    let least = Vec3::new(next(), next(), next());
+                    (least, least + size * Vec3::new(next(), next(), next()))
+                })
+                .collect();
+            let mut groups: Vec<u32> = (0..count as u32).map(|i| i / 41 % 3).collect();
+            for i in (0..count).step_by(23) {
+                boxes[i].0 = [Vec3::NAN, Vec3::splat(9.0)][i % 2];
+                groups[i] = NO_GROUP;
+            }
+            let mut expected = Vec::new();
+            for i in 0..last.min(count) {
+                for j in i + 1..count {
+                    let [a, b] = [boxes[i], boxes[j]];
+                    let is_box = |(least, most): (Vec3, Vec3)| least.cmple(most).all();
+                    let overlap = a.0.cmple(b.1).all() && b.0.cmple(a.1).all();
+                    let compared = groups[i] != groups[j] || groups[i] == NO_GROUP;
+                    if is_box(a) && is_box(b) && overlap && compared {
+                        expected.push([i as u32, j as u32]);
+                    }
+                }
+            }
+            for instructions in [InstructionSet::best(), InstructionSet::Scalar] {
+                let mut found = vec![[1, 1]];
+                let of = |i: usize| groups[i];
+                BlockSearch::default().pairs(&boxes, of, last, instructions, &mut found);
+                assert_eq!(found, expected);
+            }
+            assert!(count < 70 || expected.len() > 20, "{}", expected.len());
+        }
+    }
+}
