@@ -267,6 +267,13 @@ impl Particles {
         self.note_moved(i);
     }
 
+    /// The same as [`displace`](Self::displace) and [`set_velocity`](Self::set_velocity), by a step itself: it wakes nobody.
+    pub(crate) fn put(&mut self, i: usize, displacement: Vec3, velocity: Vec3) {
+        self.position[i] += displacement.extend(0.0);
+        self.velocity[i] = velocity.extend(0.0);
+        self.rounding[i] = Vec4::ZERO;
+    }
+
     /// Adds an impulse, N·s: the momentum of the particle changes by exactly that. Pinned particles do not notice.
     pub fn add_impulse(&mut self, i: usize, impulse: Vec3) {
         let change = impulse * self.position[i].w;

@@ -108,7 +108,7 @@ impl Moving {
                 *slot = slot.as_ref().and_then(|body| pushed(particles, compound, body, &push, h));
             }
             if let Some(body) = slot
-                && body.write_rows(particles, &compound.rows, &compound.rest).is_err()
+                && body.settle_rows(particles, &compound.rows, &compound.rest).is_err()
             {
                 *slot = None;
             }

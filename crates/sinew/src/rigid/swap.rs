@@ -137,6 +137,28 @@ impl RigidBody {
         rows: &[usize],
         rest: &[Vec3],
     ) -> Result<(), RigidFault> {
+        self.put_rows(particles, (rows, rest), |particles, i, displacement, velocity| {
+            particles.displace(i, displacement);
+            particles.set_velocity(i, velocity);
+        })
+    }
+
+    /// The same by a step itself, which wakes nobody.
+    pub(crate) fn settle_rows(
+        &self,
+        particles: &mut Particles,
+        rows: &[usize],
+        rest: &[Vec3],
+    ) -> Result<(), RigidFault> {
+        self.put_rows(particles, (rows, rest), Particles::put)
+    }
+
+    fn put_rows(
+        &self,
+        particles: &mut Particles,
+        (rows, rest): (&[usize], &[Vec3]),
+        put: impl Fn(&mut Particles, usize, Vec3, Vec3),
+    ) -> Result<(), RigidFault> {
         if let Some(fault) = self.fault() {
             return Err(fault);
         }
@@ -145,8 +167,8 @@ impl RigidBody {
         }
         for (&i, (position, velocity)) in rows.iter().zip(self.place(rest)) {
             // As a displacement: set as a position of the world, it would lose its digits far from zero.
-            particles.displace(i, position - particles.relative_to(i, self.origin));
-            particles.set_velocity(i, velocity);
+            let displacement = position - particles.relative_to(i, self.origin);
+            put(particles, i, displacement, velocity);
         }
         Ok(())
     }

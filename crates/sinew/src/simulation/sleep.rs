@@ -173,7 +173,9 @@ impl Simulation {
                 sleepers.dormant.forget();
             }
             self.look_at_islands(&mut sleepers, dt);
-            if sleepers.dormant.is_near(&sleepers.looked, &sleepers.bounds) {
+            if sleepers.dormant.is_near(&sleepers.looked, &sleepers.bounds)
+                || self.stirs_dormant(&sleepers)
+            {
                 sleepers.dormant.forget();
                 self.look_at_islands(&mut sleepers, dt);
             }
@@ -196,6 +198,17 @@ impl Simulation {
             self.particles.note_sleepers(false);
         }
         self.scratch.sleep_scratch.0 = sleepers;
+    }
+
+    /// Whether something of a body moves of which another island is dormant.
+    fn stirs_dormant(&self, sleepers: &SleepScratch) -> bool {
+        let SleepScratch { dormant, activities, looked_rows, .. } = sleepers;
+        let islands = &self.scratch.plan.islands.of;
+        !dormant.is_empty()
+            && looked_rows.iter().flat_map(Clone::clone).any(|row| {
+                dormant.is_of_body(self.particles.body[row])
+                    && activities[islands[row] as usize].active
+            })
     }
 
     /// Wakes: gives those that sleep their masses back, at the end of a step.
@@ -470,7 +483,8 @@ impl Simulation {
                 }
                 let Some(body) = sleep.get_mut(particles.body[i] as usize) else { continue };
                 // Of many particles of a body the first tells.
-                if sleepers.first_of[particles.body[i] as usize] == number as u32 {
+                let tells = sleepers.first_of[particles.body[i] as usize] == number as u32;
+                if tells && !dormant.is_of_body(particles.body[i]) {
                     sleepers.first_of[particles.body[i] as usize] = u32::MAX;
                     body.still =
                         if group.active { 0.0 } else { (body.still + dt).min(2.0 * SECONDS) };

@@ -39,8 +39,9 @@ pub(super) struct Dormant {
     ignored: Vec<[ContactParticipant; 2]>,
     /// How often some were found.
     count: u64,
-    /// For each island whether it is dormant.
+    /// For each island whether it is dormant, and for each body whether an island of it is.
     of: Vec<bool>,
+    of_bodies: Vec<bool>,
     /// Stretches of rows of dormant islands that can move when they are awake, and their inverse masses, one after the other.
     rows: Vec<Range<usize>>,
     masses: Vec<f32>,
@@ -82,6 +83,11 @@ impl Dormant {
                 position.w = w;
             }
         }
+    }
+
+    /// Whether an island of a body is dormant: then what is looked at of it, pins by themselves, has no say in how it sleeps.
+    pub(super) fn is_of_body(&self, body: u32) -> bool {
+        !self.is_empty() && self.of_bodies.get(body as usize).is_some_and(|&own| own)
     }
 
     fn rows(&self) -> &[Range<usize>] {
@@ -186,7 +192,9 @@ impl Simulation {
             }
             return;
         }
-        let Dormant { ignored, count, of, rows, masses: own, bounds: boxes, broad, .. } = dormant;
+        let Dormant {
+            ignored, count, of, of_bodies, rows, masses: own, bounds: boxes, broad, ..
+        } = dormant;
         of.clear();
         of.extend((0..islands.list.len() as u32).map(lasts));
         if !of.contains(&true) {
@@ -206,6 +214,13 @@ impl Simulation {
             }
             !is_own
         });
+        of_bodies.clear();
+        of_bodies.resize(self.sleep.len(), false);
+        for row in rows.iter().flat_map(Clone::clone) {
+            if let Some(own) = of_bodies.get_mut(self.particles.body[row] as usize) {
+                *own = true;
+            }
+        }
         *count += 1;
         ignored.clone_from(&self.ignored);
         islands.dormant.clone_from(of);
@@ -223,6 +238,7 @@ mod tests {
     use crate::forces::{Control, Spring, Wind};
     use crate::particles::ParticleSeed;
     use crate::recipes::{BoxSpec, box_3d};
+    use crate::rigid::Compound;
     use crate::simulation::Sleep;
 
     /// One box on another, two beside them, a ball that stands, and a box that stays awake.
@@ -262,6 +278,45 @@ mod tests {
         }
         assert!(looked_again);
         assert!(world.particles.position(24).x < 2.5, "the last one was hit");
+    }
+
+    /// Of a door on a post the pins were all that was looked at while the door slept on, and it was said to be awake; a copy said that it slept.
+    #[test]
+    fn pins_by_themselves_have_no_say_in_how_their_body_sleeps_until_they_are_led() {
+        let mut world = level();
+        let at = Vec3::new(0.0, 3.0, 4.0);
+        let post = world.particles.push(ParticleSeed::at(at).pinned()).unwrap();
+        world.particles.set_body(post as usize, Some(0));
+        for step in 0..150 {
+            world.step(1.0 / 60.0).unwrap();
+            assert!(world.sleep[0].asleep || step < 90, "{step}");
+        }
+        assert_eq!(count(&world), 4);
+        world.boundaries.pins.push(Pin { particle: post, target: at + Vec3::X });
+        world.step(1.0 / 60.0).unwrap();
+        assert!(!world.sleep[0].asleep && world.sleep[0].still == 0.0);
+    }
+
+    /// The step wrote to their particles as somebody from outside does, and so woke them, once anybody slept.
+    #[test]
+    fn rigid_bodies_fall_asleep_beside_sleepers() {
+        let mut world = Simulation::default();
+        world.boundaries.planes.push(Plane::ground(0.0));
+        for (number, y) in [0.5, 3.0].into_iter().enumerate() {
+            let at = Vec3::new(4.0 * number as f32, y, 0.0);
+            let cube = box_3d(&BoxSpec::default()).unwrap();
+            let rest = cube.parts[0].rest.clone();
+            let rows = cube.transformed(Quat::IDENTITY, at).build(&mut world).unwrap();
+            world.compounds_mut().push(Compound::new(rows, rest));
+        }
+        world.sleep.resize(2, Sleep::allowed());
+        let mut first = None;
+        for step in 0..400 {
+            world.step(1.0 / 60.0).unwrap();
+            first = first.or((world.sleep[0].asleep && !world.sleep[1].asleep).then_some(step));
+        }
+        assert!(first.is_some(), "one slept while the other fell");
+        assert!(world.sleep.iter().all(|body| body.asleep), "{:?}", world.sleep);
     }
 
     /// A spring between two that sleep woke a copy of the world at once, and the world itself only when something else happened: who goes back to a saved state
