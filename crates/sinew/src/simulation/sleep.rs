@@ -174,7 +174,7 @@ impl Simulation {
             }
             self.look_at_islands(&mut sleepers, dt);
             if sleepers.dormant.is_near(&sleepers.looked, &sleepers.bounds)
-                || self.stirs_dormant(&sleepers)
+                || self.wakes_dormant(&sleepers)
             {
                 sleepers.dormant.forget();
                 self.look_at_islands(&mut sleepers, dt);
@@ -201,7 +201,7 @@ impl Simulation {
     }
 
     /// Whether something of a body moves of which another island is dormant.
-    fn stirs_dormant(&self, sleepers: &SleepScratch) -> bool {
+    fn wakes_dormant(&self, sleepers: &SleepScratch) -> bool {
         let SleepScratch { dormant, activities, looked_rows, .. } = sleepers;
         let islands = &self.scratch.plan.islands.of;
         !dormant.is_empty()

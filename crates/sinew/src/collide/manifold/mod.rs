@@ -30,7 +30,7 @@ use super::words::{Reader, Write};
 use crate::lanes::InstructionSet;
 
 pub(crate) use boxes::BoxPairs;
-pub(crate) use broad::{Broad, ClusterSearch, NO_GROUP};
+pub(crate) use broad::{Aabb, Broad, ClusterSearch, NO_GROUP};
 pub(crate) use convex::ManifoldScratch;
 
 /// Where two surfaces are near each other.

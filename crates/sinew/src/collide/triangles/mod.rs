@@ -100,7 +100,7 @@ const SWEEPS: u32 = 4;
 const NEGLIGIBLE: f64 = 0.01;
 
 /// So often those are asked again in a substep whom contacts have put further than was reckoned with.
-const ROUNDS: u32 = 2;
+const REPEATS: u32 = 2;
 
 /// A candidate that did not touch.
 const NONE: u32 = u32::MAX;
@@ -135,7 +135,8 @@ impl Triangles {
         }
         let Self { participants, former, neighbours, .. } = self;
         neighbours.begin_step(participants, particles, dt);
-        if !participants.are(former) || !neighbours.hold(participants, particles, filter) {
+        if !participants.is_same_as(former) || !neighbours.is_valid(participants, particles, filter)
+        {
             self.rebuild(particles, filter, false);
         }
     }
@@ -163,7 +164,7 @@ impl Triangles {
         self.state.load(&self.participants, particles);
         let (mut worst, mut sweep) = (0.0_f64, 0);
         let mut fresh = true;
-        for round in 0..=ROUNDS {
+        for repeat in 0..=REPEATS {
             self.hit_of.resize(self.neighbours.candidates.len(), NONE);
             let Self { participants, state, .. } = self;
             if fresh {
@@ -173,7 +174,7 @@ impl Triangles {
             for number in 0..SWEEPS {
                 sweep += 1;
                 // All; after that those of whom one was put further than was reckoned with, or has moved in the last sweep or in this one.
-                let since = if number == 0 && round == 0 { 0 } else { sweep - 1 };
+                let since = if number == 0 && repeat == 0 { 0 } else { sweep - 1 };
                 // That it has looked again changes nothing where all agreed.
                 let least = if sweep == 1 { 0.0 } else { NEGLIGIBLE };
                 worst = worst.max(self.sweep((particles, filter), sweep, since, least));
@@ -197,7 +198,7 @@ impl Triangles {
             }
             let Self { participants, neighbours, state, .. } = self;
             let far = state.store(participants, particles, &neighbours.reserve, sweep);
-            if !far || round == ROUNDS {
+            if !far || repeat == REPEATS {
                 break;
             }
             fresh = neighbours.is_outrun(participants, particles, false);

@@ -4,13 +4,13 @@
 //! around that. As long as everybody is within its margin, beside what all do alike, whoever touches was found. A triangle's box is that about those
 //! of its corners. What is found is in the order of the triangles that stand for it, and so in that of the rows, whatever the margins are.
 
-use glam::{DVec3, Vec3, Vec3A};
+use glam::{DVec3, Vec3};
 
 use super::super::distance::{of_segments, to_triangle};
 use super::block_search::BlockSearch;
 use super::participants::{EDGES, TriangleParticipants, largest};
 use crate::collide::filter::ContactFilter;
-use crate::collide::manifold::NO_GROUP;
+use crate::collide::manifold::{Aabb, NO_GROUP};
 use crate::lanes::InstructionSet;
 use crate::particles::{NO_BODY, Particles};
 
@@ -104,7 +104,7 @@ impl TriangleNeighbours {
     }
 
     /// Whether what was found in an earlier step, of the same participants, holds when one begins.
-    pub(super) fn hold(
+    pub(super) fn is_valid(
         &self,
         participants: &TriangleParticipants,
         particles: &Particles,
@@ -245,7 +245,7 @@ impl TriangleNeighbours {
             // One that is nowhere is in no box, and not near anybody.
             let extent = low.abs().max(high.abs()).max_element();
             let good = from.is_finite() && to.is_finite() && extent < FAR;
-            own.push(if good { Aabb::new(low.as_vec3(), high.as_vec3()) } else { Aabb::NOWHERE });
+            own.push(if good { Aabb::new((low.as_vec3(), high.as_vec3())) } else { Aabb::NOWHERE });
         }
         of_triangles.clear();
         of_triangles.extend(participants.triangles.iter().map(|corners| {
@@ -391,39 +391,4 @@ fn distance([p, a, b, c]: [DVec3; 4], edges: bool) -> f64 {
     }
     let [i, j, k] = to_triangle(p, [a, b, c]);
     (p - (a * i + b * j + c * k)).length()
-}
-
-/// A box, each corner in one register for the comparisons.
-#[derive(Clone, Copy, Debug)]
-struct Aabb {
-    least: Vec3A,
-    most: Vec3A,
-}
-
-impl Aabb {
-    /// What overlaps nothing, nor does a box about it.
-    const NOWHERE: Self = Self { least: Vec3A::NAN, most: Vec3A::NAN };
-
-    fn new(least: Vec3, most: Vec3) -> Self {
-        Self { least: least.into(), most: most.into() }
-    }
-
-    fn corners(&self) -> (Vec3, Vec3) {
-        (self.least.into(), self.most.into())
-    }
-
-    /// The box about two.
-    #[inline(always)]
-    fn and(&self, other: &Self) -> Self {
-        // `min` and `max` pass over what is no number.
-        if self.least.is_nan() || other.least.is_nan() {
-            return Self::NOWHERE;
-        }
-        Self { least: self.least.min(other.least), most: self.most.max(other.most) }
-    }
-
-    #[inline(always)]
-    fn overlaps(&self, other: &Self) -> bool {
-        (self.least.cmple(other.most) & other.least.cmple(self.most)).all()
-    }
 }

@@ -132,7 +132,7 @@ impl TriangleParticipants {
     }
 
     /// Whether others are the same in all that their neighbours depend on, but for where they are.
-    pub(super) fn are(&self, others: &Self) -> bool {
+    pub(super) fn is_same_as(&self, others: &Self) -> bool {
         // Triangles and what is loose say what each stands for; what is no number is itself here.
         let bits = |rest: &[Vec3]| -> bool {
             let each = rest.iter().zip(&others.rest);

@@ -111,7 +111,7 @@ fn compare(build: Build, count: usize, tune: fn(&mut Simulation)) {
 const BUILDS: [Build; 4] = [boxes, ropes, ragdolls, strips];
 
 #[test]
-fn bodies_in_flocks_have_the_bits_that_they_have_alone() {
+fn bodies_in_batches_have_the_bits_that_they_have_alone() {
     for build in BUILDS {
         for count in [3, 8, 9, 17] {
             compare(build, count, |_| {});
@@ -256,7 +256,7 @@ fn so_they_have_where_a_step_is_taken_phase_by_phase() {
 /// One of eight that slept had the others of its batch solved one by one, so that a crowd of figures took longer the more of them lay still.
 #[test]
 fn so_they_have_where_some_of_them_sleep() {
-    let lull = |world: &mut Simulation, body: usize, size: usize| {
+    let put_to_sleep = |world: &mut Simulation, body: usize, size: usize| {
         world.sleep[body] = crate::Sleep { asleep: true, still: 9.0, ..crate::Sleep::allowed() };
         for row in body * size..(body + 1) * size {
             world.particles.set_velocity(row, Vec3::ZERO);
@@ -290,8 +290,8 @@ fn so_they_have_where_some_of_them_sleep() {
         for (number, alone) in alone.iter_mut().enumerate() {
             alone.sleep.resize(1, crate::Sleep::allowed());
             if sleepers.contains(&number) {
-                lull(&mut together, number, size);
-                lull(alone, 0, size);
+                put_to_sleep(&mut together, number, size);
+                put_to_sleep(alone, 0, size);
             }
         }
         for tick in 0..30 {
@@ -399,7 +399,7 @@ impl Workers for Three {
 }
 
 #[test]
-fn eight_of_a_kind_make_a_flock_and_what_is_different_does_not() {
+fn eight_of_a_kind_make_a_batch_and_what_is_different_does_not() {
     let instance_batches = |build: Build, count: usize| {
         let world = world(build, 0..count);
         let mut plan = crate::solve::Plan::default();

@@ -1,12 +1,13 @@
 //! One grid of boxes of like size.
 
-use glam::{IVec3, Vec3, Vec3A};
+use glam::{IVec3, Vec3};
 
-/// A box in a grid: its least and greatest corner, each in one register, for the comparisons.
+use super::aabb::Aabb;
+
+/// A box in a grid.
 #[derive(Clone, Copy)]
 pub(super) struct BoxEntry {
-    least: Vec3A,
-    most: Vec3A,
+    bounds: Aabb,
     pub(super) number: u32,
     /// Boxes of one group are not compared with each other, but for [`NO_GROUP`].
     group: u32,
@@ -22,14 +23,14 @@ pub(super) fn are_compared(group: u32, other: u32) -> bool {
 }
 
 impl BoxEntry {
-    pub(super) fn new((least, most): &(Vec3, Vec3), number: u32) -> Self {
-        Self { least: (*least).into(), most: (*most).into(), number, group: NO_GROUP }
+    pub(super) fn new(bounds: &(Vec3, Vec3), number: u32) -> Self {
+        Self { bounds: Aabb::new(*bounds), number, group: NO_GROUP }
     }
 
     /// Whether two overlap or touch.
     #[inline(always)]
     pub(super) fn overlaps(&self, other: &Self) -> bool {
-        (self.least.cmple(other.most) & other.least.cmple(self.most)).all()
+        self.bounds.overlaps(&other.bounds)
     }
 }
 
@@ -132,7 +133,7 @@ impl BoxGrid {
     /// Each box in it.
     pub(super) fn each(&self, mut then: impl FnMut(u32, (Vec3, Vec3))) {
         for entry in &self.entries {
-            then(entry.number, (entry.least.into(), entry.most.into()));
+            then(entry.number, entry.bounds.corners());
         }
     }
 
@@ -160,7 +161,7 @@ impl BoxGrid {
     /// Hands out those that a box overlaps or touches, from a place in memory on.
     #[inline(always)]
     fn query(&self, entry: &BoxEntry, first: usize, out: &mut impl FnMut(u32)) {
-        let (least, most) = (Vec3::from(entry.least), Vec3::from(entry.most));
+        let (least, most) = entry.bounds.corners();
         // A little more, for what rounding has taken off an extent.
         let from = self.cell(least - self.size - least.abs() * 3e-7);
         let to = self.cell(most);

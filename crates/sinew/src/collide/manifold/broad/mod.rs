@@ -10,11 +10,13 @@
 //!
 //! Sweeping along one axis would compare more: in a pile of 1000 each box has some 150 others beside it there, and 14 to compare here.
 
+mod aabb;
 mod clusters;
 mod grid;
 
 use glam::Vec3;
 
+pub(crate) use aabb::Aabb;
 pub(crate) use clusters::ClusterSearch;
 pub(crate) use grid::NO_GROUP;
 use grid::{BoxGrid, are_compared};
