@@ -1,8 +1,12 @@
-//! Coulomb's law of friction in positions (physics.md F8).
+//! Coulomb's law of friction (physics.md F8), in positions and in velocities.
+//!
+//! In positions, within a substep, it holds what sticks: [`friction`]. A contact whose two sides both move takes speed off what slides at the end of the
+//! substep instead: `μ N h/m` with `N = m δ/h²` of an overlap `δ`, that is `μ δ/h`. Either way at most all of the sliding: [`friction_share`].
 
 use glam::Vec3;
 
 use super::recovery::recovered_way;
+use crate::lanes::Number;
 use crate::particles::Places;
 
 /// Moves a row by the normal correction, of which that of an overlap from before is `recover` metres at the most, and by the friction that goes with it;
@@ -34,12 +38,13 @@ pub(super) fn push(
 /// the displacement `Δn = N h²/m`; friction of at most μN moves it back by at most `μ Δn`, and never past standing still.
 #[inline]
 pub(super) fn friction(slid: Vec3, normal_correction: f32, coefficient: f32) -> Vec3 {
-    let distance = slid.length();
-    if distance > coefficient * normal_correction {
-        slid * (-coefficient * normal_correction / distance)
-    } else {
-        -slid
-    }
+    slid * -friction_share(slid.length(), coefficient * normal_correction)
+}
+
+/// The share of a sliding of `length` that friction takes which is good for `most` of it, 0 to 1, both in the same unit.
+#[inline(always)]
+pub(super) fn friction_share<N: Number>(length: N, most: N) -> N {
+    most.lt(length).select(most / length, N::splat(1.0))
 }
 
 #[cfg(test)]
@@ -52,6 +57,13 @@ mod tests {
         assert!(friction(slid, 0.1, 0.5).abs_diff_eq(slid * -0.1, 1e-7));
         assert_eq!(friction(slid, 10.0, 0.5), -slid);
         assert_eq!(friction(Vec3::ZERO, 0.0, 0.5), Vec3::ZERO);
+    }
+
+    #[test]
+    fn friction_takes_at_most_all_of_a_sliding() {
+        assert_eq!(friction_share(4.0_f32, 1.0), 0.25);
+        assert_eq!(friction_share(1.0_f32, 4.0), 1.0);
+        assert_eq!(friction_share(0.0_f32, 0.0), 1.0);
     }
 
     #[test]

@@ -18,8 +18,9 @@
 //! | `manifold` | where two shapes touch |
 //! | `sweep` | what a shape meets on a straight way, and what it is near |
 //! | `body_contact` | compounds that collide by their shape, ropes by their segments |
-//! | `friction` | Coulomb's law in positions |
+//! | `friction` | Coulomb's law |
 //! | `pressed` | what contacts ask of large cloth that body colliders press on |
+//! | `restitution` | restitution: the one law of all contacts |
 //! | `recovery` | how much of an overlap a particle is put out by in a substep |
 //! | `world` | what all of them are told of a world |
 //! | `stage` | all of it in its order |
@@ -43,6 +44,7 @@ mod pairs;
 mod particle_contact;
 mod pressed;
 mod recovery;
+mod restitution;
 mod shape;
 mod stage;
 mod sweep;

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use crate::particles::{Particles, rate_of_drag};
+use crate::particles::{Particles, drag_of_rate, rate_of_drag};
 
 /// Shares of the velocity that a particle loses per second while it touches a plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,6 +25,11 @@ impl PlanarDrag {
 const TOUCH: f32 = 1e-3;
 
 impl PlanarDrag {
+    /// The shares of the velocity along the plane and across it that are lost in `h` seconds: `1 - (1 - drag)^h`.
+    pub(crate) fn lost_in(self, h: f32) -> [f32; 2] {
+        [self.along, self.across].map(|drag| drag_of_rate(rate_of_drag(drag) * h))
+    }
+
     /// Takes from the velocities of particles that touch a plane with this drag what a substep of `h` seconds takes: `v_t ← v_t (1 - along)^h`,
     /// `v_n ← v_n (1 - across)^h`. Rows of solids are left to those.
     pub(crate) fn apply(
@@ -34,8 +39,7 @@ impl PlanarDrag {
         solid: &[bool],
         h: f32,
     ) {
-        let lost = |drag: f32| -libm::expm1f(-rate_of_drag(drag) * h);
-        let (along, across) = (lost(self.along), lost(self.across));
+        let lost = self.lost_in(h);
         for i in 0..particles.len() {
             let above = particles.height(i, normal, offset) - particles.radius[i];
             let is_solid = solid.get(i).is_some_and(|&solid| solid);
@@ -44,7 +48,7 @@ impl PlanarDrag {
             }
             let velocity = particles.velocity[i].truncate();
             let towards: Vec3 = normal * velocity.dot(normal);
-            let taken = (velocity - towards) * along + towards * across;
+            let taken = (velocity - towards) * lost[0] + towards * lost[1];
             particles.velocity[i] -= taken.extend(0.0);
         }
     }

@@ -7,6 +7,7 @@ use super::super::material::CombinedMaterial;
 use super::super::nearby::Nearby;
 use super::super::pressed::{Aggregate, PressedCloth, Push};
 use super::super::recovery::{recovered, recovery};
+use super::super::restitution::{is_elastic, rebound};
 use super::super::world::World;
 use super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, TURN, rotation};
 use super::groups::BodyGroups;
@@ -15,6 +16,7 @@ use super::normal_solve::LEAST_LEVER;
 use super::rigid_islands::RigidIslands;
 use super::swept_bounds::SweptBounds;
 use super::{BodyContactSolver, ContactEvent};
+use crate::lanes::Number;
 use crate::particles::{NO_BODY, Particles};
 
 /// Single particles that touch a body collider weigh together up to this share of it, as long as others go along with them ([`PressedCloth::aggregate`]). In the two scenes of
@@ -355,8 +357,7 @@ impl Loose {
     ) {
         for near in &self.pairs {
             if near.force <= 0.0
-                || near.combined_material.restitution <= 0.0
-                || near.approach >= -least
+                || !is_elastic(near.combined_material.restitution, -near.approach, least).any()
             {
                 continue;
             }
@@ -551,7 +552,8 @@ impl LooseContact {
         let moment = lever.cross(n);
         let stiff = particles.position[i].w + inverse_mass + moment.dot(body.spun(moment));
         let speed = n.dot(particles.velocity(i) - velocity - spun);
-        let impulse = (-self.combined_material.restitution * self.approach - speed) / stiff;
+        let wanted = rebound(self.combined_material.restitution, self.approach);
+        let impulse = (wanted - speed) / stiff;
         (stiff > 0.0 && impulse.is_finite()).then_some((impulse, moment))
     }
 }

@@ -50,6 +50,7 @@
 
 use glam::Vec3;
 
+use super::super::restitution::{is_elastic, rebound, threshold};
 use super::BodyContactSolver;
 use super::bodies::{Bodies, SHIFT, TURN, WideBody as Rows};
 use super::loose::ScalarBody;
@@ -59,7 +60,7 @@ use super::turn::{Matrix, load, tangents};
 use super::wide_contact::{Contact, FAR, WideContact};
 use crate::constraints::PlanarDrag;
 use crate::lanes::{LANES, Lanes, Record, SetLanes, Vector, Work, with};
-use crate::particles::{Particles, rate_of_drag};
+use crate::particles::Particles;
 
 /// A change of a speed that is none, m/s: below what positions of a metre can hold in a substep.
 const QUIET: f32 = 1e-6;
@@ -113,7 +114,7 @@ fn mark(bits: &mut [u32], row: u32) {
 impl BodyContactSolver {
     /// Gives what bounced its velocity.
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
-        let least = 2.0 * gravity * h;
+        let least = threshold(gravity, h);
         self.bounce_loose(particles, h, least);
         self.impacts.begin(self.groups.groups.len());
         let mut wide_contacts = core::mem::take(&mut self.wide_contacts);
@@ -379,8 +380,8 @@ impl RestitutionSolve<'_> {
             let speed = speed - ((y - apart_u) * turn_b.0 - (x - apart_t) * turn_b.1);
             let approach = L::load(&wide.approach[i]);
             let touches = lanes.and(approach.lt(L::splat(0.5 * FAR)));
-            let bounces = none.lt(restitution).and(L::splat(least).lt(approach.abs()));
-            let wanted = bounces.and(none - restitution * approach);
+            let bounces = is_elastic(restitution, approach.abs(), least);
+            let wanted = bounces.and(rebound(restitution, approach));
             fastest = fastest.max(touches.and(bounces).and(approach.abs()));
             force[i] = touches.and(L::load(&wide.force[i])) * L::splat(1.0 / h);
             had += Vector::new(force[i], force[i] * x, force[i] * y);
@@ -447,11 +448,7 @@ fn drag(wide: &WideContact, lane: usize, contacts: &Contact, bodies: &mut Bodies
     let past = one.velocity_at(arm) - other.velocity_at(lever);
     let weights = [a, b].map(|row| bodies[row][SHIFT].w);
     let weight = weights[0] + weights[1];
-    let residual = |drag: f32| -libm::expm1f(-rate_of_drag(drag) * h);
-    let (along, across) = (
-        residual(contacts.combined_material.drag.along),
-        residual(contacts.combined_material.drag.across),
-    );
+    let [along, across] = contacts.combined_material.drag.lost_in(h);
     let mut impulse = Vec3::ZERO;
     let normal = n * past.dot(n);
     for (part, share) in [(past - normal, along), (normal, across)] {

@@ -52,6 +52,7 @@ use glam::Vec3;
 use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
+use super::restitution::threshold;
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 
@@ -152,7 +153,7 @@ impl Pairs {
     /// Gives those that met in the substep of `h` seconds the velocity that they bounce off with, where their materials ask for it. To be called when
     /// velocities have been derived; `gravity` is its size, m/s².
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
-        let least = 2.0 * gravity * h;
+        let least = threshold(gravity, h);
         let (touched, blocks) = (&mut self.touched[..], &self.neighbours.blocks[..]);
         let velocity = &mut particles.velocity[..];
         bounce_pairs(touched, blocks, velocity, least, h, self.instructions);

@@ -1,24 +1,18 @@
 //! After the velocities are derived: what two that touched part with; and what is reported.
 //!
-//! Positions know nothing of elasticity. Two that were pushed apart leave each other with the speed that they lacked to touch; where they had
-//! overlapped when the substep began that is much too fast, and a heap would boil. So for each two that touched, with `u` the relative velocity along
-//! the normal that led to it (the lower, the faster they came), the one they have now becomes
+//! Two particles that touched get the relative speed along the normal that `collide/restitution` asks for, by an impulse along the normal, equal and
+//! opposite. Where they had overlapped when the substep began, positions leave them a speed that is much too high: without the inelastic case a heap
+//! would boil.
 //!
-//! ```text
-//! -e u                     where u < -2gh, which gravity alone gives to what lies still
-//! between 0 and max(u, 0)  elsewhere: neither nearing any more, nor parting faster than before
-//! ```
-//!
-//! by an impulse along the normal that both get, each the other way.
-//!
-//! Friction in positions stops what would slide no further than it may (`solve`). What slides loses speed here: Coulomb's `μ N h/m` with `N = m δ/h²`
-//! is `μ δ/h`, and never more than the sliding that there is. In a heap that calms what the overlaps of others set in motion: with friction in
-//! positions alone 500 balls kept boiling at 20 mm/s.
+//! Friction in positions holds what sticks (`solve`). What slides loses speed here, which also calms what the overlaps of other pairs set in motion: with
+//! friction in positions alone 500 balls kept boiling at 20 mm/s.
 
 use glam::{Vec3, Vec4};
 
 use super::super::filter::ContactFilter;
+use super::super::friction::friction_share;
 use super::super::impact::{ContactParticipant, Impacts};
+use super::super::restitution::separation_speed;
 use super::neighbour_list::PairBlock;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
@@ -50,7 +44,6 @@ kernel!(
         // Length of the substep, seconds.
         h: f32,
     ) {
-        let zero = L::zero();
         for one in touched {
             let block = &blocks[one.block as usize];
             let [rows_a, rows_b] = &block.rows;
@@ -61,14 +54,12 @@ kernel!(
             let hit = L::splat(0.5).lt(n.length_squared());
             let (before, now) = (L::load(&one.parting), n.dot(a - b));
             let restitution = L::load(&block.restitution);
-            let bounces = before.lt(L::splat(-least)).and(zero.lt(restitution));
-            let gentle = now.min(before.max(zero)).max(zero);
-            let wanted = bounces.select(-(restitution * before), gentle);
+            let wanted = separation_speed(restitution, before, now, least);
             let (w_a, w_b) = (L::load(&one.weights[0]), L::load(&one.weights[1]));
             let size = (wanted - now) / (w_a + w_b);
             let along = (a - b) - n * now;
             let (length, most) = (along.length(), L::load(&one.impulse) * L::splat(1.0 / h));
-            let held = most.lt(length).select(most / length, L::splat(1.0));
+            let held = friction_share(length, most);
             size.store(&mut one.impulse);
             let impulse = n * size - along * (held / (w_a + w_b));
             let (a, b) = ((a + impulse * w_a).or_else(hit, a), (b - impulse * w_b).or_else(hit, b));
@@ -134,11 +125,7 @@ impl PairHit {
         }
         let [a, b] = self.rows.map(|row| row as usize);
         let now = (particles.velocity(a) - particles.velocity(b)).dot(self.normal);
-        let wanted = if self.restitution > 0.0 && self.approach > least {
-            self.restitution * self.approach
-        } else {
-            now.min((-self.approach).max(0.0)).max(0.0)
-        };
+        let wanted = separation_speed(self.restitution, -self.approach, now, least);
         let (w_a, w_b) = (particles.inverse_mass(a), particles.inverse_mass(b));
         let size = (wanted - now) / (w_a + w_b);
         self.impulse += size;

@@ -1,9 +1,11 @@
 //! After the velocities are derived: restitution as an impulse, the lectures' drags, and what is to be reported.
 
 use super::super::impact::{ContactParticipant, Impacts};
+use super::super::restitution::{is_elastic, rebound, threshold};
 use super::{NormalImpulses, ParticleContacts};
 use crate::constraints::PlanarDrag;
-use crate::particles::{NO_BODY, Particles, Places, rate_of_drag};
+use crate::lanes::Number;
+use crate::particles::{NO_BODY, Particles, Places};
 
 impl ParticleContacts {
     /// Whether anything is left to do when the velocities are derived.
@@ -42,15 +44,14 @@ impl ParticleContacts {
                 let approach = press.approach - carried.dot(normal);
                 let velocity = places.velocity[i].truncate() - carried;
                 let along = velocity.dot(normal);
-                if candidate.restitution > 0.0 && approach < -2.0 * g * h {
-                    let wanted = -candidate.restitution * approach;
+                if is_elastic(candidate.restitution, -approach, threshold(g, h)).any() {
+                    let wanted = rebound(candidate.restitution, approach);
                     places.velocity[i] += (normal * (wanted - along)).extend(0.0);
                 }
                 if candidate.drag != PlanarDrag::default() {
-                    let lost = |drag: f32| -libm::expm1f(-rate_of_drag(drag) * h);
                     let across = normal * along;
-                    let taken = (velocity - across) * lost(candidate.drag.along)
-                        + across * lost(candidate.drag.across);
+                    let lost = candidate.drag.lost_in(h);
+                    let taken = (velocity - across) * lost[0] + across * lost[1];
                     places.velocity[i] -= taken.extend(0.0);
                 }
             }

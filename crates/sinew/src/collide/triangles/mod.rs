@@ -61,6 +61,7 @@ mod zone;
 use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
+use super::restitution::threshold;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 
@@ -213,7 +214,7 @@ impl Triangles {
     /// is its size, m/s².
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         for hit in &mut self.hits {
-            hit.bounce(particles, h, 2.0 * gravity * h);
+            hit.bounce(particles, h, threshold(gravity, h));
         }
         self.reported.extend(self.hits.iter().filter(|hit| hit.reported));
     }

@@ -1,15 +1,14 @@
 //! After the velocities are derived: what two that touched part with; and what is reported.
 //!
-//! As among [`pairs`](crate::collide::pairs), with the points of contact in the place of the particles. With `u` the velocity along the normal that
-//! the two points had to each other before (the lower, the faster they came), the one they have now becomes `-e u` where they came faster than
-//! gravity alone makes what lies still (`u < -2gh`), and elsewhere is kept between `0` and `max(u, 0)`: neither nearing any more, nor parting faster
-//! than before, because what was pushed out of an overlap has not been thrown. An impulse `J` does it, of which each particle gets `kᵢ J`. What
-//! slides loses Coulomb's `μ δ/h`, and never more than the sliding there is.
+//! As among [`pairs`](crate::collide::pairs), with the points of contact in the place of the particles: the law is `collide/restitution`'s, and of the
+//! impulse `J` that it takes each particle gets `kᵢ J`.
 
 use glam::Vec3;
 
 use super::super::filter::ContactFilter;
+use super::super::friction::friction_share;
 use super::super::impact::{ContactParticipant, Impacts};
+use super::super::restitution::separation_speed;
 use super::neighbour_list::TriangleCandidate;
 use super::participants::TriangleParticipants;
 use super::solve::{SubstepState, TriangleContact};
@@ -90,14 +89,10 @@ impl TriangleHit {
     pub(super) fn bounce(&mut self, particles: &mut Particles, h: f32, least: f32) {
         let velocity = self.velocity(particles);
         let now = velocity.dot(self.normal);
-        let wanted = if self.restitution > 0.0 && self.parting < -least {
-            -self.restitution * self.parting
-        } else {
-            now.min(self.parting.max(0.0)).max(0.0)
-        };
+        let wanted = separation_speed(self.restitution, self.parting, now, least);
         let along = velocity - self.normal * now;
         let (length, most) = (along.length(), self.friction * self.overlap as f32 / h);
-        let held = if most < length { most / length } else { 1.0 };
+        let held = friction_share(length, most);
         let size = (wanted - now) / self.inverse;
         self.impulse = size + self.overlap as f32 / (self.inverse * h);
         let impulse = self.normal * size - along * (held / self.inverse);
