@@ -21,6 +21,8 @@ pub(crate) struct Contacts {
     pub(crate) normal_impulses: Vec<NormalImpulse>,
     /// For each row whether it does not collide by itself: it belongs to a body collider, or its body touches nothing.
     aside: Vec<bool>,
+    /// For each row whether it takes no part in `pairs`: it is aside, or triangles do all that its pairs would.
+    unpaired: Vec<bool>,
     nearby: Nearby,
     pairs: Pairs,
     triangles: Triangles,
@@ -61,10 +63,12 @@ impl Contacts {
         let normal_impulses = &mut self.normal_impulses;
         self.particle_contacts.begin(particles, &world, &self.aside, normal_impulses);
         self.nearby.broad_phase(particles, &world, &self.aside);
-        let Self { aside, nearby, .. } = self;
+        let Self { aside, unpaired, nearby, .. } = self;
         self.body_contact.broad_phase(particles, &world, nearby, contact_cache);
-        self.pairs.broad_phase(particles, (filter, nearby), &particles.rest, aside, dt);
         self.triangles.broad_phase(particles, surfaces, (filter, nearby), aside, dt);
+        unpaired.clone_from(aside);
+        self.triangles.mark_corners(filter, particles.len(), unpaired);
+        self.pairs.broad_phase(particles, (filter, nearby), &particles.rest, unpaired, dt);
     }
 
     /// Whether a body may come to touch particles of another one in this step.

@@ -19,7 +19,8 @@
 //! ([`BodyContacts::surface`]). Every particle with a radius that touches the body as [`pairs`](super::pairs) have it (another body's, or its own if
 //! it touches itself) touches its triangles, with its radius and theirs ([`solve`]), from either side; and where both bodies ask, edges touch edges:
 //! two meshes can pass through each other without a corner ever passing a triangle. A particle touches neither the triangles that it is a corner of,
-//! nor an edge one that it shares an end with. Particles go on to touch particles: a triangle comes on top of that, and decides last.
+//! nor an edge one that it shares an end with. Corners of listed triangles take no part in [`pairs`](super::pairs), unless their body touches itself: what touches a
+//! corner touches its triangles there.
 //!
 //! # How it goes
 //!
@@ -139,6 +140,21 @@ impl Triangles {
         if !participants.is_same_as(former) || !neighbours.is_valid(participants, particles, filter)
         {
             self.rebuild(particles, filter, false);
+        }
+    }
+
+    /// Marks the rows of which particle pairs would do nothing that is not done here: corners of listed triangles. A particle that touches a corner touches
+    /// its triangles there, at the same distance. Those of a body that touches itself are not marked: corners of one triangle do not touch it.
+    pub(crate) fn mark_corners(&self, filter: &ContactFilter, rows: usize, marks: &mut Vec<bool>) {
+        let TriangleParticipants { rows: members, body, triangles, .. } = &self.participants;
+        if triangles.is_empty() {
+            return;
+        }
+        marks.resize(rows, false);
+        for corner in triangles.iter().flatten().map(|&corner| corner as usize) {
+            if !filter.body(body[corner]).with_itself {
+                marks[members[corner] as usize] = true;
+            }
         }
     }
 
