@@ -1,5 +1,5 @@
-//! Planes and boxes that hold particles and do nothing else to them (physics.md C4), and the plane that a world in 2D lies in: enforced row by row,
-//! without looking for anything beforehand. What bounces, drags, moves or is listened to is a surface (`particle_contact::surface`).
+//! Planes and boxes that constrain particles without restitution, drag, motion or events (physics.md C4), and the plane constraint of a 2D world. They are
+//! projected row by row, without a broad phase. Everything else is a surface (`particle_contact::surface`).
 
 use glam::Vec3;
 
@@ -8,19 +8,19 @@ use super::friction::push;
 use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane};
 use crate::particles::{Particles, Places, ground};
 
-/// What bounds particles, class by class ([`BodyClasses`](super::body_classes::BodyClasses)), and the plane of a world in 2D: scratch of a step.
+/// Bounds of particles by class ([`BodyClasses`](super::body_classes::BodyClasses)), and the plane of a 2D world: scratch of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bounds {
     classes: Vec<ClassBounds>,
-    /// Each plane and each box once, whoever it holds.
+    /// Each plane and each box once, for whichever classes.
     planes: Vec<Plane>,
     boxes: Vec<InsideBox>,
     plane_constraint: Option<Plane>,
-    /// Planes of the boundaries with a drag, others among them that are no plain bounds.
+    /// Boundary planes with a drag, including those that are surfaces.
     drags: Vec<Plane>,
 }
 
-/// What holds one class, with the friction between the two.
+/// The bounds of one class, each with the combined friction of the two.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ClassBounds {
     planes: Vec<Plane>,
@@ -35,7 +35,7 @@ pub(super) enum PlaneOrBox {
 }
 
 impl PlaneOrBox {
-    /// What a collider is, if it is a plane, or a box along the axes, that stands still.
+    /// The plane or axis-aligned box of a collider; `None` if its shape is another, or it moves.
     pub(super) fn of(collider: &Collider) -> Option<Self> {
         if !collider.shape.is_endless() || collider.start != collider.end {
             return None;
@@ -59,7 +59,7 @@ impl PlaneOrBox {
 }
 
 impl Bounds {
-    /// Begins a step with so many classes, which nothing holds yet, and keeps its memory.
+    /// Begins a step with a number of classes without bounds. Keeps allocations.
     pub(super) fn begin(&mut self, boundaries: &Boundaries, classes: usize) {
         self.classes.resize_with(classes, ClassBounds::default);
         for class in &mut self.classes {
@@ -74,7 +74,7 @@ impl Bounds {
         self.plane_constraint = boundaries.plane_constraint.filter(Plane::is_valid);
     }
 
-    /// Adds one that holds those classes for which `friction` says how much there is.
+    /// Adds a bound for each class for which `friction` returns a coefficient.
     pub(super) fn hold_back(&mut self, bound: PlaneOrBox, friction: impl Fn(usize) -> Option<f32>) {
         let mut holds = false;
         for (number, class) in self.classes.iter_mut().enumerate() {
@@ -92,42 +92,42 @@ impl Bounds {
         }
     }
 
-    /// Whether there is nothing to touch.
+    /// Whether there are neither bounds nor a plane constraint.
     pub(super) fn is_empty(&self) -> bool {
         self.planes.is_empty() && self.boxes.is_empty() && self.plane_constraint.is_none()
     }
 
-    /// Whether the world is in 2D.
+    /// Whether the world is 2D.
     pub(super) fn has_plane_constraint(&self) -> bool {
         self.plane_constraint.is_some()
     }
 
-    /// The planes that hold a class, if nothing else does.
+    /// The planes that bound a class; `None` if boxes or the plane of a 2D world constrain it too.
     pub(super) fn planes_alone(&self, class: usize) -> Option<&[Plane]> {
         let Some(class) = self.classes.get(class) else { return Some(&[]) };
         (class.boxes.is_empty() && self.plane_constraint.is_none()).then_some(&class.planes)
     }
 
-    /// The planes and the boxes, whoever they hold.
+    /// All planes and boxes, for whichever classes.
     pub(super) fn all(&self) -> (&[Plane], &[InsideBox]) {
         (&self.planes, &self.boxes)
     }
 
-    /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
+    /// Applies the drag of planes to particles that touch them, before a substep of `h` seconds is predicted.
     pub(super) fn drag(&self, particles: &mut Particles, solid: &[bool], h: f32) {
         for plane in &self.drags {
             plane.drag.apply(particles, (plane.normal, plane.offset), solid, h);
         }
     }
 
-    /// What holds a class.
+    /// The bounds of a class.
     #[inline]
     pub(super) fn of(&self, class: usize) -> &ClassBounds {
         const NOTHING: &ClassBounds = &ClassBounds { planes: Vec::new(), boxes: Vec::new() };
         self.classes.get(class).unwrap_or(NOTHING)
     }
 
-    /// Puts a row into the plane of a world in 2D; returns how far off it was, metres.
+    /// Projects a row to the plane of a 2D world; returns its distance before, metres.
     #[inline]
     pub(super) fn project_to_plane(&self, places: &mut Places, row: u32) -> f32 {
         let Some(plane_constraint) = &self.plane_constraint else { return 0.0 };
@@ -136,7 +136,7 @@ impl Bounds {
         out.abs()
     }
 
-    /// Puts all rows back into the plane of a world in 2D, or if `moving` their velocities: normals of contacts are not quite in it.
+    /// Projects all rows to the plane of a 2D world, or with `moving` their velocities: contact normals may be slightly out of the plane.
     pub(super) fn flatten(&self, particles: &mut Particles, moving: bool) {
         let Some(Plane { normal, offset, .. }) = self.plane_constraint else { return };
         for row in 0..particles.len() {
@@ -155,7 +155,7 @@ impl Bounds {
         }
     }
 
-    /// How far out of the plane of a world in 2D a row is, metres, moving nothing.
+    /// Distance of a row from the plane of a 2D world, metres.
     pub(super) fn out_of_plane(&self, places: &Places, row: u32) -> f32 {
         let plane_constraint = self.plane_constraint.as_ref();
         plane_constraint.map_or(0.0, |s| places.height(row, s.normal, s.offset).abs())
@@ -163,7 +163,8 @@ impl Bounds {
 }
 
 impl ClassBounds {
-    /// Puts a row on the right side of every plane and box, once, with friction, and of what it was in before by `recover` metres; returns how far, metres.
+    /// Projects a row out of every plane and box, once, with friction, recovering at most `recover` metres of an overlap from before the substep. Returns the
+    /// greatest correction, metres.
     #[inline]
     pub(super) fn project(&self, places: &mut Places, row: u32, recover: f32) -> f32 {
         let mut worst = 0.0_f32;
@@ -182,13 +183,13 @@ impl ClassBounds {
         worst
     }
 
-    /// The way out of each plane and each box that a row is in, metres.
+    /// The correction of each plane and each box for a row, metres; zero where it does not overlap.
     pub(super) fn corrections(&self, places: &Places, row: u32) -> impl Iterator<Item = Vec3> {
         let planes = self.planes.iter().map(move |plane| plane.correction(places, row));
         planes.chain(self.boxes.iter().map(move |room| room.correction(places, row)))
     }
 
-    /// How far out a row is, metres, moving nothing.
+    /// Greatest overlap of a row, metres. Moves nothing.
     pub(super) fn error(&self, places: &Places, row: u32) -> f32 {
         self.corrections(places, row).map(Vec3::length).fold(0.0, f32::max)
     }

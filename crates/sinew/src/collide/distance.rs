@@ -1,19 +1,18 @@
-//! How near a point is to a triangle, and a segment to another: the nearest points, as weights of the corners.
+//! Nearest points of a point and a triangle and of two segments, as weights of the corners.
 //!
-//! In double precision, in which the corners' single numbers and their differences are exact: what is nearly flat or nearly parallel has its digits,
-//! and costs no care.
+//! In double precision, in which the single-precision corners and their differences are exact: nearly flat triangles and nearly parallel segments stay accurate
+//! without special care.
 
 use glam::DVec3;
 
-/// Below this share of the product of its sides' squares, the square of a triangle's area (or of the sine of two directions) is none.
+/// Below this share of the product of the squared sides, the square of a triangle's area (or of the sine of the angle between two directions) counts as zero.
 pub(super) const FLAT: f64 = 1e-14;
 
-/// The weights of a triangle's corners in the point of it that is nearest to `p`: they add up to one, and none is negative. One without area is its
-/// longest reach: its sides.
+/// The weights of a triangle's corners at its point nearest to `p`: they add up to one, and none is negative. A triangle without area is treated as its sides.
 ///
-/// With the sides `u` and `v` from the first corner, `d` from there to the point, and `n = u × v`, the foot of the perpendicular has the weights `(d
-/// × v)·n/n²` and `(u × d)·n/n²` of the other two corners. Where one of the three is negative, the point is beyond the side across from that corner,
-/// and the nearest point is on that side: of two such on the nearer one.
+/// With the sides `u` and `v` from the first corner, `d` from there to the point, and `n = u × v`, the foot of the perpendicular has the weights `(d × v)·n/n²`
+/// and `(u × d)·n/n²` of the other two corners. Where one of the three weights is negative, the point is beyond the side opposite that corner, and the nearest
+/// point is on that side; if two are, on the nearer of the two sides.
 #[inline]
 pub(super) fn to_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
     let foot = foot(p, [a, b, c]).unwrap_or([-1.0; 3]);
@@ -37,7 +36,7 @@ pub(super) fn to_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
     nearest
 }
 
-/// The weights of the corners in the foot of the perpendicular from a point on the plane of a triangle that has an area.
+/// The weights of the corners at the foot of the perpendicular from a point to the plane of a triangle; `None` without area.
 #[inline]
 pub(super) fn foot(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<[f64; 3]> {
     let (u, v, d) = (b - a, c - a, p - a);
@@ -51,13 +50,13 @@ pub(super) fn foot(p: DVec3, [a, b, c]: [DVec3; 3]) -> Option<[f64; 3]> {
     Some([1.0 - of_b - of_c, of_b, of_c])
 }
 
-/// Whether the square of a cross product of two is more than rounding.
+/// Whether the square of the cross product of two vectors exceeds rounding errors.
 #[inline]
 pub(super) fn has_size(square: f64, u: DVec3, v: DVec3) -> bool {
     square > FLAT * u.length_squared() * v.length_squared()
 }
 
-/// How far along a segment its point nearest to `p` is, 0 to 1.
+/// Place of a segment's point nearest to `p` along it, 0 to 1.
 #[inline]
 fn to_segment(p: DVec3, [a, b]: [DVec3; 2]) -> f64 {
     let along = b - a;
@@ -65,11 +64,11 @@ fn to_segment(p: DVec3, [a, b]: [DVec3; 2]) -> f64 {
     if square > 0.0 { ((p - a).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// How far along two segments the points are that their lines are nearest to each other in, where both are within; `None` where one is not, or where
-/// they are parallel.
+/// Places of the nearest points of the lines through two segments, 0 to 1 along each; `None` where one is outside its segment by more than `slack`, or where
+/// the segments are parallel.
 ///
-/// The connection `r + t v - s u` (`r` from the first's beginning to the second's) is square to both directions `u` and `v`, so that with `n = u × v`
-/// it is `s = (r × v)·n/n²` and `t = (r × u)·n/n²`.
+/// The connection `r + t v - s u` (`r` from the first's beginning to the second's) is perpendicular to both directions `u` and `v`, so with `n = u × v` the
+/// places are `s = (r × v)·n/n²` and `t = (r × u)·n/n²`.
 #[inline]
 pub(super) fn of_lines([a, b]: [DVec3; 2], [c, d]: [DVec3; 2], slack: f64) -> Option<[f64; 2]> {
     let (u, v, r) = (b - a, d - c, c - a);

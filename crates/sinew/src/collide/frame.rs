@@ -1,27 +1,27 @@
-//! Where something rigid is and how it is turned: an orthonormal frame, in plain numbers that are the same bits on every machine.
+//! Position and rotation of a rigid object: an orthonormal frame, in plain arithmetic that gives the same bits on every machine.
 
 use glam::{Mat3, Quat, Vec3};
 
-/// A rotation, then a translation: from coordinates of a shape's own to those of the world, metres.
+/// A rotation, then a translation: from local coordinates, such as those of a shape, to world coordinates, metres. Default: the identity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// Where its zero is, metres.
+    /// Position of the local origin, metres.
     pub translation: Vec3,
-    /// A rotation: orthonormal columns, which are its axes, and no mirror.
+    /// Rotation matrix: its columns are the frame's axes, orthonormal and right-handed.
     pub rotation: Mat3,
 }
 
 impl Frame {
-    /// At zero, not turned.
+    /// At the origin, without rotation.
     pub const IDENTITY: Self = Self { translation: Vec3::ZERO, rotation: Mat3::IDENTITY };
 
-    /// A frame at a place, not turned.
+    /// A frame at a position, without rotation.
     pub const fn at(translation: Vec3) -> Self {
         Self { translation, ..Self::IDENTITY }
     }
 
-    /// A frame at a place, turned. The quaternion is made unit here, term by term, because glam's own order of terms differs from one processor to
-    /// the next; one that cannot be gives a frame that is not [valid](Self::is_valid).
+    /// A frame at a position with a rotation. The quaternion is normalised here, term by term, because the order of terms in glam differs between processors.
+    /// One that cannot be normalised gives a frame that is not [valid](Self::is_valid).
     pub fn new(translation: Vec3, q: Quat) -> Self {
         let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
         let unit = Quat::from_xyzw(q.x / length, q.y / length, q.z / length, q.w / length);
@@ -33,38 +33,38 @@ impl Frame {
         Self { translation, rotation }
     }
 
-    /// A point from own coordinates into the world's.
+    /// Transforms a point from local to world coordinates.
     #[inline(always)]
     pub fn point(&self, local: Vec3) -> Vec3 {
         self.rotation * local + self.translation
     }
 
-    /// A direction from own coordinates into the world's.
+    /// Transforms a direction from local to world coordinates.
     #[inline(always)]
     pub fn turn(&self, local: Vec3) -> Vec3 {
         self.rotation * local
     }
 
-    /// A point of the world in own coordinates.
+    /// Transforms a point from world to local coordinates.
     #[inline(always)]
     pub fn local(&self, point: Vec3) -> Vec3 {
         self.turn_back(point - self.translation)
     }
 
-    /// A direction of the world in own coordinates.
+    /// Transforms a direction from world to local coordinates.
     #[inline(always)]
     pub fn turn_back(&self, direction: Vec3) -> Vec3 {
         let Self { rotation: r, .. } = self;
         Vec3::new(r.x_axis.dot(direction), r.y_axis.dot(direction), r.z_axis.dot(direction))
     }
 
-    /// The same place seen from an origin, metres.
+    /// The same frame relative to an origin, metres.
     #[inline(always)]
     pub fn seen_from(&self, origin: Vec3) -> Self {
         Self { translation: self.translation - origin, ..*self }
     }
 
-    /// Something that is at `inner` as this frame sees it, in the world: `self ∘ inner`.
+    /// The world frame of an object that is at `inner` in this frame's coordinates: `self ∘ inner`.
     pub(crate) fn of(&self, inner: &Self) -> Self {
         let r = &inner.rotation;
         let rotation =
@@ -72,7 +72,7 @@ impl Frame {
         Self { translation: self.point(inner.translation), rotation }
     }
 
-    /// This one as seen from another: `other ∘ result = self`.
+    /// This frame in the coordinates of another: `other ∘ result = self`.
     #[inline(always)]
     pub fn from_within(&self, other: &Self) -> Self {
         let r = &self.rotation;
@@ -81,7 +81,7 @@ impl Frame {
         Self { translation: other.local(self.translation), rotation }
     }
 
-    /// Whether it is finite and its axes are orthonormal and right-handed, to 1e-3.
+    /// Whether all numbers are finite and the axes are orthonormal and right-handed, within 1e-3.
     pub fn is_valid(&self) -> bool {
         let Self { translation, rotation: r } = self;
         let near = |x: f32, y: f32| (x - y).abs() < 1e-3;

@@ -1,19 +1,20 @@
-//! What contacts ask of large cloth that body colliders press on: which particles go along with one that is pushed, and to be held by its constraints.
+//! Interface from contacts to large cloth that body colliders press on: which particles move along with a pushed one, and how moved particles are held by their
+//! constraints.
 //!
-//! Contacts know of no constraints, and constraints are solved elsewhere; so this is an interface, and [`solve`](crate::solve) has the other side of it.
+//! Contacts do not depend on constraints, which are solved elsewhere; [`solve`](crate::solve) implements this interface.
 
 use glam::{Mat3, Vec3};
 
 use super::particle_contact::{NormalImpulse, ParticleContacts};
 use crate::particles::Particles;
 
-/// Cloth that body colliders press on, as contacts see it.
+/// Cloth under the pressure of body colliders, as contacts use it.
 pub(crate) trait PressedCloth {
-    /// The particles that go along with that of a row when it is pushed; `None` if that goes alone.
+    /// The particles that move along with that of a row when it is pushed; `None` if it moves alone.
     fn aggregate(&mut self, particles: &Particles, row: u32, push: Push) -> Option<Aggregate<'_>>;
 
-    /// Moves particles of such rows, in any order and some more than once, as their constraints have it, and others with them; those then leave the colliders
-    /// that they touch by themselves. Returns whether it moved any. The list is its own from then on.
+    /// Projects the constraints of the particles of some rows, in any order and with duplicates, moving others too; all of them are then projected out of the
+    /// particle contacts in `beside`. Returns whether any particle was moved. The list may be reordered and shortened.
     fn hold(
         &mut self,
         particles: &mut Particles,
@@ -22,40 +23,41 @@ pub(crate) trait PressedCloth {
     ) -> bool;
 }
 
-/// How a particle is pushed.
+/// Size of a push.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Push {
-    /// How far it is pushed in a substep, or would be if it went alone, metres.
+    /// Displacement of the particle in a substep if it moved alone, metres.
     pub(crate) distance: f32,
-    /// How much those that go along may weigh, kg.
+    /// Upper bound for the mass of the particles that move along, kg.
     pub(crate) mass: f32,
 }
 
-/// Particles that are pushed together, as if they were a rigid body of which each has a share: an impulse moves the body, and each of them by its share of what it would go
-/// along. So momentum is kept, and so are moments about where the substep began, which is what Verlet keeps.
+/// Particles that are pushed together as a weighted rigid body. An impulse moves the body, and each particle by its share of the body's motion there. This
+/// conserves momentum, and angular momentum about the start of the substep, which is what Verlet conserves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aggregate<'a> {
-    /// 1/kg: one by the sum of their masses, each as often as its share is.
+    /// Inverse of the sum of their masses, each weighted by its share, 1/kg.
     pub(crate) inverse_mass: f32,
-    /// Of the same, 1/(kg m²); zero of what has no width, which does not turn.
+    /// Inverse inertia with the same weights, 1/(kg m²); zero for an aggregate without extent, which does not turn.
     pub(crate) inverse_inertia: Mat3,
-    /// From the barycentre of the same to the particle in their middle, metres.
+    /// From the barycentre with the same weights to the particle in the middle, metres.
     pub(crate) lever: Vec3,
-    /// Rows, with the numbers of their rings about the middle.
+    /// Rows and their ring numbers about the middle.
     pub(crate) members: &'a [(u32, u32)],
-    /// How many rings there are: the share of ring `i` of `n` is `1 - i/n`.
+    /// Number of rings: the share of ring `i` of `n` is `1 - i/n`.
     pub(crate) rings: u32,
 }
 
 impl Aggregate<'_> {
-    /// How far an impulse on the particle in the middle moves it along the direction of both, a unit vector, for each kg m, 1/kg.
+    /// Inverse effective mass of the particle in the middle along a unit vector, 1/kg: its displacement per impulse in kg m.
     #[inline]
     pub(crate) fn compliance(&self, along: Vec3) -> f32 {
         let moment = self.lever.cross(along);
         self.inverse_mass + moment.dot(self.inverse_inertia * moment)
     }
 
-    /// Moves the particles by an impulse on the one in their middle, whose row is `middle`: kg m, a mass times how far it is moved in the substep.
+    /// Applies an impulse to the particle in the middle, whose row is `middle`, and moves all particles of the aggregate. The impulse is in kg m: a mass times
+    /// its displacement in the substep.
     pub(crate) fn apply_impulse(&self, particles: &mut Particles, middle: u32, impulse: Vec3) {
         let shift = impulse * self.inverse_mass;
         let turn = self.inverse_inertia * self.lever.cross(impulse);
@@ -71,7 +73,7 @@ impl Aggregate<'_> {
     }
 }
 
-/// The share of what is in a ring of so many.
+/// The share of a particle in a ring.
 #[inline]
 pub(crate) fn ring_share(ring: u32, rings: u32) -> f32 {
     1.0 - ring as f32 / rings as f32

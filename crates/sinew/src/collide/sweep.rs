@@ -1,11 +1,11 @@
-//! What a shape meets on a straight way, and what it touches where it is.
+//! Shape casts along a straight line, and contacts of a shape where it is.
 //!
-//! The distance of two convex shapes is a convex function of how far one of them has gone, so its tangent lies below it: where the tangent comes down to what is
-//! kept clear, the shape may go, and there it looks again. That is conservative advancement (Mirtich, 1996) as Newton's method has it: it never goes through
-//! anything, however fast and however thin, comes to the first contact from its near side, and ends on a flat one in its first round. What has dents is met
-//! triangle by triangle.
+//! The distance of two convex shapes is a convex function of how far one of them has moved, so its tangent lies below it. The shape can advance to where the
+//! tangent reaches the clearance, and the distance is computed again there. This is conservative advancement (Mirtich, 1996) with Newton's steps: it never
+//! passes through anything, however fast or thin, converges to the first contact from its near side, and takes one step on a flat face. Concave shapes are cast
+//! against triangle by triangle.
 //!
-//! All of it happens in the coordinates of the other shape, so that no digit is lost far from the origin.
+//! All computations are in the coordinates of the other shape, so that no digits are lost far from the origin.
 
 use glam::{DVec3, Vec3};
 use parry3d::math::Pose;
@@ -18,58 +18,58 @@ use super::shape::Shape;
 use super::shape::convert::{pose, theirs};
 use super::shape::gap::{Gap, Relative, RoundedCore};
 
-/// What a shape may meet, in coordinates of the world, metres.
+/// What a cast shape can hit, in world coordinates, metres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Obstacle<'a> {
-    /// A shape at a place.
+    /// A shape at a frame.
     Shape(&'a Shape, Frame),
-    /// A ball: its centre and its radius.
+    /// A ball: centre and radius.
     Ball(Vec3, f32),
-    /// A triangle, from both sides.
+    /// A two-sided triangle.
     Triangle([Vec3; 3]),
 }
 
-/// Where a shape that goes somewhere meets another one, or is near to it. Coordinates of the world, metres.
+/// A hit of a cast shape, or a contact of a shape with an obstacle. World coordinates, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SweepHit {
-    /// How far it may go to there; of what is only near, how far they are apart, negative where they overlap.
+    /// How far the shape can move until the hit; for a contact, the distance of the two, negative where they overlap.
     pub(crate) distance: f32,
-    /// The same before rounding and to where it was looked for: below 0 where it begins nearer than that.
+    /// The same in double precision and extrapolated to the exact clearance: below 0 where the shape starts closer than that.
     root: f64,
-    /// Where on the other one.
+    /// Point on the obstacle.
     pub(crate) point: DVec3,
-    /// Unit vector out of the other one there.
+    /// Unit normal of the obstacle there, pointing out of it.
     pub(crate) normal: DVec3,
 }
 
-/// How a shape goes.
+/// The motion of a cast shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SweepMotion<'a> {
     /// Unit vector.
     pub(crate) direction: Vec3,
-    /// How far, metres.
+    /// Length of the cast, metres.
     pub(crate) length: f32,
-    /// How far it keeps off everything, metres, 0 and up.
+    /// Distance that the shape keeps from all obstacles, metres, 0 or more.
     pub(crate) clearance: f32,
-    /// What becomes of what is nearer than that from the start on.
+    /// Treatment of obstacles that are closer than that at the start.
     pub(crate) start: AtStart,
-    /// What it touches and goes along or away from. What is no higher than the planes of these is not in its way.
+    /// Contacts that the shape moves along or away from. Parts that do not rise above their planes are ignored.
     pub(crate) along: &'a [SweepHit],
 }
 
-/// What is met of what is too near at the start of a way.
+/// Which of the obstacles within the clearance at the start of a cast count as hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AtStart {
-    /// All that it overlaps.
+    /// All that overlap the shape, and those that it moves into.
     Overlapped,
-    /// All that it goes into.
+    /// Those that the shape moves into.
     Entered,
-    /// Nothing.
+    /// None.
     Passed,
 }
 
 impl Obstacle<'_> {
-    /// The box around it.
+    /// Its AABB.
     pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         match self {
             Self::Shape(shape, frame) => shape.bounds_in(frame),
@@ -80,14 +80,14 @@ impl Obstacle<'_> {
 }
 
 impl Shape {
-    /// Whether it may go somewhere: it has no dents and an end.
+    /// Whether the shape can be cast: it is convex and bounded.
     pub(crate) fn is_convex(&self) -> bool {
         RoundedCore::of(self).is_some()
     }
 
-    /// What this one at `frame` meets of another one on its way; `None` if nothing, and of those that cannot move against each other (half-spaces, meshes,
-    /// landscapes). It goes no farther than the [clearance](SweepMotion::clearance) allows; less than a fiftieth of that is not yet in its way. Of several parts that
-    /// are met at once, none counts that is behind the plane of another.
+    /// Casts this shape at `frame` against an obstacle. `None` if it hits nothing, or if the shape cannot be cast (half-spaces, meshes, heightfields). The
+    /// shape stops at the [clearance](SweepMotion::clearance); an obstacle that it would approach to no less than 98 % of that is not hit. Of several parts hit
+    /// at the same distance, one behind the plane of another does not count.
     pub(crate) fn sweep(
         &self,
         frame: &Frame,
@@ -128,7 +128,7 @@ impl Shape {
         first
     }
 
-    /// Calls with each convex part of another one that this one at `frame` may meet on its way, and with where it is.
+    /// Calls `call` with each convex part of an obstacle that this shape at `frame` may hit on its way, and the frame of that part.
     fn pieces(
         &self,
         frame: &Frame,
@@ -162,8 +162,9 @@ impl Shape {
         }
     }
 
-    /// Calls with each place where this one at `frame` is no farther than `reach` metres from another one, as a hit whose distance is that between the two,
-    /// negative where they overlap: one for each convex part, or where it is deep in one of them, one for each contact that solids would have.
+    /// Calls `call` with each contact of this shape at `frame` with an obstacle no farther than `reach` metres. The hit's distance is that between the two,
+    /// negative where they overlap. There is one contact for each convex part; or, where the shape is deep inside one of them, one for each manifold of the
+    /// narrow phase.
     pub(crate) fn contacts(
         &self,
         frame: &Frame,
@@ -208,7 +209,7 @@ impl Shape {
         }
     }
 
-    /// Whether it touches a triangle.
+    /// Whether the shape touches a triangle.
     pub(crate) fn meets_triangle(&self, frame: &Frame, corners: &[Vec3; 3]) -> bool {
         if self.is_convex() {
             let mut meets = false;
@@ -226,7 +227,7 @@ impl Shape {
         frame.is_valid() && at.is_valid() && meets.is_ok_and(|meets| meets.intersecting)
     }
 
-    /// The nearest one of [contacts](Self::contacts).
+    /// The nearest of the [contacts](Self::contacts).
     pub(crate) fn nearest_contact(
         &self,
         frame: &Frame,
@@ -264,14 +265,14 @@ impl Shape {
 }
 
 impl SweepHit {
-    /// One of two that are near each other.
+    /// A contact of two nearby shapes.
     fn near(distance: f32, point: Vec3, normal: Vec3) -> Self {
         let (point, normal) = (point.as_dvec3(), normal.as_dvec3());
         Self { distance, root: f64::from(distance), point, normal }
     }
 
-    /// Whether it comes before another one on a way. Of those that come at once one may hide the other: what lies behind the plane of a face is an edge of that
-    /// face or of one beside it, and would only be stumbled over.
+    /// Whether this hit comes before another in a cast. Of hits at the same distance one may hide the other: what lies behind the plane of a face is an edge of
+    /// that face or of a neighbouring one, on which the shape would only get stuck.
     pub(crate) fn is_before(&self, other: &Self, way: &SweepMotion) -> bool {
         if (self.distance - other.distance).abs() <= way.at_once() {
             let ahead = |one: &Self, other: &Self| (one.point - other.point).dot(other.normal);
@@ -285,12 +286,12 @@ impl SweepHit {
 }
 
 impl SweepMotion<'_> {
-    /// Hits that are no farther than this from each other come at once, metres.
+    /// Hits whose distances differ by no more than this count as simultaneous, metres.
     pub(crate) fn at_once(&self) -> f32 {
         0.02 * self.clearance
     }
 
-    /// Whether a part is behind a plane that it goes along, so that it comes no nearer to it than to that.
+    /// Whether a part lies behind one of the planes that the shape moves along, so that the shape comes no nearer to the part than to the plane.
     fn goes_along(&self, piece: &ConvexPiece, at: &Frame) -> bool {
         let ConvexPiece::Convex(convex) = piece else { return false };
         self.along.iter().any(|plane| {
@@ -305,39 +306,39 @@ impl SweepMotion<'_> {
         })
     }
 
-    /// How near to where it must stop it may stop, metres.
+    /// Tolerance of the distance at which the cast stops, metres.
     fn tolerance(&self) -> f32 {
         if self.clearance > 0.0 { 1e-4 * self.clearance } else { 1e-6 }
     }
 }
 
-/// A convex part of an obstacle, in coordinates of its own.
+/// A convex part of an obstacle, in its own coordinates.
 #[derive(Clone, Copy, Debug)]
 enum ConvexPiece<'a> {
-    /// Below y = 0.
+    /// Solid below y = 0.
     HalfSpace,
     Convex(RoundedCore<'a>),
 }
 
-/// What a way leads to.
+/// Result of a cast against one part.
 enum SweepOutcome {
     Nothing,
-    /// It begins deep in it.
+    /// The cast starts deep inside the part.
     Inside,
     At(SweepHit),
 }
 
-/// What is between two that do not overlap, in coordinates of the world.
+/// The gap of two shapes that do not overlap, in world coordinates.
 #[derive(Clone, Copy)]
 struct Near {
     hit: SweepHit,
-    /// How far they are apart, metres.
+    /// The distance of the shapes, metres.
     distance: f64,
-    /// How far what is not round of them is apart, metres.
+    /// The distance of their cores, without the rounding radii, metres.
     cores: f64,
 }
 
-/// One shape on its way, and one part of another.
+/// A cast of one shape against one part of an obstacle.
 #[derive(Clone, Copy)]
 struct Cast<'a> {
     own: RoundedCore<'a>,
@@ -347,19 +348,20 @@ struct Cast<'a> {
     way: &'a SweepMotion<'a>,
 }
 
-/// What is ahead of a plane by less than this lies in it, metres.
+/// What is above a plane by less than this counts as lying in it, metres.
 const LEVEL: f64 = 1e-6;
-/// Rounds at most. On a face it takes one, along what is round some ten.
+/// Greatest number of steps. A flat face takes one, a round shape some ten.
 const ROUNDS: usize = 40;
-/// What is less in the way than that is gone along, as the sine of an angle.
+/// Sine of the angle of approach below which the motion counts as parallel.
 const GRAZING: f32 = 1e-4;
-/// By which part of the clearance more than that it must come near to something to meet it, and more of that where it is nearer from the start on.
+/// An obstacle is hit if the shape would come closer than the clearance by this share of it; if it starts closer than that, closer than at the start by half of
+/// this.
 const DEEPER: f32 = 0.02;
 
 impl Cast<'_> {
     fn first(&self) -> SweepOutcome {
         let clearance = self.way.clearance;
-        // What it only comes near to, as rounding has it, is not in its way: an edge within a floor is not.
+        // An obstacle that the shape only approaches to the clearance, within rounding, is not hit: the inner edges of a floor are not.
         match self.down_to(clearance * (1.0 - DEEPER)) {
             SweepOutcome::At(near) if clearance > 0.0 => match self.down_to(clearance) {
                 SweepOutcome::At(hit) if hit.distance <= near.distance => SweepOutcome::At(hit),
@@ -369,7 +371,7 @@ impl Cast<'_> {
         }
     }
 
-    /// Where on the way the gap has come down to so many metres.
+    /// Where on the way the gap has decreased to `least` metres.
     fn down_to(&self, mut least: f32) -> SweepOutcome {
         let SweepMotion { direction, length, clearance, start, .. } = *self.way;
         let mut gone = 0.0_f32;
@@ -382,13 +384,13 @@ impl Cast<'_> {
                 });
             };
             let rate = -near.hit.normal.dot(direction.as_dvec3());
-            // Less than rounding of the place adds.
+            // Less than the rounding error of the place.
             let grain = 4.0 * f32::EPSILON * (place.abs().max_element() + gone);
             let left = near.distance - f64::from(least);
             if left <= f64::from(self.way.tolerance() + grain) {
                 let root = f64::from(gone) + left / rate.max(f64::from(GRAZING));
                 if gone > 0.0 {
-                    // Between corners and edges that nearly touch there is no direction any more.
+                    // Nearly touching corners and edges have no accurate direction; the last one is used.
                     let known = last.filter(|_| near.cores < 1e-3);
                     return SweepOutcome::At(known.unwrap_or(near).after(gone, root));
                 }
@@ -402,7 +404,7 @@ impl Cast<'_> {
                 }
                 least = near.distance as f32 - 0.5 * DEEPER * clearance;
             }
-            // RoundedCore, it comes no nearer ever.
+            // Both are convex, so they will come no nearer.
             if rate <= 0.0 {
                 return SweepOutcome::Nothing;
             }
@@ -419,7 +421,7 @@ impl Cast<'_> {
         last.map_or(SweepOutcome::Nothing, |last| SweepOutcome::At(last.after(gone, gone.into())))
     }
 
-    /// What is between the two with the first one's origin at a place; `None` where they overlap.
+    /// The gap with the cast shape's origin at a place; `None` where the cores overlap.
     fn near_at(&self, place: Vec3) -> Option<Near> {
         let Self { own, piece, frame, at, .. } = self;
         let seen = Relative::new(&Frame { translation: place, ..**frame }, at);
@@ -445,18 +447,18 @@ impl Near {
         Self { hit, distance, cores }
     }
 
-    /// As a hit so far along a way.
+    /// As a hit at a distance of the cast.
     fn after(&self, distance: f32, root: f64) -> SweepHit {
         SweepHit { distance, root, ..self.hit }
     }
 }
 
-/// The corners of a triangle as seen from the first one, for the digits, and where that is.
+/// The corners of a triangle relative to the first one, for precision, and the frame of that.
 fn about_first(corners: &[Vec3; 3]) -> ([Vec3; 3], Frame) {
     (corners.map(|corner| corner - corners[0]), Frame::at(corners[0]))
 }
 
-/// A box that goes somewhere, in coordinates of an obstacle.
+/// A moving AABB, in the coordinates of an obstacle.
 #[derive(Clone, Copy, Debug)]
 struct SweptBox {
     low: Vec3,
@@ -465,7 +467,7 @@ struct SweptBox {
 }
 
 impl SweptBox {
-    /// The box around a shape and what it keeps clear, with some room for rounding.
+    /// The box around a shape and its clearance, with a margin for rounding.
     fn new(shape: &Shape, seen: &Frame, at: &Frame, way: &SweepMotion) -> Self {
         let (low, high) = shape.bounds_in(seen);
         let by = at.turn_back(way.direction) * way.length;
@@ -474,12 +476,12 @@ impl SweptBox {
         Self { low: low - room, high: high + room, by }
     }
 
-    /// All of the way.
+    /// The AABB of the whole motion.
     fn bounds(&self) -> (Vec3, Vec3) {
         (self.low.min(self.low + self.by), self.high.max(self.high + self.by))
     }
 
-    /// Whether it meets a box that stands still: on each axis it does so for a while, and those have something in common.
+    /// Whether it overlaps a static box at any time: the time intervals of overlap on the three axes have a common part.
     fn meets(&self, low: Vec3, high: Vec3) -> bool {
         let (mut from, mut to) = (0.0_f32, 1.0_f32);
         for axis in 0..3 {

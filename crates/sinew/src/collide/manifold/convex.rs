@@ -1,7 +1,7 @@
-//! The pairs that `parry3d` finds: cylinders and hulls (Gilbert, Johnson and Keerthi's search, then clipped features), and what is convex on
-//! triangles.
+//! Pairs that use `parry3d`: cylinders and hulls (Gilbert–Johnson–Keerthi, then clipped features), and convex shapes on triangles.
 //!
-//! Its own manifolds remember the last call; they are emptied before each, so that the same input gives the same bits whatever was asked before.
+//! `parry3d` manifolds keep data of the previous call. They are cleared before each query, so that the same input gives the same bits whatever the previous
+//! queries were.
 
 use glam::Vec3;
 use parry3d::bounding_volume::BoundingVolume;
@@ -17,7 +17,7 @@ use super::reduce::reduced;
 use super::round::{limit, rim};
 use super::{Frame, Manifold, Point};
 
-/// What is kept between calls, for its memory alone.
+/// Buffers reused between calls; they do not influence results.
 #[derive(Default)]
 pub(crate) struct ManifoldScratch {
     pub(super) boxes: BoxPairs,
@@ -39,7 +39,7 @@ pub(super) fn collide(
     touch((b.parry(), &of), None, a, a_in_b, &pose(a_in_b), reach, scratch)
 }
 
-/// A convex shape on each of the triangles of a mesh or a heightfield that it is near.
+/// A convex shape on each nearby triangle of a mesh or heightfield.
 pub(super) fn on_triangles(
     a: &Shape,
     b: &Shape,
@@ -77,17 +77,17 @@ pub(super) fn on_triangles(
     }
 }
 
-/// How far apart two are queried that touch or overlap, as a share of the smallest half extent of the first one. The library finds the normal between two
-/// that are apart from their nearest points, which rounding puts 1e-7 of their size aside: at a hundredth of the size that is 1e-5 rad, and it has nothing
-/// to say of two that touch exactly.
+/// Distance at which touching or overlapping shapes are queried, as a share of the smallest half extent of the first one. `parry3d` computes the normal of two
+/// separated shapes from their nearest points, which rounding displaces by 1e-7 of their size: at a hundredth of the size the error is 1e-5 rad. For shapes
+/// that touch exactly it returns no normal.
 const APART: f32 = 0.01;
-/// How often two are moved apart for that before the last answer is taken for what it is.
+/// Greatest number of queries in which the shapes are moved apart to that distance; then the last result is used.
 const QUERIES: u32 = 4;
-/// By which part of that an edge or a corner must be farther apart than a face to be what touches: what lies on a face keeps it.
+/// By what share of [`APART`] an edge or corner must be farther apart than a face to be preferred: a shape that lies on a face keeps it.
 const BIAS: f32 = 0.1;
 
-/// The manifold of two convex shapes. Where they touch or overlap, the normal is that of the face along which they overlap least; and where an edge or a corner
-/// touches, it is found at a distance: the first one is moved out along the normal that was found last, which does not change which features are nearest.
+/// The manifold of two convex shapes. Where they touch or overlap, the normal is that of the face of least overlap. Where an edge or a corner touches, the
+/// normal is found at a distance: the first shape is moved out along the last normal found, which does not change which features are nearest.
 fn touch(
     (b, of): (&dyn ParryShape, &ShapeOrTriangle),
     normals: Option<&dyn NormalConstraints>,
@@ -104,7 +104,7 @@ fn touch(
     let nearest = query.run(is_round, found)?;
     let own = ShapeOrTriangle::Shape(a);
     let mut normal = of_face(&own, of, a_in_b, ours(found.local_n1));
-    // What is round has a normal inside, too, as deep as it is thick; and the library turns those of a mesh to where its surface goes on.
+    // Round shapes have a normal up to a depth of their radius anyway; and `parry3d` adjusts the normals of mesh triangles to the neighbouring surface.
     if !is_round && normals.is_none() && nearest < 0.5 * apart {
         let face = best_face(&own, of, a_in_b);
         normal = face.filter(|face| face.0 >= nearest - BIAS * apart).map_or(normal, |face| face.1);
@@ -123,8 +123,8 @@ struct Query<'a> {
 }
 
 impl Query<'_> {
-    /// Asks the library where they touch, once or until they were [`APART`]; says how far apart they are, metres, minus infinity if the library does not find it,
-    /// and nothing if that is more than their reach.
+    /// Queries `parry3d` once, or until the shapes are [`APART`]. Returns their distance, metres; minus infinity if `parry3d` finds none; and `None` if they
+    /// are further apart than `reach`.
     fn run(&self, once: bool, found: &mut ContactManifold<(), ()>) -> Option<f32> {
         let Self { a, b, normals, pose, reach, apart } = *self;
         let (mut away, mut nearest) = (Vector::ZERO, f32::NEG_INFINITY);
@@ -153,7 +153,7 @@ impl Query<'_> {
     }
 }
 
-/// Whether a plane across a direction separates two.
+/// Whether a plane across `direction` separates two shapes.
 fn is_between(direction: Vector, b: &dyn ParryShape, a: &dyn ParryShape, pose: &Pose) -> bool {
     let (Some(a), Some(b)) = (a.as_support_map(), b.as_support_map()) else { return true };
     let gap = |direction: Vector| {
@@ -163,8 +163,8 @@ fn is_between(direction: Vector, b: &dyn ParryShape, a: &dyn ParryShape, pose: &
     gap(direction) > 0.0 || gap(-direction) > 0.0
 }
 
-/// The points along a normal, with the distances of where the first one is: of their features, or the nearest ones where those say nothing
-/// or are not as deep, by more than rounding.
+/// The contact points along a normal, with distances at the first shape's actual pose: those of the features, plus the nearest point found by the query where
+/// it is deeper by more than rounding.
 fn along_normal(
     a: &Shape,
     b: &ShapeOrTriangle,
@@ -174,7 +174,7 @@ fn along_normal(
     found: &ContactManifold<(), ()>,
 ) -> Option<Manifold> {
     let mut points = contacts(&ShapeOrTriangle::Shape(a), b, a_in_b, normal);
-    // From there into it along the normal is the surface of a capsule, but where that is not across its axis.
+    // Maps a point of a capsule's axis to its surface, across the axis except at the ends.
     let towards_b = a_in_b.turn_back(-normal);
     let surface = |axis: Vec3| match a.kind() {
         Kind::Capsule { radius, half_height } => {

@@ -1,5 +1,5 @@
-//! Where two convex shapes touch along a normal, from the features that they turn towards each other: corners, edges and faces with any number of corners,
-//! cut to each other's outline. (`parry3d` keeps the first four corners of a face, so that a prism of seven sides lay on half of its end and fell over.)
+//! Contact points of two convex shapes along a given normal, from the opposing features: corners, edges and faces with any number of corners, clipped to each
+//! other's outline. (`parry3d` keeps only the first four corners of a face, so that a prism of seven sides stood on half of its end and fell over.)
 
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -7,30 +7,31 @@ use smallvec::SmallVec;
 use super::super::shape::{Kind, Shape};
 use super::{Frame, Point, across_axis};
 
-/// Corners in order about the normal: one, the two of an edge, or those of a face.
+/// Corners in order about the normal: one for a corner, two for an edge, three or more for a face.
 type FeatureCorners = SmallVec<[Vec3; 16]>;
 
-/// The slope below which a surface belongs to the feature that is farthest along a direction: what leans by 6 degrees lies.
+/// Slope below which a surface belongs to the feature that is farthest along a direction, so that a face tilted by up to 6° counts as lying flat.
 const LEANS: f32 = 0.1;
-/// The cosine of that angle.
+/// Cosine of that angle.
 const ACROSS: f32 = 0.995;
-/// Corners of a cylinder's end. Inside of them lies 97 % of its area.
+/// Number of corners that approximate a cylinder's end. Their polygon covers 97 % of its area.
 const ROUND: usize = 16;
-/// How far a normal may be from that of a face for it to be meant, rad: what is found from nearest points is not known better.
+/// Largest angle between a normal and the normal of a face for it to be replaced by the latter, rad: a normal found from nearest points is no more accurate
+/// than that.
 const FACE: f32 = 3e-3;
-/// The sine of the angle between two edges from which on they cross in one point: 8 degrees, as capsules do.
+/// Sine of the angle between two edges from which they cross in a single point: 8°, as for capsules.
 const CROSS: f32 = 0.14;
 
-/// One of the two.
+/// One side of a pair.
 pub(super) enum ShapeOrTriangle<'a> {
     /// A shape that can move.
     Shape(&'a Shape),
-    /// A triangle of a mesh or of a heightfield.
+    /// A triangle of a mesh or heightfield.
     Triangle([Vec3; 3]),
 }
 
-/// Points of contact along a unit normal from `b` to `a`, in the coordinates of `b`. None where a corner touches a corner or two edges cross: those are the
-/// nearest points, and not found from features.
+/// Contact points along a unit normal from `b` to `a`, in the coordinates of `b`. Empty where a corner touches a corner or two edges cross: those are the
+/// nearest points of the shapes, and are not computed from features.
 pub(super) fn contacts(
     a: &ShapeOrTriangle,
     b: &ShapeOrTriangle,
@@ -46,7 +47,7 @@ pub(super) fn contacts(
     let (own, theirs) = (outline(own), outline(theirs));
     let up = [plane(&own), plane(&theirs)];
     let steep = up.map(|up| up.map_or(f32::INFINITY, |up| up.truncate().length() / up.z.abs()));
-    // Heights of both above each corner of what is left of the other one.
+    // Corners of the clipped feature, with the heights of both surfaces there.
     let pairs: SmallVec<[(Vec3, f32); 16]> = match up {
         [None, None] => {
             return along(&own, &theirs, |p| t * p.x + u * p.y + normal * p.z, a_in_b);
@@ -70,7 +71,7 @@ pub(super) fn contacts(
     points.collect()
 }
 
-/// The normal of a face of one of the two where another one from `b` to `a` is as good as that.
+/// The face normal of one of the shapes that replaces `normal` (from `b` to `a`), if one is within [`FACE`] of it; else `normal`.
 pub(super) fn of_face(
     a: &ShapeOrTriangle,
     b: &ShapeOrTriangle,
@@ -89,8 +90,8 @@ pub(super) fn of_face(
     best
 }
 
-/// The face of one of the two along whose normal they are farthest apart, or overlap least: how far, metres, and the normal from `b` to `a` in the
-/// coordinates of `b`. `None` where neither has a face.
+/// The face along whose normal the shapes are farthest apart, or overlap least: the separation, metres, and the normal from `b` to `a` in the coordinates of
+/// `b`. `None` where neither shape has a face.
 pub(super) fn best_face(
     a: &ShapeOrTriangle,
     b: &ShapeOrTriangle,
@@ -98,7 +99,7 @@ pub(super) fn best_face(
 ) -> Option<(f32, Vec3)> {
     let (own, theirs) = (a_in_b.point(a.inside()), b.inside());
     let mut best: Option<(f32, Vec3)> = None;
-    // No further apart than a point inside of the other one is from the plane: most faces are out by that.
+    // The separation is at most the height of an inner point of the other shape above the plane; this cheap bound excludes most faces.
     let is_less = |most: f32, best: &Option<(f32, Vec3)>| best.is_some_and(|best| most <= best.0);
     let mut try_out = |most: f32, normal: Vec3, apart: &dyn Fn() -> f32| {
         if is_less(most, &best) {
@@ -125,7 +126,7 @@ pub(super) fn best_face(
 }
 
 impl ShapeOrTriangle<'_> {
-    /// A point of it.
+    /// A point inside the shape.
     fn inside(&self) -> Vec3 {
         match self {
             Self::Triangle(corners) => (corners[0] + corners[1] + corners[2]) / 3.0,
@@ -136,7 +137,7 @@ impl ShapeOrTriangle<'_> {
         }
     }
 
-    /// How far it reaches along a unit direction, metres from its origin.
+    /// Support distance along a unit direction, metres from the shape's origin.
     fn reach(&self, direction: Vec3) -> f32 {
         let farthest = |corners: &[Vec3]| {
             corners.iter().map(|p| p.dot(direction)).fold(f32::NEG_INFINITY, f32::max)
@@ -157,7 +158,7 @@ impl ShapeOrTriangle<'_> {
         }
     }
 
-    /// The outward normals of its faces, and how far it reaches along each, metres from its origin.
+    /// Calls `each` with the outward normal of each face and its support distance, metres from the shape's origin.
     fn each_face(&self, each: &mut dyn FnMut(Vec3, f32)) {
         let shape = match *self {
             Self::Triangle([p, q, r]) => {
@@ -185,9 +186,10 @@ impl ShapeOrTriangle<'_> {
         }
     }
 
-    /// Corners of what is farthest along a unit direction, in any order: of the faces across it, of an edge, or a corner. Of a capsule those of its axis.
+    /// Corners of the feature that is farthest along a unit direction, in any order: of the faces across it, of an edge, or one corner. For a capsule, the ends
+    /// of its axis.
     fn feature(&self, direction: Vec3) -> FeatureCorners {
-        // Both ends of what is long, however it leans: what is out of reach counts for nothing.
+        // Both ends of a long shape, whatever its tilt: points out of reach are discarded later.
         let ends = |half: f32, beside: Vec3| -> FeatureCorners {
             [half, -half].map(|y| beside + Vec3::Y * y).into_iter().collect()
         };
@@ -210,7 +212,7 @@ impl ShapeOrTriangle<'_> {
                 if face.is_empty() { edge(corners, direction) } else { face }
             }
             Kind::Box { half_size } => {
-                // Along an axis that is across the direction it has both ends.
+                // Both ends of every axis that lies across the direction.
                 let sides = direction.abs().cmple(Vec3::splat(LEANS)).bitmask();
                 let corners = (0..8_u32).map(|bits| {
                     let sign = |axis: usize| if bits >> axis & 1 == 1 { 1.0 } else { -1.0 };
@@ -224,7 +226,7 @@ impl ShapeOrTriangle<'_> {
             Kind::Capsule { half_height, .. } => ends(half_height, Vec3::ZERO),
             Kind::Cylinder { radius, half_height } => {
                 let (out, sine) = across_axis(direction);
-                // Where it stands straight its corners stay where they are.
+                // A fixed direction for a cylinder that stands upright, so that its points do not rotate with rounding errors.
                 let out = if sine > 1e-3 { out } else { Vec3::X };
                 if sine > LEANS {
                     return ends(half_height, out * radius);
@@ -247,7 +249,7 @@ impl ShapeOrTriangle<'_> {
     }
 }
 
-/// The farthest of some corners along a direction, and the one to which a line falls off least from there, if that is by less than [`LEANS`].
+/// The corner farthest along a direction, and the corner towards which the line from it falls least, if its slope is less than [`LEANS`].
 fn edge(corners: &[Vec3], direction: Vec3) -> FeatureCorners {
     let mut best = (f32::NEG_INFINITY, Vec3::ZERO);
     for &p in corners {
@@ -269,14 +271,14 @@ fn edge(corners: &[Vec3], direction: Vec3) -> FeatureCorners {
     feature
 }
 
-/// The corners of the smallest convex outline around some places, by x and y, counter-clockwise (A. M. Andrew's chain, 1979).
+/// The convex hull of some points by x and y, counter-clockwise (A. M. Andrew's monotone chain, 1979).
 fn outline(mut places: FeatureCorners) -> FeatureCorners {
     if places.len() < 3 {
         return places;
     }
     places.sort_unstable_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
     let (first, last) = (places[0], places[places.len() - 1]);
-    // What is nearer to the line between two others than this is on it.
+    // Points nearer than this to the line between two others count as lying on it.
     let thin = 1e-5 * (last - first).truncate().length_squared();
     let mut corners = FeatureCorners::new();
     let turns = |p: Vec3, q: Vec3, r: Vec3| (q - p).truncate().perp_dot((r - p).truncate()) > thin;
@@ -291,7 +293,7 @@ fn outline(mut places: FeatureCorners) -> FeatureCorners {
             }
             corners.push(r);
         }
-        // Where one half ends the other begins.
+        // The end of one half is the beginning of the other.
         corners.pop();
     };
     half(&mut places.iter().copied(), &mut corners);
@@ -299,7 +301,7 @@ fn outline(mut places: FeatureCorners) -> FeatureCorners {
     if corners.len() < 2 { [first, last].into_iter().collect() } else { corners }
 }
 
-/// A normal of the plane of a face, upwards; `None` of what is none (M. E. Newell).
+/// A normal of the plane of a face, pointing up, not normalised; `None` if it is not a face (M. E. Newell).
 fn plane(corners: &FeatureCorners) -> Option<Vec3> {
     let from = corners.first().filter(|_| corners.len() > 2)?;
     let pairs = corners[1..].windows(2);
@@ -307,14 +309,14 @@ fn plane(corners: &FeatureCorners) -> Option<Vec3> {
     (sum.z > 0.0).then_some(sum)
 }
 
-/// What is left of a feature above or below a face.
+/// Clips a feature to the prism above and below a face.
 fn cut(mut feature: FeatureCorners, face: &FeatureCorners) -> FeatureCorners {
     for (i, &p) in face.iter().enumerate() {
         let along = (face[(i + 1) % face.len()] - p).truncate();
         let inside = |q: Vec3| along.perp_dot((q - p).truncate());
         let before = core::mem::take(&mut feature);
         let Some(&last) = before.last() else { break };
-        // An edge has no way back from its end to its start.
+        // An edge is not closed: no segment leads from its end back to its start.
         let mut was = if before.len() > 2 { Some((last, inside(last))) } else { None };
         for &q in &before {
             let at_q = inside(q);
@@ -330,7 +332,7 @@ fn cut(mut feature: FeatureCorners, face: &FeatureCorners) -> FeatureCorners {
     feature
 }
 
-/// The ends of what two edges along each other have in common; nothing where they cross, or one of them is a corner.
+/// The ends of the common part of two nearly parallel edges; empty where they cross, or where either is a corner.
 fn along(
     own: &FeatureCorners,
     theirs: &FeatureCorners,
@@ -343,7 +345,7 @@ fn along(
     if lengths <= 0.0 || d.perp_dot(e).abs() > CROSS * lengths {
         return SmallVec::new();
     }
-    // Where the ends of theirs are along our own one.
+    // Places of the ends of `b`'s edge along `a`'s, as fractions of its length.
     let at = |r: Vec3| (r - p).truncate().dot(d) / d.length_squared();
     let (from, to) = (at(q).min(at(q1)).max(0.0), at(q).max(at(q1)).min(1.0));
     if to < from {

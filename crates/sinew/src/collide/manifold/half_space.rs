@@ -1,4 +1,4 @@
-//! Anything convex and what is solid below its own zero height: the lowest points of it that are within reach.
+//! Convex shapes against a half-space, which is solid below y = 0 of its frame: the lowest points within reach.
 
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -8,10 +8,10 @@ use super::reduce::reduced;
 use super::round::rim;
 use super::{Frame, Manifold, Point, ROLLS, across_axis};
 
-/// A shape at a frame, in the coordinates of the half-space. Nothing for what is no solid.
+/// The manifold of a shape at `frame`, in the coordinates of the half-space. Empty for shapes that are not solids.
 pub(super) fn collide(kind: Kind, frame: &Frame, reach: f32) -> Manifold {
     let r = &frame.rotation;
-    // The vertical in the shape's own coordinates.
+    // The vertical in the shape's coordinates.
     let up = Vec3::new(r.x_axis.y, r.y_axis.y, r.z_axis.y);
     let height = |local: Vec3| up.dot(local) + frame.translation.y;
     match kind {
@@ -32,19 +32,19 @@ pub(super) fn collide(kind: Kind, frame: &Frame, reach: f32) -> Manifold {
     }
 }
 
-/// A point of the shape, and the one of the ground below or above it.
+/// A point of the shape and its projection onto the plane.
 fn point(on_a: Vec3, frame: &Frame) -> Point {
     let place = frame.point(on_a);
     Point { on_a, on_b: Vec3::new(place.x, 0.0, place.z), distance: place.y }
 }
 
-/// Those within reach, four at most.
+/// Manifold of the points within reach, at most four.
 #[inline(always)]
 fn gather<const N: usize>(points: [Vec3; N], frame: &Frame, reach: f32) -> Manifold {
     reduced(Vec3::Y, reach, &points.map(|on_a| point(on_a, frame)))
 }
 
-/// The corners of a box's lowest face: its lowest corner and lowest edge are among them.
+/// The corners of a box's lowest face; they include its lowest corner and lowest edge.
 #[inline(always)]
 fn lowest_face(half_size: Vec3, up: Vec3) -> [Vec3; 4] {
     let steep = up.abs();
@@ -60,10 +60,11 @@ fn lowest_face(half_size: Vec3, up: Vec3) -> [Vec3; 4] {
     [centre + x + z, centre - x + z, centre - x - z, centre + x - z]
 }
 
-/// Points of a cylinder's rims, along y: of each one the lowest; of one that stands on an end, the lowest, the highest and the two between of that.
+/// Points on the rims of a cylinder along y: if it lies, the lowest of each rim; if it stands on an end, the lowest and highest points of that rim and the two
+/// between.
 fn cylinder(radius: f32, half_height: f32, up: Vec3, frame: &Frame, reach: f32) -> Manifold {
     let (out, steep) = across_axis(up);
-    // One that stands (to 0.06°) would otherwise turn its points with every rounding.
+    // A fixed direction for a cylinder that stands upright (within 0.06°), or its points would rotate with every rounding error.
     let down = if steep > 1e-3 { -out } else { Vec3::X };
     let (down, across) = (down * radius, Vec3::new(-down.z, 0.0, down.x) * radius);
     let lower = Vec3::Y * if up.y > 0.0 { -half_height } else { half_height };

@@ -1,15 +1,15 @@
-//! Where two shapes touch: a normal and up to four points, a function of the two and of nothing else, so that nothing is hidden in here. Solids
-//! remember what it said (`body_contact::contact_cache`).
+//! Narrow phase: contact manifolds of two shapes, each a normal and up to four points. A manifold is a function of the two shapes and their relative frame
+//! alone; nothing is kept here between calls. Body contacts keep manifolds in `body_contact::contact_cache`.
 //!
-//! | file | which pairs |
+//! | file | contents |
 //! |---|---|
-//! | `boxes` | box and box, eight pairs at a time: separating axes; their faces, clipped; corners where no face looks at another |
-//! | `half_space` | anything convex and what is infinite |
+//! | `boxes` | box and box, eight pairs at a time: separating axes, face clipping, and corners where no face is opposite a face |
+//! | `half_space` | convex shape and half-space |
 //! | `round` | spheres; capsule and capsule |
 //! | `rod` | capsule and box |
-//! | `convex` | cylinders and hulls, and whatever lies on a mesh or a heightfield: `parry3d` finds their normals, `features` the points |
-//! | `reduce` | of many points the four that hold as well |
-//! | `broad` | which pairs are near at all |
+//! | `convex` | cylinders and hulls, and convex shapes on meshes and heightfields: normals from `parry3d`, points from `features` |
+//! | `reduce` | reduction of many contact points to four |
+//! | `broad` | broad phase: pairs of overlapping AABBs |
 
 mod boxes;
 mod broad;
@@ -33,53 +33,52 @@ pub(crate) use boxes::BoxPairs;
 pub(crate) use broad::{Aabb, Broad, ClusterSearch, NO_GROUP};
 pub(crate) use convex::ManifoldScratch;
 
-/// Where two surfaces are near each other.
+/// A pair of nearby points, one on each surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Point {
-    /// On the first one's surface, in its coordinates, metres.
+    /// On the surface of the first shape, in its coordinates, metres.
     pub(crate) on_a: Vec3,
-    /// On the second one's surface, in its coordinates, metres.
+    /// On the surface of the second shape, in its coordinates, metres.
     pub(crate) on_b: Vec3,
-    /// From there to here along the normal, metres; negative where they overlap.
+    /// Separation from `on_b` to `on_a` along the normal, metres; negative where the shapes overlap.
     pub(crate) distance: f32,
 }
 
-/// Up to four points with a normal in common.
+/// Up to four contact points with a common normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Manifold {
-    /// Unit vector in the second one's coordinates, from it towards the first.
+    /// Unit vector in the coordinates of the second shape, from it towards the first.
     pub(crate) normal: Vec3,
     points: [Point; 4],
     len: u32,
-    /// Which triangle of a mesh or a heightfield it is of; 0 of what is convex.
+    /// Index of the triangle of a mesh or heightfield; 0 for convex shapes.
     pub(crate) part: u32,
-    /// Rounding radii of the two, metres; 0 where it is not round. A sphere touches a face below its centre however it has rolled, a capsule and a lying
-    /// cylinder below their axes: so what stays where it is in them is the centre of the rounding, a radius away from the surface.
+    /// Rounding radii of the two shapes, metres; 0 where a shape is not round. A sphere touches a face below its centre however it has rolled, a capsule and a
+    /// lying cylinder below their axes. The point that stays fixed in a round shape is therefore the centre of the rounding, one radius inside the surface.
     pub(crate) radii: [f32; 2],
-    /// Whether each is round about its own y axis alone, as a cylinder is: then that radius goes straight to the axis, and not along the normal.
+    /// Whether each shape is round about its own y axis only, as a cylinder is. Its radius is then measured to the axis, not along the normal.
     pub(crate) axial: [bool; 2],
-    /// How far the two may slide on each other, at least, and be to each other what they are, metres: to the rim of a face. 0 where that is not
-    /// known.
+    /// How far the shapes can slide on each other, at least, before the manifold changes, metres: the distance to the rim of a face. 0 where it is not known.
     pub(crate) free: f32,
-    /// The slope of one on the other, where the deepest point is not a corner of it but where the other one ends: as it slides or turns it touches
-    /// there with other points of its own, that are higher or lower by so much a metre. 0 where that is not so, or not known.
+    /// Slope of one surface against the other where the deepest point is not a corner but lies at the rim of the other shape. As the shape slides or turns, it
+    /// touches there with other points of its surface, which are higher or lower by this much per metre. 0 elsewhere, and where it is not known.
     pub(crate) slope: f32,
 }
 
 impl Manifold {
-    /// One without points.
+    /// A manifold without points.
     fn new(normal: Vec3) -> Self {
         Self { normal, ..Self::default() }
     }
 
-    /// One with a single point.
+    /// A manifold with a single point.
     fn single(normal: Vec3, on_a: Vec3, on_b: Vec3, distance: f32) -> Self {
         let mut manifold = Self::new(normal);
         manifold.push(Point { on_a, on_b, distance });
         manifold
     }
 
-    /// Adds a point; the fifth is left out.
+    /// Adds a point; a fifth is dropped.
     fn push(&mut self, point: Point) {
         if let Some(place) = self.points.get_mut(self.len as usize) {
             *place = point;
@@ -87,17 +86,17 @@ impl Manifold {
         }
     }
 
-    /// Its points, at least one of those that are handed out.
+    /// The points. A manifold returned by [`collide`] has at least one.
     pub(crate) fn points(&self) -> &[Point] {
         &self.points[..self.len as usize]
     }
 
-    /// The least distance of its points, metres; infinite without any.
+    /// The least distance of the points, metres; infinite without points.
     fn nearest(&self) -> f32 {
         self.points().iter().fold(f32::INFINITY, |least, point| least.min(point.distance))
     }
 
-    /// The same seen from the other one, whose place in this one's coordinates is given.
+    /// The same manifold with the two shapes exchanged; `b_in_a` is the frame of the second shape in the coordinates of the first.
     fn swapped(&self, b_in_a: &Frame) -> Self {
         let ([ra, rb], [a, b]) = (self.radii, self.axial);
         let (radii, axial) = ([rb, ra], [b, a]);
@@ -108,7 +107,7 @@ impl Manifold {
         manifold
     }
 
-    /// The same where the second one is at a frame, in whose coordinates this is.
+    /// The same manifold, transformed by `at` from the coordinates of a part of the second shape to those of the shape.
     fn placed(mut self, at: &Frame) -> Self {
         self.normal = at.turn(self.normal);
         for point in &mut self.points[..self.len as usize] {
@@ -117,7 +116,7 @@ impl Manifold {
         self
     }
 
-    /// Appends it as words.
+    /// Appends the manifold to serialized words.
     pub(crate) fn write(&self, words: &mut Vec<u32>) {
         let Self { normal, points, len, part, radii, axial, free, slope } = self;
         words.vec3(*normal);
@@ -133,7 +132,7 @@ impl Manifold {
         words.extend([free.to_bits(), slope.to_bits()]);
     }
 
-    /// Reads it from words.
+    /// Reads a manifold from serialized words.
     pub(crate) fn read(reader: &mut Reader) -> Option<Self> {
         let normal = reader.vec3()?;
         let len = reader.word().filter(|&len| len <= 4)?;
@@ -149,18 +148,17 @@ impl Manifold {
         Some(Self { normal, points, len, part, radii, axial, free, slope })
     }
 
-    /// Whether one of the two is round.
+    /// Whether either shape is round.
     pub(crate) fn is_round(&self) -> bool {
         self.radii != [0.0; 2]
     }
 
-    /// What of a point stays where it is in each of the two, for where the first one was when it was found: a point of the surface, or the centre of the
-    /// rounding.
+    /// The points that stay fixed in each shape, given the frame of the first when the manifold was computed: the surface point, or the centre of the rounding.
     pub(crate) fn anchors(&self, point: &Point, a_in_b: &Frame) -> [Vec3; 2] {
         self.anchors_about(point, a_in_b, self.axial)
     }
 
-    /// The same where others are round about their axes than [`axial`](Self::axial) says.
+    /// The same with axial roundness given by the argument instead of [`axial`](Self::axial).
     #[inline(always)]
     pub(crate) fn anchors_about(
         &self,
@@ -180,7 +178,7 @@ impl Manifold {
         anchors
     }
 
-    /// Notes what is round of each.
+    /// Sets the rounding radii of both shapes.
     #[inline(always)]
     fn note_rounding(&mut self, kinds: [Kind; 2], a_in_b: &Frame) {
         let towards_b = a_in_b.turn_back(-self.normal);
@@ -190,7 +188,7 @@ impl Manifold {
         self.axial = [own.1, theirs.1];
     }
 
-    /// Whether it has points, and nothing in it is NaN or infinite: any such number times zero is NaN, and so is a sum with it.
+    /// Whether there are points and all numbers are finite: NaN and infinity times zero are NaN, and so is a sum with them.
     #[inline(always)]
     fn is_sound(&self) -> bool {
         let mut sum = self.normal;
@@ -201,10 +199,11 @@ impl Manifold {
     }
 }
 
-/// Hands out where `a` and `b` are no further apart than `reach` metres (0 or more), given where `a` is in the coordinates of `b`.
+/// Passes each manifold of `a` and `b` to `out` where they are no further apart than `reach` metres (0 or more); `a_in_b` is the frame of `a` in the
+/// coordinates of `b`.
 ///
-/// One manifold for two convex shapes, one for each triangle of a mesh or heightfield and for each wall of a room; none for two of those that cannot move (half-spaces,
-/// rooms, meshes, heightfields), and none where the frame is not finite.
+/// Two convex shapes give one manifold; meshes and heightfields give one for each triangle, and the inside of a box gives one for each wall. There is none for
+/// two shapes that cannot move (half-spaces, insides of boxes, meshes, heightfields), and none if the frame is not finite.
 pub(crate) fn collide(
     a: &Shape,
     b: &Shape,
@@ -220,17 +219,17 @@ pub(crate) fn collide(
     in_order(b, a, &b_in_a, reach, scratch, &mut |manifold| out(&manifold.swapped(a_in_b)));
 }
 
-/// Whether a shape has a manifold for each triangle that another one is near.
+/// Whether a shape gives a manifold for each triangle near another shape.
 pub(crate) fn is_of_triangles(shape: &Shape) -> bool {
     match shape.kind() {
         Kind::Mesh | Kind::HeightField => true,
-        // One whose faces the library finds wanting is a mesh to it.
+        // `parry3d` represents a hull with degenerate faces as a mesh.
         Kind::Hull(_) => shape.parry().as_trimesh().is_some(),
         _ => false,
     }
 }
 
-/// The same for the two in the order of their rank, so that each pair of kinds is written once.
+/// [`collide`] for two shapes in the order of their [`rank`], so that each pair of kinds is written once.
 fn in_order(
     a: &Shape,
     b: &Shape,
@@ -285,10 +284,10 @@ fn in_order(
     }
 }
 
-/// The sine of the angle by which a cylinder must be tilted to touch by its side or a rim, and not by an end: 6 degrees.
+/// Sine of the tilt from which a cylinder touches by its side or rim and not by an end: 6°.
 const ROLLS: f32 = 0.1;
 
-/// The rounding radius of what touches in some points, metres, and whether it is round about its y axis alone; 0 of what is not round.
+/// The rounding radius of a shape that touches at some points, metres (0 if it is not round there), and whether it is round about its y axis only.
 #[inline(always)]
 fn rounding(kind: Kind, outwards: Vec3, mut points: impl Iterator<Item = Vec3>) -> (f32, bool) {
     match kind {
@@ -305,7 +304,7 @@ fn rounding(kind: Kind, outwards: Vec3, mut points: impl Iterator<Item = Vec3>) 
     }
 }
 
-/// The direction across the y axis that is nearest to another one, and the sine of the angle between that and the axis.
+/// The unit direction across the y axis that is nearest to a direction, and the sine of the angle between the direction and the axis.
 #[inline(always)]
 fn across_axis(direction: Vec3) -> (Vec3, f32) {
     let across = Vec3::new(direction.x, 0.0, direction.z);
@@ -313,7 +312,7 @@ fn across_axis(direction: Vec3) -> (Vec3, f32) {
     (across / sine.max(f32::MIN_POSITIVE), sine)
 }
 
-/// Which of two is the first: what is simpler, and what can move before what cannot.
+/// Order of the two shapes of a pair: simple shapes before complex ones, shapes that can move before those that cannot.
 fn rank(kind: Kind) -> u8 {
     match kind {
         Kind::Sphere { .. } => 0,
@@ -328,7 +327,7 @@ fn rank(kind: Kind) -> u8 {
     }
 }
 
-/// Where the second is, seen from the first.
+/// The inverse of a frame.
 fn inverse(frame: &Frame) -> Frame {
     Frame { translation: -frame.turn_back(frame.translation), rotation: frame.rotation.transpose() }
 }

@@ -1,4 +1,4 @@
-//! Of many points of contact, the four that hold as well: a solver's work is proportional to their number.
+//! Reduces many contact points to four that support a body as well: the solver's cost is proportional to the number of points.
 
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -6,15 +6,16 @@ use smallvec::SmallVec;
 use super::{Manifold, Point};
 use crate::lanes::{Number, Vector};
 
-/// How steeply what is above the deepest point may rise from there and yet come down before the two are compared again: until then two of which one
-/// leans by two degrees on the other's rim turn by no more than that, rad (`body_contact::normal_solve`).
+/// Greatest slope from the deepest point to a higher one at which the higher one may still come into contact before the next narrow phase. Until then, two
+/// bodies of which one leans by two degrees on the rim of the other turn by no more than this, rad (`TURNED` and `STEEP` of `body_contact::contact_cache`).
 const LOW: f32 = 5e-3;
-/// What lengths count that lead to points above that. Of a box that leans by three degrees on another one both ends of the low edge must be there, or
-/// it rocks from the one to the other for ever; but two points so near each other that they are as good as one are no better for being low.
+/// Weight of the distance to points above that slope. If a box leans on another by three degrees, both ends of the low edge must be kept, or it rocks from one
+/// to the other for ever. But of two points so close together that either would do, the lower one is not the better choice.
 const HIGH: f32 = 0.25;
 
-/// Chooses among points those within reach, whose masks are left; of more than four: the deepest, the one farthest from it, and on both sides of the line
-/// between them the one that spans the largest triangle with it; rather those that may come down soon ([`LOW`]). Of equals the first.
+/// Selects among points those within reach and leaves their masks in `chosen`. If there are more than four: the deepest, the one farthest from it, and on each
+/// side of the line between them the one that spans the largest triangle with it, with points that may soon come into contact preferred ([`LOW`]). The first of
+/// equals is taken.
 #[inline(always)]
 pub(super) fn choose<N: Number>(
     places: &[Vector<N>],
@@ -38,7 +39,7 @@ pub(super) fn choose<N: Number>(
     if !many.any() {
         return;
     }
-    // By squares: how far the farthest is, and what spans less than a millionth of a square with the line adds nothing to it.
+    // Squared lengths. `flat` below: a point that spans less than a millionth of the square of the line adds no area.
     let (mut most, mut farthest, mut line) = (zero, deepest, Vector::new(zero, zero, zero));
     for i in 0..places.len() {
         let out = places[i] - origin;
@@ -70,13 +71,13 @@ pub(super) fn choose<N: Number>(
     }
 }
 
-/// How much the length to a point counts that is so much higher than the deepest one, metres, and so far away, metres².
+/// Weight of the distance to a point that is `rise` metres above the deepest one; `squared` is that distance squared, metres².
 #[inline(always)]
 fn share<N: Number>(rise: N, squared: N) -> N {
     (rise * rise).le(squared * N::splat(LOW * LOW)).select(N::splat(1.0), N::splat(HIGH))
 }
 
-/// A manifold of those of some points that [`choose`] chooses.
+/// A manifold of the points that [`choose`] selects.
 pub(super) fn reduced(normal: Vec3, reach: f32, points: &[Point]) -> Manifold {
     let mut manifold = Manifold::new(normal);
     if points.len() <= manifold.points.len() {

@@ -1,5 +1,5 @@
-//! Capsule and box: the capsule's axis is a box without width, so what may separate them is along the box's normals and the products of its edges
-//! with that axis.
+//! Capsule and box. The capsule's axis is a box without width, so the separating axes are the box's normals and the products of its edges with the capsule's
+//! axis.
 
 use glam::Vec3;
 
@@ -40,7 +40,7 @@ pub(super) fn collide(
     };
     let within = |along: f32, q: Vec3| Some(point(along, q)).filter(|p| p.distance <= reach);
     let mut manifold = Manifold::new(normal);
-    // Within 8° of along the surface, one point would let it roll; and the second is not far off.
+    // Within 8° of parallel to the surface: with a single point the capsule would roll about it, and the second is not far off.
     let line = if rod.axis.dot(normal).abs() < 0.14 { rod.line(normal) } else { None };
     for (along, q) in line.into_iter().flatten() {
         if let Some(point) = within(along, q) {
@@ -57,15 +57,15 @@ pub(super) fn collide(
     (manifold.len > 0).then_some(manifold)
 }
 
-/// The direction in which an axis and a box are farthest apart, or overlap least, from the box outwards, and by how much, metres.
+/// The direction in which an axis and a box are farthest apart, or overlap least, out of the box, and the separation, metres.
 struct Separation {
     normal: Vec3,
     apart: f32,
-    /// Whether all of the axis is above the face that looks that way, so that nothing of the box is nearer than that.
+    /// Whether the whole axis is above that face, so that the nearest point of the box is on it.
     above: bool,
 }
 
-/// A capsule's axis beside a box, in the coordinates of the box.
+/// A capsule's axis in the coordinates of a box.
 struct Rod {
     centre: Vec3,
     axis: Vec3,
@@ -80,12 +80,12 @@ impl Rod {
         self.centre + self.axis * along
     }
 
-    /// A separation that is not above this says nothing about where the nearest points are, metres.
+    /// A separation no greater than this, metres, does not determine the nearest points.
     fn rounding(&self) -> f32 {
         1e-5 * (self.size.max_element() + self.half)
     }
 
-    /// What separates axis and box best; nothing beyond `reach`.
+    /// The direction of greatest separation of axis and box; `None` if they are further apart than `reach`.
     fn separate(&self, reach: f32) -> Option<Separation> {
         let Self { centre, axis, half, size } = self;
         let (mut best, mut most) = (Vec3::Y, f32::NEG_INFINITY);
@@ -99,16 +99,16 @@ impl Rod {
         if most > f32::NEG_INFINITY {
             best = Vec3::AXES[face] * 1.0_f32.copysign(sides[face]);
         }
-        // Far from everything is far along a face, mostly.
+        // Most distant pairs are already distant along a face normal.
         if most > reach {
             return None;
         }
-        // Above one face with all of it, no edge is nearer.
+        // If the whole axis is above one face, no edge is nearer.
         let within = (centre.abs() + axis.abs() * *half).cmple(*size);
         if most > self.rounding() && within.bitmask().count_ones() == 2 {
             return Some(Separation { normal: best, apart: most, above: true });
         }
-        // As between boxes, a face comes first.
+        // As between boxes, faces are preferred.
         let mut needed = most + 2e-3 * size.min_element() + 0.03 * most.abs();
         for edge in Vec3::AXES {
             let product = edge.cross(*axis);
@@ -128,14 +128,14 @@ impl Rod {
         (most <= reach && centre.is_finite()).then_some(found)
     }
 
-    /// The end of the axis that is lower against a direction.
+    /// The end of the axis that is lower along `up`.
     fn lower(&self, up: Vec3) -> f32 {
         if self.axis.dot(up) < 0.0 { self.half } else { -self.half }
     }
 
-    /// The nearest points of axis and box, which are apart: a place along the axis, and a point of the box.
+    /// The nearest points of an axis and a box that do not overlap: a place along the axis, and a point of the box.
     ///
-    /// Either an end of the axis is one, or a corner of the box, or it is between the axis and one of the twelve edges.
+    /// Either one of them is an end of the axis or a corner of the box, or they lie on the axis and one of the twelve edges.
     fn nearest(&self) -> (f32, Vec3) {
         let Self { centre, axis, half, size } = self;
         let (mut least, mut best) = (f32::INFINITY, (0.0, Vec3::ZERO));
@@ -148,13 +148,13 @@ impl Rod {
         for along in [-half, *half] {
             take(along, self.at(along).clamp(-*size, *size));
         }
-        // An edge is nearest only to what comes beyond both of the sides that meet there; most have to be looked at no further.
+        // An edge can only be nearest to a part of the axis that extends beyond both sides that join there; this excludes most edges.
         let slack = 1e-3 * (size.max_element() + half);
         let farthest = axis.abs() * *half;
         let below = (farthest - centre).cmpge(size - slack);
         let above = (farthest + centre).cmpge(size - slack);
         let comes_beyond = [below, above].map(|side| [side.test(0), side.test(1), side.test(2)]);
-        // Numbers in a row: coordinates of a vector cannot be asked for by number at this price.
+        // Arrays, because indexing the components of a vector costs more here.
         let (middle, size, slopes) = (centre.to_array(), size.to_array(), axis.to_array());
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -167,7 +167,7 @@ impl Rod {
                 let mut q = [0.0; 3];
                 (q[j], q[k]) = (side(first, size[j]), side(second, size[k]));
                 let along = (*centre - Vec3::from(q)).dot(*axis);
-                // Where they are parallel, any place will do: the ends and the corners are looked at too.
+                // Where they are parallel any place will do: ends and corners are compared too.
                 let s = if square > 1e-6 { (middle[i] - slopes[i] * along) / square } else { 0.0 };
                 let u = limit(slopes[i] * limit(s, size[i]) - along, *half);
                 q[i] = limit(middle[i] + u * slopes[i], size[i]);
@@ -177,14 +177,14 @@ impl Rod {
         (best.0, best.1)
     }
 
-    /// The axis along the box's surface: where it comes above the face or edge that looks along `normal`, and where it leaves it.
+    /// The part of the axis that lies above the face or edge that points along `normal`: the two ends of it, each with the box's surface point.
     fn line(&self, normal: Vec3) -> Option<[(f32, Vec3); 2]> {
         let half = self.half;
         let (centre, axis) = (self.centre.to_array(), self.axis.to_array());
         let (size, normal) = (self.size.to_array(), normal.to_array());
         let (mut from, mut to) = (-half, half);
         for i in 0..3 {
-            // Across the surface there is nothing to be above of.
+            // No limit across the surface.
             if normal[i].abs() > 0.1 {
                 continue;
             }
@@ -197,11 +197,11 @@ impl Rod {
                 return None;
             }
         }
-        // Less than a hundredth of the axis is a point.
+        // Less than a hundredth of the half length counts as a point.
         if to - from < 0.01 * half {
             return None;
         }
-        // Pushed out onto the sides that look along the normal.
+        // Moved out onto the sides that point along the normal.
         let end = |along: f32| {
             let mut q = self.at(along).clamp(-self.size, self.size).to_array();
             for i in 0..3 {
@@ -214,7 +214,7 @@ impl Rod {
         Some([end(from), end(to)])
     }
 
-    /// How far its points on a face are from the rim of that, metres; 0 on edges and corners.
+    /// Least distance of points on a face to the rim of that face, metres; 0 on edges and corners.
     fn free(&self, manifold: &Manifold) -> f32 {
         let across = manifold.normal.cmpeq(Vec3::ZERO);
         if across.bitmask().count_ones() < 2 {
@@ -227,12 +227,12 @@ impl Rod {
         manifold.points().iter().fold(f32::INFINITY, least)
     }
 
-    /// The lowest place of an axis that is in the box, along a direction out of it, and the point of the surface there.
+    /// The deepest place of an axis that overlaps the box, along a direction out of it, and the surface point there.
     fn deepest(&self, normal: Vec3) -> (f32, Vec3) {
         let Self { axis, size, .. } = self;
         let along = if axis.dot(normal).abs() > 1e-3 { self.lower(normal) } else { 0.0 };
         let p = self.at(along);
-        // On the plane of the face or edge that looks that way.
+        // On the plane of the face or edge that points that way.
         let out = size.dot(normal.abs()) - p.dot(normal);
         (along, p + normal * out)
     }

@@ -1,11 +1,11 @@
-//! What is round: spheres against anything convex, and capsules against each other.
+//! Round shapes: sphere against any shape with a nearest-point query, and capsule against capsule.
 
 use glam::Vec3;
 
 use super::super::shape::Shape;
 use super::{Frame, Manifold, Point};
 
-/// A sphere and anything that knows its nearest point.
+/// A sphere and any shape with a nearest-point query.
 pub(super) fn sphere(radius: f32, b: &Shape, a_in_b: &Frame, reach: f32) -> Option<Manifold> {
     let nearest = b.nearest(a_in_b.translation);
     let (normal, distance) = (nearest.normal, nearest.distance - radius);
@@ -13,7 +13,7 @@ pub(super) fn sphere(radius: f32, b: &Shape, a_in_b: &Frame, reach: f32) -> Opti
     (distance <= reach).then(|| Manifold::single(normal, on_a, nearest.point, distance))
 }
 
-/// Capsules whose axes are closer to parallel than this (squared sine; 8°) touch in two points: one alone would let them roll about it.
+/// Capsules whose axes are closer to parallel than this (squared sine; 8°) touch in two points: with a single point they would roll about it.
 const NEAR_PARALLEL: f32 = 0.02;
 
 /// Two capsules, `[radius, half height]` each. Two points where they lie along each other.
@@ -22,10 +22,10 @@ pub(super) fn capsules(a: [f32; 2], b: [f32; 2], a_in_b: &Frame, reach: f32) -> 
     let (t, axis) = (a_in_b.translation, a_in_b.rotation.y_axis);
     let (cosine, along) = (axis.y, t.dot(axis));
     let square = 1.0 - cosine * cosine;
-    // Nearest to a place along b: a place along a; and the other way round.
+    // The nearest place along the axis of `a` to a place along the axis of `b`, and vice versa.
     let on_a = |s: f32| limit(s * cosine - along, half_a);
     let on_b = |u: f32| limit(t.y + u * cosine, half_b);
-    // Where a's axis begins and ends beside b's.
+    // The range of `b`'s axis that lies beside `a`'s axis.
     let aside = half_a * cosine.abs();
     let ends = [limit(t.y - aside, half_b), limit(t.y + aside, half_b)];
     let s = if square > 1e-6 {
@@ -64,18 +64,17 @@ pub(super) fn capsules(a: [f32; 2], b: [f32; 2], a_in_b: &Frame, reach: f32) -> 
     Some(manifold)
 }
 
-/// A place along an axis, no farther than its ends.
+/// Clamps a place along an axis to its ends.
 #[inline(always)]
 pub(super) fn limit(place: f32, half: f32) -> f32 {
     place.max(-half).min(half)
 }
 
-/// Unit vector from a place `u` on a capsule's axis to its surface, as near as can be to a direction: across the axis, but for its ends, which are
-/// round.
+/// Unit vector from the place `u` on a capsule's axis to the surface point that is farthest along `direction`: across the axis, except at the round ends.
 #[inline(always)]
 pub(super) fn rim(axis: Vec3, u: f32, half: f32, direction: Vec3) -> Vec3 {
     let along = direction.dot(axis);
-    // An end is one also if it has been through another's coordinates.
+    // With a tolerance, for ends that rounding has moved in a change of coordinates.
     if u.abs() >= 0.9999 * half && along * u >= 0.0 {
         return direction;
     }
@@ -84,7 +83,7 @@ pub(super) fn rim(axis: Vec3, u: f32, half: f32, direction: Vec3) -> Vec3 {
     if length > 1e-6 { side / length } else { direction }
 }
 
-/// A direction across two axes that meet, the second of which is y; across that one where they are the same.
+/// A unit direction across two intersecting axes, `axis` and y; across y if they are parallel.
 fn across(axis: Vec3) -> Vec3 {
     let product = Vec3::new(axis.z, 0.0, -axis.x);
     let length = product.length();

@@ -1,6 +1,7 @@
-//! Which boxes of triangles overlap. Triangles that follow each other are near each other, and mostly of one cloth: eight of them are searched as one, and those
-//! of two blocks that are near are compared eight at a time. (Bones and links of ropes are searched so, too, by
-//! [`ClusterSearch`](crate::collide::manifold::ClusterSearch): a dozen that are joined, among pairs that last. Here pairs are taken afresh, and there are thousands.)
+//! Finds overlapping boxes of triangles. Consecutive triangles are close to each other and mostly of one cloth: blocks of eight are searched as one, and the
+//! boxes of two nearby blocks are compared eight at a time. (Bones and links of ropes are searched in a similar way by
+//! [`ClusterSearch`](crate::collide::manifold::ClusterSearch): a dozen that are joined, with lasting candidates. Here the pairs are rebuilt each time, and
+//! there are thousands.)
 
 use glam::Vec3;
 
@@ -8,18 +9,18 @@ use crate::collide::manifold::{Broad, NO_GROUP};
 use crate::kept::Kept;
 use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, Work, with};
 
-/// A search for boxes that overlap. What it keeps between calls is memory alone.
+/// Finds overlapping boxes. Only allocations are kept between calls.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BlockSearch {
     blocks: Vec<BoxBlock>,
-    /// The box about each block, and its group; and which overlap.
+    /// The bounds and the group of each block, and the pairs of overlapping blocks.
     bounds: Vec<(Vec3, Vec3)>,
     groups: Vec<u32>,
     near: Vec<[u32; 2]>,
     broad: Kept<Broad>,
 }
 
-/// Boxes that follow each other, of one group. What is no box, or missing, is one that nothing overlaps: its least corner is infinitely far above its greatest.
+/// Consecutive boxes of one group. An invalid box or an empty lane has a least corner of +∞ and a greatest of -∞, so that nothing overlaps it.
 #[derive(Clone, Copy, Debug)]
 struct BoxBlock {
     first: u32,
@@ -29,8 +30,8 @@ struct BoxBlock {
 }
 
 impl BlockSearch {
-    /// All pairs `[i, j]`, `i < j`, of boxes (least and greatest corner) that overlap or touch and are not of one [group](NO_GROUP), sorted. Of those from `last` on,
-    /// which are no triangles, none are looked for among each other.
+    /// Finds all pairs `[i, j]`, `i < j`, of boxes (least and greatest corner) that overlap or touch and are not of one [group](NO_GROUP), sorted. Boxes from
+    /// `last` on are not triangles, and are not compared with each other.
     pub(super) fn pairs(
         &mut self,
         boxes: &[(Vec3, Vec3)],
@@ -74,7 +75,7 @@ impl BoxBlock {
         Self { first, count: 0, least, most }
     }
 
-    /// A bit for each that a box overlaps or touches.
+    /// A bit for each box of the block that a box overlaps or touches.
     #[inline(always)]
     fn overlapping<L: Lanes>(&self, least: [f32; 3], most: [f32; 3]) -> u32 {
         let mut apart = L::zero();
@@ -87,7 +88,7 @@ impl BoxBlock {
     }
 }
 
-/// Compares the boxes of blocks that are near each other; `near` are pairs of those, sorted.
+/// Compares the boxes of nearby blocks; `near` are the pairs of those, sorted.
 struct ComparePairs<'a> {
     blocks: &'a [BoxBlock],
     groups: &'a [u32],

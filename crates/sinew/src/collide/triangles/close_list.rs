@@ -1,12 +1,13 @@
-//! Who of those that were found is close: so close that the two may touch or pass through each other in this substep.
+//! Selects the candidates that are close: the two may touch or pass through each other in this substep.
 //!
-//! What was found lasts for some steps, and is some hundred for each that touches. Most of those can come to touch only if members go far within their margins along
-//! the diagonal of a box; who could not, however all go within them, is left out as soon as it is found. Of the others it is asked in each substep, eight at a time, how
-//! near they are at the least ([`least_distance`](super::least_distance)), and those that are close are put together, eight by eight again, for the sweeps. None of it is a
-//! decision: who is close is asked again, in double precision, and a candidate more changes nothing.
+//! The neighbour list lasts for some steps and has some hundred candidates for each contact. Most could only touch if their members moved far within their
+//! margins along the diagonal of a box; those that cannot, wherever their members move within the margins, are dropped when the list is built. For the others a
+//! lower bound of the distance is computed in each substep, eight at a time ([`least_distance`](super::least_distance)), and the close ones are packed into
+//! blocks of eight again for the sweeps. None of this decides a contact: close candidates are tested again in double precision, and an additional candidate
+//! changes no result.
 //!
-//! Contacts put members elsewhere, so that others become close. Who may by that is in the list, too, as long as nobody is put further than is allowed for, which
-//! is some more than in the substep before; then the list is made again.
+//! Contacts displace members, so that other candidates become close. The list includes those too, as long as no member is displaced by more than its allowance,
+//! which is somewhat more than its displacement in the substep before; beyond that the list is rebuilt.
 
 use glam::{DVec3, Vec3, Vec4};
 
@@ -16,59 +17,60 @@ use super::participants::{TriangleParticipants, largest};
 use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, Vector, Work, with};
 use crate::particles::Particles;
 
-/// Scratch; what is in it for longer than a substep saves asking, and changes no result.
+/// Scratch. What outlives a substep only saves tests and changes no result.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CloseList {
-    /// Which instructions are used; all give the same bits.
+    /// Instruction set of the kernels; all give the same bits.
     pub(super) instructions: InstructionSet,
-    /// Those that were picked, in their order: those of corners first.
+    /// The candidates kept by [`pick`](Self::pick), in order: those of corners first.
     blocks: Vec<CandidateBlock>,
-    /// Where each member is, metres from the first one's origin, and how far that is from where it began in this substep, beside what all do in the mean;
-    /// and that place.
+    /// `ends`: position of each member, metres from the first member's origin, and in `w` its displacement in this substep relative to the mean displacement of
+    /// all members. `began`: that position less that displacement.
     ends: Vec<Vec4>,
     began: Vec<Vec3>,
-    /// How far rounding may have put them elsewhere, metres.
+    /// Greatest rounding error of these positions, metres.
     rounding: f32,
-    /// Those that are close, in their order.
+    /// The close candidates, in order.
     close: Vec<CandidateBlock>,
-    /// Where each was when they were listed; and how far it may go in this substep and be put, and be put again.
+    /// `ends` at the time of listing; `w` is the displacement in the substep plus twice the allowance.
     listed: Vec<Vec4>,
-    /// How far each may be put until others are close, metres; and how far it has been put.
+    /// Distance by which contacts may displace each member before other candidates become close, metres; and the distance by which they have displaced it.
     allowances: Vec<f32>,
     puts: Vec<f32>,
-    /// What all are allowed.
+    /// Allowance of every member, metres.
     base: f32,
-    /// How far one has been put at the most, and whether one was further than is allowed for.
+    /// Greatest displacement by contacts in this substep, metres, and whether one exceeded its allowance.
     put: f32,
     outrun: bool,
 }
 
-/// Eight candidates. Where there are fewer, the first one stands in the places that are left.
+/// Up to eight candidates. Empty lanes repeat the first one.
 #[derive(Clone, Copy, Debug)]
 struct WideCandidate {
     members: [[u32; LANES]; 4],
-    /// The largest distance that they keep, metres.
+    /// Greatest contact distance of each candidate, metres.
     reach: [f32; LANES],
     count: u32,
     edges: bool,
 }
 
-/// Eight candidates, ascending, by their numbers.
+/// Up to eight candidates and their numbers, ascending.
 #[derive(Clone, Copy, Debug)]
 struct CandidateBlock {
     wide: WideCandidate,
     numbers: [u32; LANES],
 }
 
-/// The next substep puts somebody further than the last by no more than this factor, mostly.
+/// Factor from a member's displacement by contacts in the last substep to its allowance: in most cases the next one is not larger.
 const MORE: f32 = 1.5;
 
-/// Who was not put in the last substep is allowed this share of what surprised in an earlier one, less with each that passes.
+/// Share of the greatest displacement beyond an allowance that becomes the allowance of members that contacts did not displace in the last substep, and the
+/// factor by which it decays in each substep.
 const SURPRISE: f32 = 0.1;
 const FORGOTTEN: f32 = 0.9;
 
 impl CloseList {
-    /// Picks candidates, those of corners first: those of whom some can come near as long as each member is no further from where it is than its `range`, metres.
+    /// Keeps the candidates, those of corners first, that can come into contact if each member moves no further from its position than its `range`, metres.
     pub(super) fn pick(
         &mut self,
         candidates: &[TriangleCandidate],
@@ -99,7 +101,7 @@ impl CloseList {
         }
     }
 
-    /// Lists who is close in a substep that has been predicted.
+    /// Lists the close candidates of a predicted substep.
     pub(super) fn begin_substep(
         &mut self,
         participants: &TriangleParticipants,
@@ -118,7 +120,7 @@ impl CloseList {
             let own = way(row) - common;
             began.push(at - own);
             let own = own.length() * LONGER;
-            // What is no number does not count: it touches nobody.
+            // NaN is ignored: such a member touches nothing.
             far = far.max(at.abs().max_element());
             ends.push(at.extend(own));
         }
@@ -132,7 +134,7 @@ impl CloseList {
         self.list();
     }
 
-    /// Lists them again if somebody was put further than was allowed for. Returns whether it was so.
+    /// Lists the close candidates again if a member was displaced by more than its allowance. Returns whether it was so.
     pub(super) fn keep_up(&mut self) -> bool {
         let outrun = core::mem::take(&mut self.outrun);
         if outrun {
@@ -155,7 +157,8 @@ impl CloseList {
         with(*instructions, ListClose { blocks, listed, slack: 2.0 * *rounding, close });
     }
 
-    /// Which candidates of a block of those that are listed are close where members are now, a bit each, of those from a number on; `None` where there is no such block.
+    /// The candidates of a listed block that are close at the members' current positions, a bit each, and whose number is at least `from`; `None` beyond the
+    /// last block.
     pub(super) fn ask(&self, place: usize, from: u32) -> Option<u32> {
         let CandidateBlock { wide, numbers } = self.close.get(place)?;
         let slack = 2.0 * self.rounding;
@@ -164,18 +167,18 @@ impl CloseList {
         Some(with(self.instructions, ask) & (u32::MAX << before))
     }
 
-    /// The number of one of a block.
+    /// The number of the candidate in a lane of a block.
     pub(super) fn number(&self, place: usize, lane: u32) -> u32 {
         self.close[place].numbers[lane as usize]
     }
 
-    /// The first block that has a candidate of a number or of a higher one.
+    /// The first block with a candidate of at least this number.
     pub(super) fn place_of(&self, number: u32) -> usize {
         let last = |block: &CandidateBlock| block.numbers[block.wide.count as usize - 1];
         self.close.partition_point(|block| last(block) < number)
     }
 
-    /// Notes that a member was put elsewhere, by so many metres.
+    /// Records that a contact displaced a member, by metres.
     pub(super) fn note_put(&mut self, i: usize, by: DVec3) {
         let end = self.ends[i].truncate() + by.as_vec3();
         self.ends[i] = end.extend((end - self.began[i]).length() * LONGER);
@@ -186,7 +189,7 @@ impl CloseList {
     }
 }
 
-/// Where members are, metres from the first one's origin.
+/// Position of a row, metres from `zero`.
 fn place(particles: &Particles, row: u32, zero: Vec3) -> Vec3 {
     let row = row as usize;
     (particles.origin[row] - zero) + particles.position[row].truncate()
@@ -196,16 +199,16 @@ fn first_origin(participants: &TriangleParticipants, particles: &Particles) -> V
     participants.rows.first().map_or(Vec3::ZERO, |&row| particles.origin[row as usize])
 }
 
-/// How far rounding may have put a place elsewhere, as a share of its largest coordinate: that of itself, and of some times that it is put.
+/// Greatest rounding error of a position, as a share of its largest coordinate: of the position itself and of several displacements.
 const ROUNDING: f32 = 2e-6;
 
-/// The largest distance that the two of a candidate keep, metres.
+/// Greatest contact distance of a candidate, metres.
 fn reach_of(candidate: &TriangleCandidate, participants: &TriangleParticipants) -> f32 {
     largest(&participants.radius, candidate.four, candidate.edges).min(candidate.most)
 }
 
 impl WideCandidate {
-    /// A first one.
+    /// A block with one candidate.
     fn of(four: [u32; 4], reach: f32, edges: bool) -> Self {
         let members = four.map(|member| [member; LANES]);
         let mut wide = Self { members, reach: [0.0; LANES], count: 0, edges };
@@ -217,13 +220,13 @@ impl WideCandidate {
         Self::of(candidate.four, reach_of(candidate, participants), candidate.edges)
     }
 
-    /// Whether there is room for one more of a kind.
+    /// Whether there is a free lane for another candidate of this kind.
     #[inline(always)]
     fn takes(&self, edges: bool) -> bool {
         self.edges == edges && self.count < LANES as u32
     }
 
-    /// Adds one.
+    /// Adds a candidate.
     #[inline(always)]
     fn put(&mut self, four: [u32; 4], reach: f32) {
         let place = self.count as usize;
@@ -234,19 +237,19 @@ impl WideCandidate {
         self.count += 1;
     }
 
-    /// One of them, and its distance.
+    /// The candidate in a lane, and its contact distance.
     #[inline(always)]
     fn lane(&self, lane: usize) -> ([u32; 4], f32) {
         let [i, j, k, l] = &self.members;
         ([i[lane], j[lane], k[lane], l[lane]], self.reach[lane])
     }
 
-    /// The places that are filled, a bit each.
+    /// The occupied lanes, a bit each.
     fn filled(&self) -> u32 {
         (1 << self.count) - 1
     }
 
-    /// How near they are at the least, and how far the two may come nearer within the substep: what each has gone.
+    /// Lower bounds of the distances, and the greatest distance that the two can have approached in the substep: the sum of their displacements.
     #[inline(always)]
     fn least<L: Lanes>(&self, ends: &[Vec4]) -> [L; 2] {
         let [p, a, b, c] = &self.members;
@@ -262,7 +265,7 @@ impl WideCandidate {
     }
 }
 
-/// Lists who is close: nearer than its distance and what the two may go in the substep, and be put.
+/// Lists close candidates: those nearer than their contact distance plus their displacements in the substep and the allowances.
 struct ListClose<'a> {
     blocks: &'a [CandidateBlock],
     listed: &'a [Vec4],
@@ -283,7 +286,7 @@ impl Work for ListClose<'_> {
     }
 }
 
-/// Adds some of eight candidates to blocks, by their numbers.
+/// Appends the candidates of some lanes to blocks, with their numbers.
 #[inline(always)]
 fn push_lanes(
     blocks: &mut Vec<CandidateBlock>,
@@ -306,7 +309,8 @@ fn push_lanes(
     }
 }
 
-/// Which of eight are close, a bit each: nearer than their distance, or than what the two have gone (so that they may have passed); or than `both` together.
+/// Which of eight candidates are close, a bit each: nearer than their contact distance, or than their displacements (so that they may have passed through each
+/// other); with `both`, nearer than the sum of the two.
 struct AskBlock<'a> {
     wide: &'a WideCandidate,
     ends: &'a [Vec4],
@@ -352,7 +356,7 @@ mod tests {
         }
     }
 
-    /// How far two are apart where they are.
+    /// The exact distance of the two at their current positions.
     fn exact(four: &Four) -> f64 {
         let [p, a, b, c] = four.to;
         if four.edges {
@@ -367,7 +371,7 @@ mod tests {
         nobody_is_left_out(None);
     }
 
-    /// How far the fastest and the furthest before it went was forgotten with it.
+    /// The maxima of displacement and extent up to a NaN used to be lost at it.
     #[test]
     fn nor_beside_one_who_is_no_number() {
         nobody_is_left_out(Some(198));
@@ -398,7 +402,7 @@ mod tests {
         list.pick(&candidates, &participants, &particles, &anywhere);
         let (mut touching, mut passing, mut passed_over) = (0, 0, 0);
         for substep in 0..200 {
-            // All are carried along; each goes its own way, some fast.
+            // All share a motion; each has one of its own, some of them fast.
             let common = Vec3::new(0.03, -0.02, 0.01);
             for row in 0..COUNT {
                 particles.start[row] = particles.position[row];

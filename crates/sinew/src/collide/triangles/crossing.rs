@@ -1,30 +1,30 @@
-//! Whether a particle passes through a triangle in a substep, or an edge through an edge: where both are at one place on their way.
+//! Continuous collision detection: whether a particle passes through a triangle in a substep, or an edge through an edge.
 //!
 //! # When
 //!
-//! All corners move evenly from where the substep began to where they have got to. With `u`, `v` the two sides of a triangle (or the two edges) and
-//! `p` from the first corner to the particle (from one edge's beginning to the other's), each of the form `x₀ + τ Δx`, the four points lie in one
-//! plane at the roots of the cubic (Provot 1997; Bridson and others 2002)
+//! All corners move linearly from the start of the substep to their current positions. With `u`, `v` two sides of the triangle (or the two edges) and `p` from
+//! its first corner to the particle (or from the beginning of one edge to that of the other), each of the form `x₀ + τ Δx`, the four points are coplanar at the
+//! roots of the cubic (Provot 1997; Bridson and others 2002)
 //!
 //! ```text
 //! f(τ) = p(τ) · (u(τ) × v(τ))        0 ≤ τ ≤ 1
 //! ```
 //!
-//! In Bernstein's form a cubic stays between the least and the greatest of its four coefficients, so that most have no root for want of a change of
-//! sign. Between the zeros of its derivative it rises or falls all the time, so that a root is enclosed by its signs and halved until it has no more
-//! digits. There is nothing to miss but where it touches zero without a change of sign, which is a touch, and no crossing.
+//! In Bernstein form a cubic stays between the least and the greatest of its four coefficients, so that most have no root because all four have the same sign.
+//! Between the zeros of its derivative it is monotonic, so that a root is bracketed by signs and found by bisection to full precision. Only a root without a
+//! change of sign can be missed, which is a touch and not a crossing.
 //!
 //! # Where, and to which side
 //!
-//! At a root the particle has passed if it is within the triangle then (the edges, if they cut each other), with a tolerance that leaves no crack
-//! between two triangles at their common edge. It came from the side that it moves away from, relative to the triangle at that place: `n` is the
-//! triangle's normal (square to both edges), towards that side.
+//! At a root the particle has passed if it is within the triangle then (or the edges intersect), with a tolerance that leaves no crack between two triangles at
+//! their common edge. It came from the side that it moves away from, relative to the triangle at that place: `n` is the triangle's normal (or the normal of
+//! both edges) towards that side.
 
 use glam::DVec3;
 
 use super::super::distance::{foot, has_size, of_lines};
 
-/// Four points, where they began and where they are; of a particle and a triangle the particle first, of two edges one after the other.
+/// Four points at the start of the substep and now: a particle and the corners of a triangle, or the ends of one edge and of another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Four {
     pub(super) from: [DVec3; 4],
@@ -32,22 +32,23 @@ pub(super) struct Four {
     pub(super) edges: bool,
 }
 
-/// How two touch: shares of the four points that add up to zero, of the one that touches positive, of the other negative; and the unit vector from
-/// the other to the one.
+/// Contact geometry of two features: weights of the four points, which are positive for the first feature and negative for the second and add up to zero; and
+/// the unit normal from the second to the first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactShares {
     pub(super) shares: [f64; 4],
     pub(super) normal: DVec3,
 }
 
-/// How far beyond a triangle or an edge it is still met, as a share of it: much more than rounding in double precision, and no thickness.
+/// Tolerance beyond the border of a triangle or an edge, as a share of its size: far more than the rounding errors of double precision, and no visible
+/// thickness.
 const CRACK: f64 = 1e-7;
 
-/// How often the interval that a root is in is halved: beyond that `τ` has no more digits that matter.
+/// Bisections of the interval of a root: more would not add significant digits to `τ`.
 const HALVINGS: u32 = 40;
 
 impl Four {
-    /// Where they pass through each other first, if they end on another side than they began on: who has passed and come back has not.
+    /// The first crossing, if they end on the other side: if they passed through each other and back there is none.
     pub(super) fn crossing(&self) -> Option<ContactShares> {
         let (began, ends) = (self.sides(self.from), self.sides(self.to));
         let turned = [ends[0] - began[0], ends[1] - began[1], ends[2] - began[2]];
@@ -61,8 +62,8 @@ impl Four {
         ways.count().is_multiple_of(2).then_some(first)
     }
 
-    /// The square of a distance than which none of the one comes further against any of the other: that of twice the longest way, beside the mean of
-    /// the four.
+    /// Upper bound, squared, of how far any point of one feature can have moved relative to any point of the other: twice the longest displacement relative to
+    /// the mean of the four.
     #[inline]
     pub(super) fn longest_way(&self) -> f64 {
         let way = |i: usize| self.to[i] - self.from[i];
@@ -87,7 +88,7 @@ impl Four {
         Some(ContactShares { shares, normal: if nearing > 0.0 { -normal } else { normal } })
     }
 
-    /// The shares of the four in what is nearest square to the triangle (to both edges), where that is within, and the unit normal.
+    /// The weights of the points along the common normal of the features, if these points lie within them, and the unit normal.
     fn meet(&self, at: [DVec3; 4], slack: f64) -> Option<([f64; 4], DVec3)> {
         let [p, a, b, c] = at;
         let [_, u, v] = self.sides(at);
@@ -104,8 +105,7 @@ impl Four {
         Some((shares, n / n.length()))
     }
 
-    /// Which way it is from the one to the other where the substep has ended and they touch in the very same place: the normal there, to the side
-    /// where they began.
+    /// The direction from the second to the first for points that coincide at the end of the substep: the normal there, towards the side where they began.
     pub(super) fn side(&self, shares: [f64; 4]) -> Option<DVec3> {
         let [_, u, v] = self.sides(self.to);
         let n = u.cross(v);
@@ -119,7 +119,7 @@ impl Four {
     }
 }
 
-/// From the point of the other to that of the one, by their shares.
+/// The vector from the point of the second feature to that of the first, by their weights.
 #[inline]
 pub(super) fn gap(shares: [f64; 4], at: [DVec3; 4]) -> DVec3 {
     at[0] * shares[0] + at[1] * shares[1] + at[2] * shares[2] + at[3] * shares[3]
@@ -131,21 +131,21 @@ fn cubic([p, u, v]: [DVec3; 3], [dp, du, dv]: [DVec3; 3]) -> [f64; 4] {
     [p.dot(n0), p.dot(n1) + dp.dot(n0), p.dot(n2) + dp.dot(n1), dp.dot(n2)]
 }
 
-/// Whether it is all above or all below zero, or no number.
+/// Whether it is positive everywhere or negative everywhere from 0 to 1, or NaN.
 fn is_one_sided([c0, c1, c2, c3]: [f64; 4]) -> bool {
     let all = [c0, c0 + c1 / 3.0, c0 + (2.0 * c1 + c2) / 3.0, c0 + c1 + c2 + c3];
     !(all.iter().any(|&b| b <= 0.0) && all.iter().any(|&b| b >= 0.0))
 }
 
-/// The times from 0 to 1 at which it changes its sign, in their order.
+/// The times from 0 to 1 at which it changes sign, ascending.
 ///
-/// What begins at zero is on neither side, and no root is there: it goes where it goes.
+/// A cubic that begins at zero is on neither side, and has no root there.
 fn roots(cubic: [f64; 4]) -> ([f64; 3], usize) {
     let [c0, c1, c2, c3] = cubic;
     let value = |t: f64| c0 + t * (c1 + t * (c2 + t * c3));
     let mut knots = [0.0; 4];
     let mut count = 1;
-    // Zeros of the derivative, in the form that does not subtract what is nearly equal.
+    // Zeros of the derivative, in the form that avoids cancellation.
     let (a, half, c) = (3.0 * c3, c2, c1);
     let beneath = half * half - a * c;
     if beneath > 0.0 {
@@ -226,7 +226,7 @@ mod tests {
         );
         let way = four(down, up, DVec3::ZERO).crossing().unwrap();
         assert!((way.normal + DVec3::Z).length() < 1e-12, "from the other side");
-        // The triangle moves instead, and both, and so does neither in effect.
+        // The triangle moves instead; and both move, so that their relative displacement is zero.
         assert!(four(up, up, DVec3::Z * 2.0).crossing().is_some());
         assert!(four(up, down, DVec3::Z * -2.0).crossing().is_none());
         let beside = DVec3::X;

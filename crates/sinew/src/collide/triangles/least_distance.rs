@@ -1,22 +1,22 @@
-//! How near two may be at the least, in single precision and eight at a time: a particle and a triangle, two edges.
+//! Lower bounds of the distance of a particle and a triangle, or of two edges, in single precision, eight at a time.
 //!
-//! It is for those that are not near each other, most of those that were found, and never more than the distance is, whatever is rounded: of particle and triangle
-//! the distance, of two edges that of their lines (or of parallels), and how far the nearest point of either line is beyond the end of its edge,
-//! less [`ROUNDED`] of what was reckoned with. The derivations stand in [`distance`](super::super::distance).
+//! They exclude distant candidates, which most are, and never exceed the exact distance, whatever the rounding. For a particle and a triangle the bound is the
+//! distance; for two edges it is that of their lines (or parallels), combined with how far the nearest point of either line is beyond the end of its edge; each
+//! less [`ROUNDED`] of the lengths involved. The derivations are in [`distance`](super::super::distance).
 
 use crate::lanes::{Number, Vector};
 
-/// Where the sine of the angle between two directions is less than `√FLAT`, a triangle is taken for its edges and two edges for parallel: neither is off by more
-/// than [`ROUNDED`], nor is the normal, which rounding turns by `2⁻²³/√FLAT` there.
+/// Where the squared sine of the angle between two directions is less than `FLAT`, a triangle counts as its edges, and two edges as parallel. The error of
+/// either is below [`ROUNDED`], and so is that of the normal, which rounding turns by `2⁻²³/√FLAT` there.
 const FLAT: f32 = 1e-6;
 
-/// Below this product of the squares of two sides, m⁴, their cross product has no square in `f32`.
+/// Below this product of the squares of two sides, m⁴, the square of their cross product underflows in `f32`.
 const TINY: f32 = 1e-30;
 
-/// What a distance may be too long by, as a share of the longest way from corner to corner.
+/// Greatest error of a distance, as a share of the longest distance between corners.
 const ROUNDED: f32 = 1e-3;
 
-/// Of a particle and the corners of a triangle, metres; also where something is no number, which is then what it is.
+/// Of a particle and the corners of a triangle, metres; NaN if one of them is.
 #[inline(always)]
 pub(super) fn to_triangle<N: Number>([p, a, b, c]: [Vector<N>; 4]) -> N {
     let (u, v, d) = (b - a, c - a, p - a);
@@ -38,15 +38,15 @@ pub(super) fn to_triangle<N: Number>([p, a, b, c]: [Vector<N>; 4]) -> N {
     nearest - dd.max(uu).max(vv).sqrt() * N::splat(ROUNDED)
 }
 
-/// The square of the distance of a point and a segment, both from the beginning of that, whose square is given, too.
+/// The squared distance of a point and a segment, both relative to the segment's beginning; `uu` is the squared length of the segment.
 #[inline(always)]
 fn to_segment<N: Number>(d: Vector<N>, u: Vector<N>, uu: N) -> N {
-    // As far along as the segment goes; of one without length not at all.
+    // Clamped to the segment; 0 for one without length, for which the quotient is NaN.
     let share = (d.dot(u) / uu).max(N::zero()).min(N::splat(1.0));
     (d - u * share).length_squared()
 }
 
-/// Of two edges, from the first point to the second and from the third to the fourth.
+/// Of two edges, metres: from the first point to the second, and from the third to the fourth.
 #[inline(always)]
 pub(super) fn of_edges<N: Number>([p, a, b, c]: [Vector<N>; 4]) -> N {
     let (u, v, r) = (a - p, c - b, b - p);
@@ -54,7 +54,8 @@ pub(super) fn of_edges<N: Number>([p, a, b, c]: [Vector<N>; 4]) -> N {
     let n = u.cross(v);
     let square = n.length_squared();
     let zero = N::zero();
-    // How far beyond the ends, as shares of the edges, of which a cross product is divided once and squared then: small edges have squares in `f32`, and no more.
+    // How far beyond the ends, as a share of the edge. The cross product is divided first and squared afterwards: squares of small edges are still in the range
+    // of `f32`, higher powers are not.
     let beyond = |along: N| (zero - along).max(along - N::splat(1.0)).max(zero);
     let s = beyond(r.cross(v).dot(n) / square);
     let t = beyond(r.cross(u).dot(n) / square);
@@ -96,7 +97,7 @@ mod tests {
         (p - (a * i + b * j + c * k)).length()
     }
 
-    /// Lumps, needles, what is nearly flat, nearly parallel, or without a size.
+    /// Well-shaped sets, needles, and nearly flat, nearly parallel and degenerate ones.
     fn shapes() -> impl Iterator<Item = [[f32; 3]; 4]> {
         let mut state = 7;
         (0..200_000).map(move |round| {
@@ -131,7 +132,7 @@ mod tests {
 
     #[test]
     fn what_is_far_is_known_to_be() {
-        // Of lumps not much is lost: of a triangle rounding, of edges whose nearest points are their ends some.
+        // For well-shaped sets the bound is tight: within rounding for triangles, less so for edges whose nearest points are their ends.
         let (mut count, mut close) = (0, [0; 2]);
         for at in shapes().skip(3).step_by(20) {
             for edges in [false, true] {

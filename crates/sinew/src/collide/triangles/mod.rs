@@ -1,51 +1,52 @@
-//! Triangles against particles, and against each other: the finer tier of contacts, for meshes whose particles are further apart than they are thick.
+//! Contacts of triangles with particles and with each other: the finer tier of contacts, for meshes whose particles are further apart than they are thick.
 //!
-//! | file | what it is |
+//! | file | contents |
 //! |---|---|
-//! | `participants` | who takes part: triangles, their corners and edges, particles |
-//! | `neighbour_list` | who may come to touch whom, and whether somebody went further than was looked |
-//! | `block_search` | which boxes about triangles overlap |
-//! | `close_list` | who of those is close in this substep |
-//! | `least_distance` | how near two may be at the least, eight at a time |
-//! | `distance` | the nearest points of a particle and a triangle, and of two edges |
-//! | `crossing` | whether they passed through each other |
-//! | `solve` | the kernel: four points that keep a distance, and friction |
-//! | `zone` | what is done where contacts do not agree |
-//! | `restitution` | restitution, and what is reported |
+//! | `participants` | triangles, their corners and edges, and particles that take part |
+//! | `neighbour_list` | candidate pairs with a margin, and whether a margin was exceeded |
+//! | `block_search` | broad phase of the triangles' boxes |
+//! | `close_list` | the candidates that are close in this substep |
+//! | `least_distance` | lower bounds of distances, eight at a time |
+//! | `distance` | nearest points of a particle and a triangle, and of two edges |
+//! | `crossing` | continuous collision detection |
+//! | `solve` | the kernel: a distance constraint of four points, and friction |
+//! | `zone` | impact zones, where contacts do not converge |
+//! | `restitution` | restitution and contact events |
 //!
-//! # Who touches whom
+//! # What touches what
 //!
-//! The triangles are those of [`Forces::surfaces`](crate::forces::Forces::surfaces) whose three particles are of one body that asks for them
-//! ([`BodyContacts::surface`]). Every particle with a radius that touches the body as [`pairs`](super::pairs) have it (another body's, or its own if
-//! it touches itself) touches its triangles, with its radius and theirs ([`solve`]), from either side; and where both bodies ask, edges touch edges:
-//! two meshes can pass through each other without a corner ever passing a triangle. A particle touches neither the triangles that it is a corner of,
-//! nor an edge one that it shares an end with. Corners of listed triangles take no part in [`pairs`](super::pairs), unless their body touches itself: what touches a
-//! corner touches its triangles there.
+//! The triangles are those of [`Forces::surfaces`](crate::forces::Forces::surfaces) whose three particles belong to one body with [`BodyContacts::surface`].
+//! Every particle with a radius that collides with the body according to [`pairs`](super::pairs) (another body's, or its own if the body collides with itself)
+//! collides with its triangles, at the sum of both thicknesses ([`solve`]), from either side. Where both bodies have surfaces, edges collide with edges too:
+//! two meshes can pass through each other without a corner ever passing through a triangle. A particle does not collide with the triangles that it is a corner
+//! of, nor an edge with one that it shares an end with. Corners of listed triangles take no part in [`pairs`](super::pairs), unless their body collides with
+//! itself: what touches a corner touches its triangles there.
 //!
-//! # How it goes
+//! # Stages
 //!
-//! [`broad_phase`](Triangles::broad_phase) runs once a step, and lists who may come to touch whom, unless what was listed in an earlier one still holds. In each substep
-//! [`project`](Triangles::project) looks again if somebody has gone further than was reckoned with, finds who of those is close, eight at a time (`close_list`), and
-//! sweeps over these, up to [`SWEEPS`] times: whoever overlaps or has passed is put back, at once. A later sweep asks only those of whom somebody has moved since, and so
-//! does another round of sweeps for those whom contacts have put further than was reckoned with. Who still passes through somebody after that goes with it for the rest of the substep (`zone`). What decides is done in double
-//! precision, and one after the other: a tier for tens of thousands of triangles, not for millions.
+//! [`broad_phase`](Triangles::broad_phase) runs once a step and builds the neighbour list, unless that of an earlier step is still valid. In each substep
+//! [`project`](Triangles::project) rebuilds the list if a margin was exceeded, selects the close candidates, eight at a time (`close_list`), and sweeps over
+//! these up to [`SWEEPS`] times: candidates that overlap or have passed through each other are corrected at once. A later sweep tests only candidates with a
+//! member that moved since the last one, and a further round of sweeps only those with a member that contacts displaced by more than its reserve. Candidates
+//! that still pass through each other after that move together for the rest of the substep (`zone`). All decisions are made in double precision and one after
+//! the other: this tier is for tens of thousands of triangles, not for millions.
 //!
-//! # The order, and what it depends on
+//! # Order and determinism
 //!
-//! What is listed is in the order of the rows, and who does not touch changes nothing. That makes the result a function of positions and of the order
-//! of the rows alone: not of the order of the triangles or of their corners, nor of threads or instructions. Those that touch nothing of a heap change no bit
-//! of it, nor do margins, nor when it was looked last: how far contacts may put somebody before those around it are asked again follows from its radius and its speed when the
-//! step begins, and not from what was found.
+//! The neighbour list is in the order of the rows, and candidates without contact change nothing. So the result is a function of positions and of the order of
+//! the rows alone, and does not depend on the order of the triangles or of their corners, on threads or on instruction sets. Objects without contact change no
+//! bit of a heap, nor do margins, nor the time of the last rebuild: the reserve, beyond which the neighbours of a displaced member are tested again, follows
+//! from its radius and its speed at the start of the step, and not from the list.
 //!
-//! # What cannot happen, and what can
+//! # Guarantees and limits
 //!
-//! Nothing passes through a triangle, nor an edge through an edge, however fast it is and however coarse the mesh: who was on one side when a substep
-//! began is there when it ends. That is the last word on positions in a substep, and what the next one begins with. It is not known, though, on which
-//! side somebody *belongs*: who is put into or through a surface by the game, or is built there, stays where it is. And it does not hold where pinned
-//! particles are led through each other; through particles of an explicit rigid body ([`Compound`](crate::Compound)), which are put back into its
-//! shape afterwards; nor for solids, which touch the particles of a surface and not its triangles, as colliders do.
+//! Nothing passes through a triangle, and no edge through an edge, however fast it is and however coarse the mesh: each is at the end of a substep on the side
+//! where it began. This is the last stage that changes positions in a substep, and the next one begins with its result. There is no global notion of inside,
+//! though: a particle that the game places in or through a surface, or that is built there, stays there. And the guarantee does not hold for pinned particles
+//! that are moved through each other; for particles of an explicit rigid body ([`Compound`](crate::Compound)), which are restored to its shape afterwards; nor
+//! for body colliders, which collide with the particles of a surface and not with its triangles, as static colliders do.
 //!
-//! The thickness is softer than that: in a squeeze it may be less for a while, never nothing.
+//! The thickness is weaker than that: under pressure it may shrink for a while, but never to nothing.
 
 mod block_search;
 mod close_list;
@@ -72,52 +73,52 @@ use restitution::TriangleHit;
 use solve::SubstepState;
 use zone::Zones;
 
-/// Contacts of triangles: scratch. Nothing of it outlives the next [`broad_phase`](Self::broad_phase) but what saves asking, and changes no result.
+/// Contacts of triangles: scratch. What outlives the next [`broad_phase`](Self::broad_phase) only saves tests and changes no result.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Triangles {
     participants: TriangleParticipants,
-    /// Those of the step before.
+    /// The participants of the step before.
     former: TriangleParticipants,
     neighbours: TriangleNeighbours,
     state: SubstepState,
     zones: Zones,
-    /// Of this substep: who touched.
+    /// Contacts of this substep.
     hits: Vec<TriangleHit>,
-    /// Of each candidate its place among those, or [`NONE`]; and of each of those its candidate.
+    /// Index of each candidate's contact, or [`NONE`]; and the candidates that have one.
     hit_of: Vec<u32>,
     hit_candidates: Vec<u32>,
-    /// Of this step: what is reported.
+    /// Reported contacts of this step.
     reported: Vec<TriangleHit>,
     /// Length of the step, seconds.
     dt: f32,
-    /// How often it looked in this step, and how many rounds of zones there were.
+    /// Rebuilds of the neighbour list and rounds of zones in this step.
     rebuilds: u32,
     rounds: u32,
 }
 
-/// How often all are asked at most in a substep, whose neighbours have moved. A heap on a sheet calls for two or three.
+/// Greatest number of sweeps in a substep. A heap on a sheet takes two or three.
 const SWEEPS: u32 = 4;
 
-/// After the first sweep, what is missing of a distance is left to the next substep if it is less than this share of it.
+/// After the first sweep, an overlap of less than this share of the contact distance is left to the next substep.
 const NEGLIGIBLE: f64 = 0.01;
 
-/// So often those are asked again in a substep whom contacts have put further than was reckoned with.
+/// Further rounds of sweeps in a substep for members that contacts displaced by more than their reserve.
 const REPEATS: u32 = 2;
 
-/// A candidate that did not touch.
+/// A candidate without contact.
 const NONE: u32 = u32::MAX;
 
 impl Triangles {
-    /// Chooses the instructions of the wide kernels. They never change a result.
+    /// Selects the instruction set of the wide kernels. All give the same bits.
     pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
         self.state.close.instructions = instructions;
         self.neighbours.instructions = instructions;
     }
 
-    /// Lists what may come to touch in a step of `dt` seconds.
+    /// Builds the neighbour list for a step of `dt` seconds, unless the last one is still valid.
     ///
-    /// Bodies that are near no other take no part, nor do triangles of rows that are not there, that are of several bodies or of none, or that are
-    /// marked in `solid`; it may be empty. Neither does anything that is not finite, or is more than 1e15 m away from the first.
+    /// Ignored are bodies near no other body, and triangles with rows out of range, of several bodies or none, or marked in `solid`, which may be shorter than
+    /// the rows. Particles that are not finite, or are more than 1e15 m from the first one, have no candidates.
     pub(crate) fn broad_phase(
         &mut self,
         particles: &Particles,
@@ -143,8 +144,8 @@ impl Triangles {
         }
     }
 
-    /// Marks the rows of which particle pairs would do nothing that is not done here: corners of listed triangles. A particle that touches a corner touches
-    /// its triangles there, at the same distance. Those of a body that touches itself are not marked: corners of one triangle do not touch it.
+    /// Marks the rows whose particle pairs would add nothing: corners of listed triangles. A particle that touches a corner touches its triangles there, at the
+    /// same distance. Corners of a body that collides with itself are not marked: corners of one triangle do not collide with it.
     pub(crate) fn mark_corners(&self, filter: &ContactFilter, rows: usize, marks: &mut Vec<bool>) {
         let TriangleParticipants { rows: members, body, triangles, .. } = &self.participants;
         if triangles.is_empty() {
@@ -158,16 +159,15 @@ impl Triangles {
         }
     }
 
-    /// Whether nobody takes part.
+    /// Whether there are no participants.
     pub(crate) fn is_empty(&self) -> bool {
         self.participants.rows.len() < 4
     }
 
-    /// Puts back what overlaps or has passed through each other in a substep of which the start is in the particles. Returns the greatest overlap
-    /// that it met, metres.
+    /// Corrects overlaps and crossings of a substep whose start is in the particles. Returns the greatest overlap found, metres.
     pub(crate) fn project(&mut self, particles: &mut Particles, filter: &ContactFilter) -> f64 {
         self.hits.clear();
-        // Rows that came or went since would make the lists name others.
+        // If rows were removed since, the list would refer to others.
         let last = self.participants.rows.last().map_or(0, |&row| row as usize);
         if self.is_empty() || last >= particles.len() {
             return 0.0;
@@ -190,9 +190,9 @@ impl Triangles {
             let (before, mut agree) = (sweep, false);
             for number in 0..SWEEPS {
                 sweep += 1;
-                // All; after that those of whom one was put further than was reckoned with, or has moved in the last sweep or in this one.
+                // All candidates first; then those of which a member moved in the last sweep or in this one, or was displaced by more than its reserve.
                 let since = if number == 0 && repeat == 0 { 0 } else { sweep - 1 };
-                // That it has looked again changes nothing where all agreed.
+                // Zero in the very first sweep only: a repeat must not change a result with which all contacts already agreed.
                 let least = if sweep == 1 { 0.0 } else { NEGLIGIBLE };
                 worst = worst.max(self.sweep((particles, filter), sweep, since, least));
                 agree = !self.state.moved.contains(&sweep);
@@ -200,7 +200,7 @@ impl Triangles {
                     break;
                 }
             }
-            // What no contact had to be put back in passes through nobody.
+            // If the last sweep corrected nothing, nothing passes through anything.
             if !agree {
                 let Self { neighbours, state, zones, .. } = self;
                 let rounds = zones.settle(&neighbours.candidates, state, sweep + 1);
@@ -226,8 +226,8 @@ impl Triangles {
         worst
     }
 
-    /// Gives those that met in the substep of `h` seconds the velocity that they part with. To be called when velocities have been derived; `gravity`
-    /// is its size, m/s².
+    /// Applies restitution and friction to the contacts of a substep of `h` seconds. To be called after velocities are derived; `gravity` is its magnitude,
+    /// m/s².
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         for hit in &mut self.hits {
             hit.bounce(particles, h, threshold(gravity, h));
@@ -235,15 +235,15 @@ impl Triangles {
         self.reported.extend(self.hits.iter().filter(|hit| hit.reported));
     }
 
-    /// Tells what has touched what in the step, where a body asked for it.
+    /// Reports the contacts of the step, for bodies with contact events.
     pub(crate) fn report(&self, impacts: &mut Impacts) {
         for hit in &self.reported {
             hit.report(impacts);
         }
     }
 
-    /// Asks all candidates of whom one has moved since a sweep, and puts back who overlaps by more than `least` of the distance; returns the greatest overlap,
-    /// metres.
+    /// Tests all candidates of which a member moved in sweep `since` or later, and corrects those that overlap by more than `least` of their contact distance;
+    /// returns the greatest overlap, metres.
     fn sweep(
         &mut self,
         (particles, filter): (&Particles, &ContactFilter),
@@ -254,7 +254,7 @@ impl Triangles {
         let Self { participants, neighbours, state, hits, hit_of, hit_candidates, .. } = self;
         let candidates = &neighbours.candidates[..];
         state.close.keep_up();
-        // The next eight, and which of those before them are close and still to be asked.
+        // The next block, and the close candidates of the block before it that are still to be tested.
         let (mut worst, mut next, mut close) = (0.0_f64, 0, 0_u32);
         loop {
             if close == 0 {
@@ -271,7 +271,7 @@ impl Triangles {
             let Some(contact) = state.contact(participants, candidate) else { continue };
             let least = if contact.crossed { 0.0 } else { least * contact.reach };
             let inverse = state.inverse(candidate.four, contact.way.shares);
-            // What nothing moves is no contact.
+            // If all are pinned there is nothing to correct.
             if contact.overlap <= least || inverse <= 0.0 {
                 continue;
             }
@@ -291,7 +291,7 @@ impl Triangles {
             if slid.length() <= f64::from(hit.friction) * hit.overlap {
                 state.part(four, shares, -slid, inverse, sweep);
             }
-            // Others may be close now, of the same eight, too.
+            // The correction may have made other candidates close, in this block too.
             let outrun = state.close.keep_up();
             let place = if outrun { state.close.place_of(number + 1) } else { next - 1 };
             let others = state.close.ask(place, number + 1);

@@ -1,8 +1,8 @@
-//! Who may come to touch whom, found by boxes; and how far each may go until it must be looked for again.
+//! Neighbour list: candidate pairs found by their boxes, with a margin for each particle within which the list stays valid.
 //!
-//! Each particle has a margin, and a box about it: from where it was to where it is (if a substep has been predicted), and its radius and its margin
-//! around that. As long as everybody is within its margin, beside what all do alike, whoever touches was found. A triangle's box is that about those
-//! of its corners. What is found is in the order of the triangles that stand for it, and so in that of the rows, whatever the margins are.
+//! Each particle's box encloses its path, from the start of the substep (if one has been predicted) to its position, enlarged by its radius and its margin. As
+//! long as no particle exceeds its margin relative to the mean displacement of all, the list contains every pair that touches. A triangle's box is the union of
+//! those of its corners. The list is in the order of the triangles that own its features, and so in that of the rows, whatever the margins are.
 
 use glam::{DVec3, Vec3};
 
@@ -14,62 +14,64 @@ use crate::collide::manifold::{Aabb, NO_GROUP};
 use crate::lanes::InstructionSet;
 use crate::particles::{NO_BODY, Particles};
 
-/// A particle and a triangle, or two edges, that may come to touch.
+/// A particle and a triangle, or two edges, that may touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleCandidate {
-    /// Members: the particle and the corners, or the ends of the one and of the other edge.
+    /// Members: the particle and the corners, or the ends of one edge and of the other.
     pub(super) four: [u32; 4],
-    /// The distance that they may have in any case, metres: what they have in the rest shape, infinite where they are of two bodies.
+    /// Upper limit of the contact distance, metres: their distance in the rest shape; infinite for two bodies.
     pub(super) most: f32,
     pub(super) edges: bool,
 }
 
-/// What was found, and where everybody was. Scratch.
+/// The neighbour list, and the state from which it was built. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TriangleNeighbours {
-    /// Particles and triangles first.
+    /// Candidates of particles and triangles, then those of edges.
     pub(super) candidates: Vec<TriangleCandidate>,
-    /// Those of edges, before they are put behind the others.
+    /// Edge candidates, before they are appended to the others.
     edges: Vec<TriangleCandidate>,
-    /// Where each was, metres from its own origin, and how far from there it may be, metres.
+    /// Position of each member when the list was built, metres from its own origin, and its margin, metres.
     home: Vec<Vec3>,
     margin: Vec<f32>,
-    /// How far contacts may put each from where it is predicted in a substep of this step before others may be near it, metres: a part of its margin.
+    /// How far contacts may displace each member from its predicted position in a substep of this step before the list is tested again, metres: part of its
+    /// margin.
     pub(super) reserve: Vec<f32>,
-    /// How far from where it is each has been in this substep, and may go within its margin, metres.
+    /// How far each member can be from its position: its displacement in this substep plus its margin, metres.
     pub(super) ranges: Vec<f32>,
-    /// Whether nothing moves it, and its origin, metres.
+    /// Whether each member is pinned, and its origin, metres, when the list was built.
     pinned: Vec<bool>,
     origin: Vec<Vec3>,
-    /// By which [rules](ContactFilter::changes) they were found; `None` if nothing was.
+    /// Version of the contact filter's [rules](ContactFilter::changes) for which the list was built; `None` if there is no list.
     rules: Option<u64>,
-    /// The box about each; those about the [`EDGES`] of each triangle, and about all of it; and about triangles and loose particles.
+    /// The boxes of members; those of the [`EDGES`] of each triangle, and of the whole triangle; and those of triangles and loose particles.
     own: Vec<Aabb>,
     of_triangles: Vec<[Aabb; 4]>,
     boxes: Vec<(Vec3, Vec3)>,
     pairs: Vec<[u32; 2]>,
     search: BlockSearch,
-    /// Which instructions are used; all give the same bits.
+    /// Instruction set of the kernels; all give the same bits.
     pub(super) instructions: InstructionSet,
 }
 
-/// The margin is the reserve, and what a particle covers in so many steps, beside what all do, at the speed that it has or that all have in the mean (because they
-/// may hit it), within these bounds: shares of its shortest edge and of its radius.
+/// A member's margin is its reserve plus the path over `SHARE` steps relative to the mean motion, at its own speed or the mean speed, whichever is greater (a
+/// faster member may hit it). The path is clamped to the bounds below, which are shares of its shortest edge and of its radius.
 ///
-/// A wider one finds more that is never close, a narrower one is outrun sooner. Two sheets of 64 × 64 of which one falls on the other, on a ball, take 35.7, 35.8 and
-/// 35.1 ms a frame with a half, 0.7 and one step.
+/// A wider margin finds more candidates that are never close, a narrower one is exceeded sooner. Two sheets of 64 × 64, one of which falls on the other, on a
+/// ball, take 35.7, 35.8 and 35.1 ms a frame with a half, 0.7 and one step.
 const SHARE: f32 = 1.0;
 const LEAST: [f32; 2] = [0.02, 0.25];
 const MOST: [f32; 2] = [0.5, 1.0];
 
-/// The reserve is so much of its radius (of the mean one, of who has none), and what it covers in such a share of a step. More of it has fewer asked again, and wider margins:
-/// those two sheets take 43.6, 39.3 and 37.8 ms with a quarter, an eighth and this share of the radius, in which some are put further in each substep.
+/// Reserve: a share of the member's radius (of the mean radius, if it has none) plus its path in a share of a step. More reserve causes fewer repeated tests,
+/// but wider margins: the two sheets, in which some members are displaced further than that in each substep, take 43.6, 39.3 and 37.8 ms with a quarter, an
+/// eighth and this share of the radius.
 const RESERVE: [f32; 2] = [0.06, 0.03];
 
-/// What a length of `f32`s may be longer by than it comes to.
+/// Upper bound of the rounding error of an `f32` length, as a factor.
 pub(super) const LONGER: f32 = 1.0 + 1e-5;
 
-/// Further out, squares are no `f32`, metres.
+/// Further out, squares overflow in `f32`, metres.
 const FAR: f64 = 1e15;
 
 impl TriangleNeighbours {
@@ -78,7 +80,7 @@ impl TriangleNeighbours {
         self.rules = None;
     }
 
-    /// Begins a step of `dt` seconds: finds how far contacts may put each in a substep of it.
+    /// Begins a step of `dt` seconds: computes the reserves.
     pub(super) fn begin_step(
         &mut self,
         participants: &TriangleParticipants,
@@ -97,13 +99,13 @@ impl TriangleNeighbours {
             |(&row, &radius)| {
                 let speed = particles.velocity[row as usize].truncate().length();
                 let radius = if radius > 0.0 { radius } else { usual };
-                // What is no number counts as none.
+                // NaN counts as zero.
                 of_radius * radius + (of_step * dt * speed).max(0.0)
             },
         ));
     }
 
-    /// Whether what was found in an earlier step, of the same participants, holds when one begins.
+    /// Whether the list of an earlier step, with the same participants, is valid for the step that begins.
     pub(super) fn is_valid(
         &self,
         participants: &TriangleParticipants,
@@ -111,7 +113,7 @@ impl TriangleNeighbours {
         filter: &ContactFilter,
     ) -> bool {
         let rows = participants.rows.iter().map(|&row| row as usize);
-        // Of who was nowhere nobody was found.
+        // A member that was not finite has no candidates.
         self.rules == Some(filter.changes())
             && self.home.iter().all(|home| home.is_finite())
             && rows.zip(self.pinned.iter().zip(&self.origin)).all(|(row, (&pinned, &origin))| {
@@ -120,7 +122,8 @@ impl TriangleNeighbours {
             && !self.is_outrun(participants, particles, true)
     }
 
-    /// Whether somebody has gone further than its margin beside what all do in the mean; less its reserve, where contacts may still put it.
+    /// Whether a member has moved further than its margin relative to the mean displacement; with `keeps_reserve`, further than its margin less its reserve, so
+    /// that contacts may still displace it.
     pub(super) fn is_outrun(
         &self,
         participants: &TriangleParticipants,
@@ -134,11 +137,11 @@ impl TriangleNeighbours {
         let common = mean(ways.clone());
         let rooms = margin.iter().zip(reserve);
         let rooms = rooms.map(|(all, kept)| if keeps_reserve { all - kept } else { *all });
-        // What is no number does not count.
+        // NaN is ignored.
         ways.zip(rooms).any(|(way, room)| (way - common).length() * LONGER > room)
     }
 
-    /// Looks where everybody is, and who is near whom; at the beginning of a step of `dt` seconds, or `within` a substep that has been predicted.
+    /// Builds the list, at the beginning of a step of `dt` seconds, or `within` a substep that has been predicted.
     pub(super) fn rebuild(
         &mut self,
         (participants, filter): (&TriangleParticipants, &ContactFilter),
@@ -150,7 +153,7 @@ impl TriangleNeighbours {
         self.measure(participants, particles, dt);
         self.enclose(participants, particles, within);
         let Self { boxes, pairs, search, instructions, .. } = self;
-        // Most that are near a triangle are of the cloth that it is of.
+        // Most boxes near a triangle are of the same cloth: if that does not collide with itself, the search skips them as a group.
         let group = |of: u32| {
             let body = participants.body[of as usize];
             let alone = body != NO_BODY && !filter.body(body).with_itself;
@@ -173,7 +176,7 @@ impl TriangleNeighbours {
         self.candidates.append(&mut self.edges);
     }
 
-    /// Finds the margins.
+    /// Computes the margins.
     fn measure(&mut self, participants: &TriangleParticipants, particles: &Particles, dt: f32) {
         let Self { home, margin, reserve, pinned, origin, .. } = self;
         home.clear();
@@ -185,7 +188,7 @@ impl TriangleNeighbours {
             .extend(participants.rows.iter().map(|&row| particles.position[row as usize].w == 0.0));
         origin.clear();
         origin.extend(participants.rows.iter().map(|&row| particles.origin[row as usize]));
-        // The square of the shortest edge of each; of particles that have none, the mean of all edges of triangles.
+        // Square of the shortest edge of each member; for members without edges, the mean over all edges of triangles.
         margin.clear();
         margin.resize(participants.rows.len(), f32::INFINITY);
         let (mut sum, mut count) = (0.0, 0.0);
@@ -216,7 +219,7 @@ impl TriangleNeighbours {
         }
     }
 
-    /// Makes the boxes.
+    /// Computes the boxes.
     fn enclose(
         &mut self,
         participants: &TriangleParticipants,
@@ -238,11 +241,11 @@ impl TriangleNeighbours {
             let back = if within { path(i) } else { DVec3::ZERO };
             let from = to - back;
             ranges.push((back.as_vec3().length() + margin[i]) * LONGER);
-            // A coordinate is rounded by 2⁻²⁴ of itself at most, and then its sum with the rest.
+            // A coordinate is rounded by at most 2⁻²⁴ of itself, and so is its sum with the rest.
             let rounding = to.abs().max(from.abs()).max_element() * 2e-7;
             let about = f64::from(margin[i] + participants.radius[i]) + rounding;
             let (low, high) = (from.min(to) - about, from.max(to) + about);
-            // One that is nowhere is in no box, and not near anybody.
+            // A member that is not finite has no box, and no candidates.
             let extent = low.abs().max(high.abs()).max_element();
             let good = from.is_finite() && to.is_finite() && extent < FAR;
             own.push(if good { Aabb::new((low.as_vec3(), high.as_vec3())) } else { Aabb::NOWHERE });
@@ -258,8 +261,8 @@ impl TriangleNeighbours {
         boxes.extend(participants.loose.iter().map(|&i| own[i as usize].corners()));
     }
 
-    /// Takes what two boxes stand for: two triangles, or a triangle and a particle. Of the last two bodies whose triangles were `asked` for it is known whether they may
-    /// touch.
+    /// Adds the candidates of two overlapping boxes: of two triangles, or of a triangle and a particle. `asked` caches whether the last two bodies of triangles
+    /// may touch.
     #[inline]
     fn consider(
         &mut self,
@@ -277,7 +280,7 @@ impl TriangleNeighbours {
             return;
         }
         let other = participants.triangles[j];
-        // That depends on rows only of bodies of one particle.
+        // Rows matter only for bodies of a single particle, which have no triangles.
         let bodies = [one[0], other[0]].map(|corner| participants.body[corner as usize]);
         let may = match *asked {
             Some((last, may)) if last == bodies => may,
@@ -330,7 +333,7 @@ impl TriangleNeighbours {
         self.candidates.extend(candidate);
     }
 
-    /// Of two edges whose boxes overlap.
+    /// The candidate of two edges whose boxes overlap.
     #[inline]
     fn edge_candidate(
         &self,
@@ -341,7 +344,7 @@ impl TriangleNeighbours {
         if a == c || a == d || b == c || b == d {
             return None;
         }
-        // The lower one first, whichever triangle stands for it.
+        // The edge of lower numbers first, whichever triangle owns it.
         let four = if [a, b] < [c, d] { four } else { [c, d, a, b] };
         self.candidate(participants, four, true)
     }
@@ -360,15 +363,15 @@ impl TriangleNeighbours {
         }
         let pinned = |i: u32| self.pinned[i as usize];
         let [i, j, k, l] = four;
-        // Two that are at one place in the rest shape (a seam) never touch, and neither do any without thickness; nor is anything to be done where
-        // nothing moves.
+        // Features at the same place in the rest shape (a seam) never touch, nor do those without thickness; and there is nothing to correct where all members
+        // are pinned.
         let reach = f64::from(largest(&participants.radius, four, edges)).min(most);
         let stays = pinned(i) && pinned(j) && pinned(k) && pinned(l);
         (reach > 0.0 && !stays).then_some(TriangleCandidate { four, most: most as f32, edges })
     }
 }
 
-/// The mean of some vectors; what is no number does not count.
+/// The mean of some vectors, ignoring those that are not finite.
 pub(super) fn mean(all: impl Iterator<Item = Vec3>) -> Vec3 {
     let (mut sum, mut count) = (DVec3::ZERO, 0.0);
     for one in all.filter(|one| one.is_finite()) {
@@ -378,12 +381,12 @@ pub(super) fn mean(all: impl Iterator<Item = Vec3>) -> Vec3 {
     (sum / f64::max(count, 1.0)).as_vec3()
 }
 
-/// How far a row has gone in this substep, metres.
+/// Displacement of a row in this substep, metres.
 fn way(particles: &Particles, row: u32) -> Vec3 {
     (particles.position[row as usize] - particles.start[row as usize]).truncate()
 }
 
-/// How far the two are apart, metres.
+/// The distance of the two features, metres.
 #[inline(always)]
 fn distance([p, a, b, c]: [DVec3; 4], edges: bool) -> f64 {
     if edges {

@@ -1,4 +1,4 @@
-//! Who takes part: the triangles of bodies that ask for them, their corners and edges, and the particles that may touch them.
+//! Participants: the triangles of bodies with surfaces, their corners and edges, and the particles that may touch them.
 
 use glam::{DVec3, Vec3};
 
@@ -6,49 +6,49 @@ use super::super::filter::ContactFilter;
 use super::super::nearby::Nearby;
 use crate::particles::Particles;
 
-/// Those that take part. Particles are numbered in the order of their rows, and so are the triangles: the order in which they were listed, and which
-/// way round, is nobody's business.
+/// The participants. Members (particles) are numbered in the order of their rows, and triangles are sorted by their members: neither the order in which
+/// triangles are given nor their orientation has an effect.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TriangleParticipants {
-    /// Of each its row, ascending.
+    /// Row of each member, ascending.
     pub(super) rows: Vec<u32>,
-    /// Of each its body.
+    /// Body of each member.
     pub(super) body: Vec<u32>,
     /// Metres.
     pub(super) radius: Vec<f32>,
-    /// In the rest shape of its body, metres; NaN where there is none. Empty if nobody has any.
+    /// Position in the rest shape of the body, metres; NaN where there is none. Empty if no particle has any.
     pub(super) rest: Vec<Vec3>,
-    /// Members, ascending in each; sorted, and each once.
+    /// Members of each triangle, ascending; sorted, without duplicates.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Of each triangle what it stands for, a bit each: of its corners and then of its [`EDGES`] those that no triangle before it has.
+    /// Features that each triangle owns, a bit each: those of its corners and then of its [`EDGES`] that no triangle before it has.
     pub(super) own: Vec<u8>,
-    /// Members that are no corner of a triangle.
+    /// Members that are not corners of a triangle.
     pub(super) loose: Vec<u32>,
-    /// The member of each row that is one.
+    /// Member number of each row.
     number: Vec<u32>,
-    /// Where the edges of each lower end begin, and for each the higher end and the bit that stands for it.
+    /// Where the edges of each lower end begin; and the higher end of each edge, with the bit in `own` that stands for it.
     begins: Vec<u32>,
     edges: Vec<(u32, u32)>,
 }
 
-/// Which corners each edge of a triangle joins.
+/// The corners that each edge of a triangle joins.
 pub(super) const EDGES: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
 
-/// The greatest sum of something that a point of each of two has: of the particle and of a corner of its triangle, or of an end of either edge.
+/// Upper bound of the sum of a quantity at a point of each feature: of the particle and any corner of the triangle, or of any end of either edge.
 #[inline(always)]
 pub(super) fn largest(of: &[f32], [i, j, k, l]: [u32; 4], edges: bool) -> f32 {
     let (a, b, c, d) = (of[i as usize], of[j as usize], of[k as usize], of[l as usize]);
     if edges { a.max(b) + c.max(d) } else { a + b.max(c).max(d) }
 }
 
-/// A row that is no member.
+/// A row that is not a member.
 const NOBODY: u32 = u32::MAX;
 
 /// A row that is a corner, before it is numbered.
 const CORNER: u32 = u32::MAX - 1;
 
 impl TriangleParticipants {
-    /// Takes who takes part of the bodies that are near others, and keeps its memory. Nobody does where there is no triangle.
+    /// Collects the participants of the bodies that are near others. Keeps allocations. There are none if there is no triangle.
     pub(super) fn take(
         &mut self,
         particles: &Particles,
@@ -95,7 +95,7 @@ impl TriangleParticipants {
         self.share_out();
     }
 
-    /// Numbers the particles, and the corners of triangles by them.
+    /// Numbers the members, and replaces the rows of triangles by them.
     fn number_rows(
         &mut self,
         particles: &Particles,
@@ -111,7 +111,7 @@ impl TriangleParticipants {
         let columns = particles.body.iter().zip(&particles.radius);
         for (row, ((&its_body, &its_radius), number)) in columns.zip(&mut *number).enumerate() {
             if *number != CORNER {
-                // A radius of no number takes no part, either.
+                // A NaN radius excludes a particle, too.
                 let takes_part = nearby.to_particles().has_particle(row, its_body);
                 if !(takes_part && its_radius > 0.0 && is_loose(row)) {
                     continue;
@@ -131,9 +131,9 @@ impl TriangleParticipants {
         }
     }
 
-    /// Whether others are the same in all that their neighbours depend on, but for where they are.
+    /// Whether these participants equal others in everything that the neighbour list depends on, except positions.
     pub(super) fn is_same_as(&self, others: &Self) -> bool {
-        // Triangles and what is loose say what each stands for; what is no number is itself here.
+        // What each triangle owns follows from the triangles; NaN equals itself here.
         let bits = |rest: &[Vec3]| -> bool {
             let each = rest.iter().zip(&others.rest);
             rest.len() == others.rest.len()
@@ -149,11 +149,11 @@ impl TriangleParticipants {
             && bits(&self.rest)
     }
 
-    /// Gives each corner and each edge to the first triangle that has it.
+    /// Assigns each corner and each edge to the first triangle that has it.
     fn share_out(&mut self) {
         let Self { rows, triangles, own, number, begins, edges, .. } = self;
         own.resize(triangles.len(), 0);
-        // Corners: the column of numbers has served its purpose.
+        // Corners. `number` is no longer needed, and serves as scratch.
         number.clear();
         number.resize(rows.len(), NOBODY);
         begins.clear();
@@ -170,7 +170,7 @@ impl TriangleParticipants {
                 begins[triangle[low] as usize + 1] += 1;
             }
         }
-        // Edges: sorted by their lower end by counting, and then those few by the higher.
+        // Edges: counting sort by their lower end, then each group by its higher end.
         let mut sum = 0;
         for begin in begins.iter_mut() {
             sum += *begin;
@@ -186,7 +186,7 @@ impl TriangleParticipants {
             }
         }
         let mut begin = 0;
-        // Each beginning has gone on to the next one's.
+        // Filling has advanced each beginning to the next one's.
         for &end in &begins[..rows.len()] {
             let of_one = &mut edges[begin..end as usize];
             begin = end as usize;
@@ -207,7 +207,7 @@ impl TriangleParticipants {
         filter.rows_may_touch(of(i), of(j))
     }
 
-    /// Where members are in the rest shape of their one body, metres; `None` of two bodies, or where one has no such place.
+    /// Rest positions of members of one body, metres; `None` for two bodies, or if a member has no rest position.
     #[inline(always)]
     pub(super) fn rest_of(&self, four: [u32; 4]) -> Option<[DVec3; 4]> {
         let body = self.body[four[0] as usize];

@@ -1,7 +1,7 @@
-//! After the velocities are derived: what two that touched part with; and what is reported.
+//! Restitution and friction after the velocities are derived, and contact events.
 //!
-//! As among [`pairs`](crate::collide::pairs), with the points of contact in the place of the particles: the law is `collide/restitution`'s, and of the
-//! impulse `J` that it takes each particle gets `kᵢ J`.
+//! As among [`pairs`](crate::collide::pairs), with contact points in place of particles: the law is that of `collide/restitution`. Each of the four particles
+//! gets `kᵢ J` of the impulse `J`.
 
 use glam::Vec3;
 
@@ -14,30 +14,30 @@ use super::participants::TriangleParticipants;
 use super::solve::{SubstepState, TriangleContact};
 use crate::particles::Particles;
 
-/// Four that touched.
+/// A contact of four particles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleHit {
     rows: [u32; 4],
     bodies: [u32; 2],
     shares: [f32; 4],
     normal: Vec3,
-    /// Half way between the two points, metres.
+    /// Midpoint of the two contact points, metres.
     point: Vec3,
-    /// How fast they parted before, m/s; negative where they came nearer.
+    /// Relative normal velocity before the contact, m/s; negative on approach.
     parting: f32,
-    /// What of the distance was missing, metres, all in all.
+    /// Sum of the overlaps corrected in this substep, metres.
     pub(super) overlap: f64,
-    /// `Σ w k²`, 1/kg.
+    /// Inverse effective mass `Σ w k²`, 1/kg.
     inverse: f32,
     pub(super) friction: f32,
     restitution: f32,
-    /// In the end what the first one got along the normal, N·s.
+    /// Total normal impulse on the first feature, N·s; known after [`bounce`](Self::bounce).
     impulse: f32,
     pub(super) reported: bool,
 }
 
 impl TriangleHit {
-    /// A contact of which nothing has been seen in this substep yet. The velocities are still those that led to it.
+    /// A contact before its first correction in this substep. Velocities are still those that led to it.
     pub(super) fn new(
         participants: &TriangleParticipants,
         filter: &ContactFilter,
@@ -62,7 +62,7 @@ impl TriangleHit {
         }
     }
 
-    /// Notes how they touch now, and with how much more of an overlap.
+    /// Records the current contact geometry, and adds its overlap.
     pub(super) fn note(
         &mut self,
         particles: &Particles,
@@ -79,13 +79,13 @@ impl TriangleHit {
         self.inverse = inverse as f32;
     }
 
-    /// The velocity that the two points have to each other, m/s.
+    /// Relative velocity of the two points, m/s.
     fn velocity(&self, particles: &Particles) -> Vec3 {
         let of = |k: usize| particles.velocity(self.rows[k] as usize) * self.shares[k];
         of(0) + of(1) + of(2) + of(3)
     }
 
-    /// Gives the four the velocities that they part with after a substep of `h` seconds; what came slower than `least`, m/s, does not bounce.
+    /// Applies restitution and friction after a substep of `h` seconds; an approach slower than `least`, m/s, does not bounce.
     pub(super) fn bounce(&mut self, particles: &mut Particles, h: f32, least: f32) {
         let velocity = self.velocity(particles);
         let now = velocity.dot(self.normal);
@@ -105,7 +105,7 @@ impl TriangleHit {
         }
     }
 
-    /// Reports it.
+    /// Adds its contact event.
     pub(super) fn report(&self, impacts: &mut Impacts) {
         let participants = self.bodies.map(ContactParticipant::Body);
         impacts.add(participants, self.point, self.normal, self.impulse, false);

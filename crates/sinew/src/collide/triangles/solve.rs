@@ -1,35 +1,35 @@
-//! The contacts of a substep, one after the other: who touches or has passed is put back, and held back from sliding.
+//! Contact solver of a substep, one contact after the other: corrects overlaps and crossings, and applies static friction.
 //!
 //! # The kernel
 //!
-//! A particle at `x₀` touches a triangle at the point of it that has the weights `b₁ b₂ b₃` of its corners; an edge touches another at `s` and `t`
-//! along them. Either way a contact is four points with shares `kᵢ` that add up to zero, `(1, -b₁, -b₂, -b₃)` or `(1-s, s, t-1, -t)`, a unit vector
-//! `n` from the second to the first, and a distance `r` that they keep:
+//! A particle at `x₀` touches a triangle at the point with the weights `b₁ b₂ b₃` of its corners; an edge touches another at `s` and `t` along them. Either way
+//! a contact is four points with shares `kᵢ` that add up to zero, `(1, -b₁, -b₂, -b₃)` or `(1-s, s, t-1, -t)`, a unit vector `n` from the second to the first,
+//! and the contact distance `r`:
 //!
 //! ```text
 //! C = n · Σ kᵢ xᵢ - r ≥ 0        ∇ᵢC = kᵢ n
 //! ```
 //!
-//! With inverse masses `w` the least correction that makes it hold (physics.md C10) is, for `δ = -C > 0`,
+//! With inverse masses `w` the least correction that satisfies it (physics.md C10) is, for `δ = -C > 0`,
 //!
 //! ```text
 //! xᵢ += wᵢ kᵢ λ n        λ = δ / Σ wⱼ kⱼ²
 //! ```
 //!
-//! The shares add up to zero, and so do the changes of momentum `kᵢ λ n`; they turn nothing where `n` is along the line between the two points, as
-//! where they touch by their thickness.
+//! The shares add up to zero, and so do the changes of momentum `kᵢ λ n`. They apply no torque where `n` is along the line between the two points, as where
+//! they touch by their thickness.
 //!
-//! The distance is the sum of the two thicknesses there: the particle's radius, and what the corners' radii come to by their weights. So a triangle
-//! is as thick as its particles are, and nothing happens where it leaves off and they alone begin. Two of one body may be as near as they are in its
-//! rest shape.
+//! The contact distance is the sum of the two thicknesses there: the particle's radius, and the corners' radii interpolated by their weights. So a triangle is
+//! as thick as its particles are, and the thickness is continuous where the triangle ends and its particles alone begin. Two features of one body may be as
+//! near as they are in its rest shape.
 //!
-//! `n` is the direction between the nearest points as the substep ends, unless they passed through each other: then it is that of
-//! [`crossing`](super::crossing), to the side that they came from.
+//! `n` is the direction between the nearest points at the end of the substep, unless the two passed through each other: then it is that of
+//! [`crossing`](super::crossing), towards the side that they came from.
 //!
 //! # Friction
 //!
-//! Since the substep began the two points have slid by `t = D - (D·n) n`, with `D = Σ kᵢ (xᵢ - startᵢ)`. Where that is no more than friction holds,
-//! `‖t‖ ≤ μ δ` (F8), it is taken back with the same shares, and nothing slides. Otherwise `restitution` takes from its velocity what friction may.
+//! Since the start of the substep the two points have slid by `t = D - (D·n) n`, with `D = Σ kᵢ (xᵢ - startᵢ)`. Where that is within the friction limit, `‖t‖ ≤
+//! μ δ` (F8), it is undone with the same shares, and the contact sticks. Otherwise `restitution` applies dynamic friction to the velocity.
 
 use glam::{DVec3, Vec3};
 
@@ -40,39 +40,39 @@ use super::neighbour_list::TriangleCandidate;
 use super::participants::TriangleParticipants;
 use crate::particles::Particles;
 
-/// Where members are in this substep, in double precision: scratch of it.
+/// Positions of the members in this substep, in double precision: scratch of it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SubstepState {
-    /// Metres from their own origins.
+    /// Position now, metres from the member's own origin.
     pub(super) at: Vec<DVec3>,
-    /// The same when the substep began.
+    /// Position at the start of the substep, likewise.
     pub(super) from: Vec<DVec3>,
-    /// What both are relative to, metres.
+    /// Origin of each member, metres.
     origin: Vec<DVec3>,
-    /// 1/kg.
+    /// Inverse mass, 1/kg.
     pub(super) weight: Vec<f64>,
-    /// In which sweep each was last moved; zero if in none.
+    /// The sweep in which each member was last moved; zero if in none.
     pub(super) moved: Vec<u32>,
     pub(super) close: CloseList,
 }
 
-/// A contact that holds.
+/// A contact that needs a correction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleContact {
     pub(super) way: ContactShares,
-    /// What is missing of the distance, metres.
+    /// Contact distance less the actual distance, metres.
     pub(super) overlap: f64,
-    /// The distance, metres.
+    /// Contact distance, metres.
     pub(super) reach: f64,
     /// Whether they passed through each other.
     pub(super) crossed: bool,
 }
 
-/// What is nearer than this share of the distance that is to be kept has no direction.
+/// Points nearer than this share of the contact distance have no accurate direction.
 const COINCIDENT: f64 = 1e-6;
 
 impl SubstepState {
-    /// Takes where members are in a substep.
+    /// Loads the positions of the members in a substep.
     pub(super) fn load(&mut self, participants: &TriangleParticipants, particles: &Particles) {
         let Self { at, from, origin, weight, moved, .. } = self;
         at.clear();
@@ -91,8 +91,8 @@ impl SubstepState {
         }
     }
 
-    /// Puts those that were moved there. Returns whether one was put further than its `reserve`, metres: those count as moved in the sweep of a number, and all
-    /// others as if they had not been.
+    /// Writes the moved members back. Returns whether one was displaced further than its `reserve`, metres, along an axis. Those count as moved in the sweep
+    /// `sweep`, and all others as not moved.
     pub(super) fn store(
         &mut self,
         participants: &TriangleParticipants,
@@ -116,13 +116,13 @@ impl SubstepState {
         any
     }
 
-    /// Whether one of four was moved in the sweep of that number or a later one.
+    /// Whether one of four members was moved in this sweep or a later one.
     pub(super) fn moved_since(&self, four: [u32; 4], sweep: u32) -> bool {
         let of = |k: usize| self.moved[four[k] as usize] >= sweep;
         of(0) | of(1) | of(2) | of(3)
     }
 
-    /// The four of a candidate, in the coordinates of the first.
+    /// The points of a candidate, in the coordinates of the first.
     #[inline]
     pub(super) fn four(&self, candidate: &TriangleCandidate) -> Four {
         let [i, j, k, l] = candidate.four;
@@ -136,7 +136,7 @@ impl SubstepState {
         }
     }
 
-    /// The contact of a candidate, if it needs one.
+    /// The contact of a candidate, if it needs a correction.
     pub(super) fn contact(
         &self,
         participants: &TriangleParticipants,
@@ -151,7 +151,7 @@ impl SubstepState {
         let shares = nearest(&four);
         let apart = shares.map_or(DVec3::ZERO, |shares| gap(shares, four.to));
         let square = apart.length_squared();
-        // Who is further off now than it has come has passed through nobody.
+        // If they are further apart than they can have moved relative to each other, they have not passed through each other.
         if square <= four.longest_way()
             && let Some(way) = four.crossing()
         {
@@ -166,7 +166,7 @@ impl SubstepState {
         }
         let shares = shares?;
         let reach = reach_at(shares);
-        // Also for what is no number.
+        // Also for NaN.
         if square.partial_cmp(&(reach * reach)) != Some(core::cmp::Ordering::Less) {
             return None;
         }
@@ -182,8 +182,7 @@ impl SubstepState {
         })
     }
 
-    /// Moves four along a direction: each by its share, so that the points between which it is part by `apart`, metres. `inverse` is their
-    /// [`Self::inverse`].
+    /// Moves four members along a direction, each by its share, so that the contact points separate by `apart`, metres. `inverse` is their [`Self::inverse`].
     pub(super) fn part(
         &mut self,
         four: [u32; 4],
@@ -202,14 +201,14 @@ impl SubstepState {
         }
     }
 
-    /// Puts a member somewhere.
+    /// Moves a member to a position.
     pub(super) fn put(&mut self, i: usize, at: DVec3, sweep: u32) {
         self.close.note_put(i, at - self.at[i]);
         self.at[i] = at;
         self.moved[i] = sweep;
     }
 
-    /// By how much the two points part for an impulse of one, 1/kg: `Σ w k²`.
+    /// Inverse effective mass of the two points, 1/kg: `Σ w k²`.
     pub(super) fn inverse(&self, four: [u32; 4], shares: [f64; 4]) -> f64 {
         {
             let of = |k: usize| self.weight[four[k] as usize] * shares[k] * shares[k];
@@ -217,22 +216,22 @@ impl SubstepState {
         }
     }
 
-    /// How far the two points have gone from each other since the substep began, metres.
+    /// Relative displacement of the two points since the start of the substep, metres.
     pub(super) fn moved(&self, four: [u32; 4], shares: [f64; 4]) -> DVec3 {
         let way = |k: usize| self.at[four[k] as usize] - self.from[four[k] as usize];
         gap(shares, [way(0), way(1), way(2), way(3)])
     }
 
-    /// The middle between the two points, metres in the world.
+    /// Midpoint of the two points, world coordinates, metres.
     pub(super) fn point(&self, four: [u32; 4], way: &ContactShares) -> Vec3 {
         let at = four.map(|i| self.at[i as usize] + self.origin[i as usize]);
-        // The share of each in its own point is what it is without the sign.
+        // Without its sign, the share of a member is its weight in its own point.
         gap(way.shares.map(|share| 0.5 * share.abs()), at).as_vec3()
     }
 }
 
-/// The shares of the nearest points where the substep ends. Edges are near each other where both points are within: at their ends they are corners,
-/// which triangles see to.
+/// The shares of the nearest points at the end of the substep. Edges count only where both points are within them: their ends are corners, which are tested
+/// against triangles.
 #[inline]
 fn nearest(four: &Four) -> Option<[f64; 4]> {
     let [p, a, b, c] = four.to;

@@ -1,12 +1,12 @@
-//! What is done where contacts one after the other do not agree: those that would pass through each other go together for the rest of the substep.
+//! Impact zones, for contacts that do not converge: candidates that would still pass through each other move together for the rest of the substep.
 //!
-//! A particle between two triangles that both press on it can be put back by each through the other, for ever. So when the sweeps are over, all that
-//! still pass through each other are put into one zone (after Provot 1997, and Bridson and others 2002), and all of a zone make the way that its
-//! centre of mass makes: none has moved against another, and none can have passed through another. The momentum is what it was; what is lost is how
-//! they moved against each other, for this substep.
+//! A particle between two triangles that both press on it can be pushed by each through the other, for ever. So after the sweeps, all members of contacts that
+//! still pass through each other are merged into one zone (after Provot 1997, and Bridson and others 2002), and all of a zone are displaced as its centre of
+//! mass is: none has moved relative to another, so none can have passed through another. Momentum is conserved; only their relative motion in this substep is
+//! lost.
 //!
-//! A zone may now pass through others; then they become one. In the end nothing passes through anything, unless different ways are forced on pinned
-//! ones.
+//! A zone may now pass through others; then they are merged. In the end nothing passes through anything, unless pinned members with different displacements
+//! force it.
 
 use glam::DVec3;
 
@@ -18,9 +18,9 @@ use crate::union_find::UnionFind;
 /// Zones of a substep. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Zones {
-    /// Of each member the first one of its zone, or one on the way there; empty as long as there is no zone.
+    /// Union-find over the members; empty as long as there is no zone.
     connected: UnionFind,
-    /// Of each first one what the zone has in mass and in way, kg and kg·m, and how many pinned ones with what way.
+    /// Sums of each zone, by its root.
     sums: Vec<ZoneSum>,
 }
 
@@ -33,12 +33,11 @@ struct ZoneSum {
     participants: u32,
 }
 
-/// How often zones grow. Each time takes some contacts further; where it is not enough, the world is so full that nothing is.
+/// Greatest number of rounds in which zones grow. Each adds contacts further away; if that many are not enough, the world is so crowded that no number is.
 const ROUNDS: u32 = 16;
 
 impl Zones {
-    /// Finds who still passes through whom among those that were moved, and has them go together. Returns how many rounds that took; zero where
-    /// nobody does.
+    /// Finds candidates with moved members that still pass through each other, and moves their zones. Returns the number of rounds; zero if there are none.
     pub(super) fn settle(
         &mut self,
         candidates: &[TriangleCandidate],
@@ -58,7 +57,7 @@ impl Zones {
         ROUNDS
     }
 
-    /// Joins who passes through whom. Returns whether anybody does.
+    /// Merges the members of candidates that pass through each other. Returns whether there are any.
     fn join(
         &mut self,
         candidates: &[TriangleCandidate],

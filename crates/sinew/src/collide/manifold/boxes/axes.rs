@@ -1,7 +1,7 @@
-//! The axes along which two boxes are separated: eight pairs side by side.
+//! Separating axes of two boxes, eight pairs in SIMD lanes.
 //!
-//! There are 15: along the 3 normals of `b`, the 3 of `a`, and the 9 products of an edge of each. With `a`'s axes `Rⱼ` and centre `t` in the coordinates of `b`,
-//! and `cᵢⱼ = eᵢ·Rⱼ`:
+//! There are 15: the 3 normals of `b`, the 3 of `a`, and the 9 products of an edge of each. With `a`'s axes `Rⱼ` and centre `t` in the coordinates of `b`, and
+//! `cᵢⱼ = eᵢ·Rⱼ`:
 //!
 //! ```text
 //! face i of b:  |tᵢ| - hbᵢ - Σⱼ haⱼ |cᵢⱼ|
@@ -14,17 +14,17 @@ use glam::{Mat3, Vec3};
 use super::{BoxPair, Frame, NEXT};
 use crate::lanes::{LANES, LaneArray, Lanes, set};
 
-/// Edges closer to parallel than this (squared sine) have no product worth the name; a face's normal is as good there.
+/// Edges closer to parallel than this (squared sine) have no accurate product; a face normal serves as well there.
 pub(super) const PARALLEL: f32 = 1e-6;
 
-/// What an axis must be better by, as a share of the overlap and of the smallest half size, to be taken instead of one that comes before it (faces of
-/// `b`, then of `a`, then edges): a box at rest, whose overlaps are noise, keeps its face and its four points.
+/// By how much an axis must be better to be preferred to one that comes before it (faces of `b`, then of `a`, then edges): a share of the overlap, plus a share
+/// of the smallest half size. A box at rest, whose overlaps are noise, keeps its face and its four points.
 const BIAS: (f32, f32) = (0.03, 2e-3);
 
-/// What rounding leaves in a separation, as a share of the numbers that it is a difference of: a few units in the last place.
+/// Rounding error of a separation, as a share of the numbers that it is a difference of: a few units in the last place.
 const ROUNDING: f32 = 5e-7;
 
-/// Eight pairs, or fewer.
+/// Up to eight pairs, one a lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct WidePairs {
@@ -36,29 +36,29 @@ pub(super) struct WidePairs {
     reach: LaneArray,
 }
 
-/// The axes of least overlap, or greatest distance.
+/// The best axes of a pair: those of least overlap, or greatest distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axes {
-    /// Of the faces.
+    /// Separation along the best face normal, metres.
     pub(super) face_separation: f32,
-    /// Of the edges: an axis of `b` and one of `a`.
+    /// The best pair of edges: an axis of `b` and one of `a`.
     pub(super) edge: (usize, usize),
-    /// Negative infinity where no two edges are farther apart than the faces, or less deep.
+    /// Separation along their product, metres. Negative infinity where no edges are farther apart than the faces, or overlap less.
     pub(super) edge_separation: f32,
-    /// What an axis must be better by, metres.
+    /// By how much an axis must be better to be preferred, metres.
     pub(super) bias: f32,
-    /// Whether the edges' is.
+    /// Whether the edges are better than the face by more than that.
     pub(super) edge_wins: bool,
 }
 
-/// Eight pairs as numbers side by side.
+/// Eight pairs loaded into SIMD registers.
 pub(super) struct LoadedPairs<L> {
     /// Half sizes of `a` and of `b`, metres.
     pub(super) ha: [L; 3],
     pub(super) hb: [L; 3],
     /// `cᵢⱼ` at `[j][i]`.
     pub(super) c: [[L; 3]; 3],
-    /// The centre of `a`, by axes of `b`, and by those of `a`, metres.
+    /// The centre of `a` by axes of `b` (`t`) and by axes of `a` (`along`), metres.
     pub(super) t: [L; 3],
     pub(super) along: [L; 3],
     pub(super) reach: L,
@@ -66,20 +66,20 @@ pub(super) struct LoadedPairs<L> {
 
 /// The best axes of eight pairs.
 pub(super) struct WideAxes<L> {
-    /// Of the faces: 0, 1, 2 of `b`; 3, 4, 5 of `a`.
+    /// The best face: 0, 1, 2 of `b`; 3, 4, 5 of `a`.
     pub(super) face: L,
     pub(super) face_separation: L,
     edge: L,
     edge_separation: L,
     bias: L,
     edge_wins: L,
-    /// A mask of those whose other box is past the rim of the face.
+    /// Mask of pairs whose other box is past the rim of the face.
     pub(super) past: L,
-    /// And of those that are not farther apart than they may be.
+    /// Mask of pairs within reach.
     pub(super) near: L,
 }
 
-/// The same in memory.
+/// [`WideAxes`] in memory.
 pub(super) struct StoredAxes {
     face_separation: LaneArray,
     edge: LaneArray,
@@ -89,7 +89,7 @@ pub(super) struct StoredAxes {
 }
 
 impl WidePairs {
-    /// No pairs: what is missing is out of reach.
+    /// No pairs: empty lanes are out of reach.
     pub(super) const NONE: Self = Self {
         half_sizes: [[[0.0; LANES]; 3]; 2],
         axes: [[[0.0; LANES]; 3]; 3],
@@ -97,7 +97,7 @@ impl WidePairs {
         reach: [-1.0; LANES],
     };
 
-    /// Puts a pair into a lane.
+    /// Writes a pair into a lane.
     #[inline(always)]
     pub(super) fn put(&mut self, lane: usize, half_sizes: [Vec3; 2], a_in_b: &Frame, reach: f32) {
         for (to, from) in [(0, half_sizes[0]), (1, half_sizes[1])] {
@@ -111,7 +111,7 @@ impl WidePairs {
         self.reach[lane] = reach;
     }
 
-    /// The pair of a lane.
+    /// The pair in a lane.
     #[inline(always)]
     pub(super) fn pair(&self, lane: usize) -> BoxPair {
         let [x, y, z] = &self.axes;
@@ -123,7 +123,7 @@ impl WidePairs {
         }
     }
 
-    /// All numbers of the eight.
+    /// Loads all eight pairs.
     #[inline(always)]
     pub(super) fn loaded<L: Lanes>(&self) -> LoadedPairs<L> {
         let c = [three::<L>(&self.axes[0]), three::<L>(&self.axes[1]), three::<L>(&self.axes[2])];
@@ -138,7 +138,7 @@ impl WidePairs {
 }
 
 impl<L: Lanes> LoadedPairs<L> {
-    /// The best axes of each.
+    /// Finds the best axes of each pair.
     #[inline(always)]
     pub(super) fn separate(&self) -> WideAxes<L> {
         let Self { ha, hb, c, t, along, reach } = *self;
@@ -151,7 +151,7 @@ impl<L: Lanes> LoadedPairs<L> {
         }
         let small = L::splat(BIAS.1) * least(ha).min(least(hb));
         let mut near = zero.same(zero);
-        // How far apart they are at least, squared, and along how many axes: of each box, because its axes are across each other.
+        // Lower bound of the distance, squared, and number of axes with a positive separation, for the axes of each box, which are orthogonal.
         let (mut squared, mut beyond) = ([zero; 2], [zero; 2]);
         let (mut face, mut most) = (zero, L::splat(f32::NEG_INFINITY));
         for i in 0..3 {
@@ -191,9 +191,9 @@ impl<L: Lanes> LoadedPairs<L> {
                         + s[j][i1] * hb[i2]
                         + ha[j1] * s[j2][i]
                         + ha[j2] * s[j1][i];
-                    // Where the edges are near parallel, the quotient is of two small numbers: what rounding may have added to it is taken off.
+                    // Where the edges are nearly parallel, the quotient is of two small numbers: the possible rounding error is subtracted.
                     let apart = along - extent - (along + extent) * L::splat(ROUNDING);
-                    // The divisor is no more than 1: what is negative becomes more so.
+                    // The divisor is at most 1, so a negative separation can only decrease.
                     let likely = unlikely.lt(apart);
                     let square = one - c[j][i] * c[j][i];
                     let apart = apart / square.max(L::splat(PARALLEL)).sqrt();
@@ -234,7 +234,7 @@ impl<L: Lanes> WideAxes<L> {
 }
 
 impl StoredAxes {
-    /// Those of a lane.
+    /// The axes of a lane.
     #[inline(always)]
     pub(super) fn of(&self, lane: usize) -> Axes {
         let edge = self.edge[lane] as usize;
@@ -248,7 +248,7 @@ impl StoredAxes {
     }
 }
 
-/// What an axis must be better by than one of a separation.
+/// By how much an axis must be better than one of a given separation, metres.
 #[inline(always)]
 fn bias<L: Lanes>(small: L, separation: L) -> L {
     small + L::splat(BIAS.0) * separation.abs()
@@ -264,7 +264,7 @@ pub(super) fn three<L: Lanes>([x, y, z]: &[LaneArray; 3]) -> [L; 3] {
     [L::load(x), L::load(y), L::load(z)]
 }
 
-/// A vector out of a lane.
+/// The vector in a lane.
 #[inline(always)]
 pub(super) fn get([x, y, z]: &[LaneArray; 3], lane: usize) -> Vec3 {
     Vec3::new(x[lane], y[lane], z[lane])

@@ -8,27 +8,26 @@ use super::super::{Point, inverse};
 use super::axes::PARALLEL;
 use super::{BoxPair, Frame, Manifold, NEXT};
 
-/// Cosine of the angle by which what lies on a face may lean: 6 degrees. What leans by more comes down on other points too far away to be of
-/// interest.
+/// Cosine of the greatest tilt at which a box still lies on a face: 6°. If it is tilted by more, its other points are too high to matter.
 pub(super) const LEANS: f32 = 0.995;
 
-/// How far along an edge, 1 at its end, the nearest point of its line may be to be on it: a thousandth over.
+/// Greatest place of the lines' nearest point along an edge, 1 at its end, at which it counts as on the edge: 0.1 % beyond.
 pub(super) const ON_EDGE: f32 = 1.001;
-/// And how far for it not to be a corner.
+/// Greatest such place at which the point counts as inside the edge rather than a corner.
 pub(super) const BEFORE_END: f32 = 0.9999;
 
-/// Where two edges are nearest.
+/// The nearest points of two edges.
 pub(super) struct Edges {
     /// On `a` and on `b`, in the coordinates of `b`, metres.
     points: [Vec3; 2],
-    /// The product of their directions, unit, towards `a`.
+    /// The product of the edges' directions, unit, pointing towards `a`.
     pub(super) normal: Vec3,
-    /// How far along an edge the lines' nearest points are, 1 at its end.
+    /// How far along the edges the lines' nearest points are, the farther of the two; 1 at the end.
     pub(super) over: f32,
 }
 
 impl Edges {
-    /// Their point.
+    /// The manifold of this point.
     pub(super) fn manifold(&self, frame: &Frame) -> Manifold {
         let [p, q] = self.points;
         Manifold::single(self.normal, frame.local(p), q, (p - q).dot(self.normal))
@@ -36,9 +35,9 @@ impl Edges {
 }
 
 impl BoxPair {
-    /// Where two edges are nearest that face each other, an axis of `b` and one of `a`.
+    /// The nearest points of two edges that face each other: an axis of `b` and one of `a`.
     ///
-    /// With `d` between their midpoints, `u` along `a`'s and `s` along `b`'s: `d + u Rⱼ - s eᵢ` is across both, which is two linear equations.
+    /// With `d` between their midpoints, `u` along `a`'s and `s` along `b`'s: `d + u Rⱼ - s eᵢ` is across both, which gives two linear equations.
     pub(super) fn meet(&self, (i, j): (usize, usize)) -> Edges {
         let Self { half_sizes: [ha, hb], frame, .. } = self;
         let r = &frame.rotation;
@@ -63,11 +62,11 @@ impl BoxPair {
         Edges { points: [p + axes[j] * u, q + along_b * s], normal, over }
     }
 
-    /// Where two boxes are nearest, if that is within reach and they do not touch. `edges` are the nearest points of
-    /// the two edges that face each other, on `a` and on `b`, where there are such.
+    /// The manifold of two separated boxes that are nearest at corners or edges, empty beyond reach. `edges` are the nearest points of the two edges that face
+    /// each other, if there are such.
     ///
-    /// The nearest points of two boxes that are apart are a corner of one and a point of the other, or two edges along whose product the boxes are as far
-    /// apart.
+    /// The nearest points of two separated boxes are a corner of one and a point of the other, or they lie on two edges along whose product the boxes are as
+    /// far apart.
     pub(super) fn corners(&self, edges: Option<Edges>) -> Manifold {
         let Self { half_sizes: [ha, hb], frame, reach } = *self;
         let frame = &frame;
@@ -84,7 +83,7 @@ impl BoxPair {
             if squared <= within {
                 let q = corner * hb;
                 let p = frame.local(q).max(-ha).min(ha);
-                // Two corners, to rounding, are a pair already.
+                // Two corners that coincide within rounding are already a pair.
                 if (ha - p.abs()).max_element() > 1e-5 * ha.max_element() {
                     pairs.push([frame.point(p), q]);
                 }
@@ -99,7 +98,7 @@ impl BoxPair {
             }
         }
         let length = least.sqrt();
-        // What is not farther than a few roundings has no direction.
+        // A distance of a few rounding errors has no direction.
         let touching = 1e-6 * (ha.max_element() + hb.max_element());
         if !(length > touching && length <= reach) {
             return Manifold::default();
@@ -117,14 +116,14 @@ impl BoxPair {
     }
 }
 
-/// How far the corners of a box are from another, all eight side by side.
+/// Distances of the eight corners of a box from another box.
 struct Gaps {
     /// Metres².
     squared: [f32; 8],
 }
 
 impl Gaps {
-    /// The corners of a box of half sizes `k` at a frame, and the box of half sizes `h` in whose coordinates that is.
+    /// The corners of a box of half sizes `k` at a frame, and a box of half sizes `h` in whose coordinates the frame is.
     #[inline(always)]
     fn new(k: Vec3, h: Vec3, frame: &Frame) -> Self {
         let (r, t) = (&frame.rotation, frame.translation);

@@ -1,34 +1,34 @@
-//! Where the faces of two boxes lie on each other: one face, a rectangle, and what of another one, a parallelogram as seen from there, is above or below it.
-//! Eight pairs side by side.
+//! Face clipping of two boxes: one face is a rectangle, and the opposing face of the other box, projected onto it, is a parallelogram. The contact area is what
+//! they have in common. Eight pairs in SIMD lanes.
 //!
-//! The two have no more than eight corners in common, of three kinds: where a side of the parallelogram enters the rectangle, or begins in it; where it leaves
-//! it, or ends; and the rectangle's corners that are in the parallelogram. So each of four sides is cut to the rectangle (Cyrus, Beck 1978; Liang, Barsky 1984), and
-//! each of four corners asked: twelve places, with nothing to be decided on the way, as lanes want it. A side is its middle and `s e`, with `e` half of it and
-//! `s` from 1 to -1; it is within `|x| ≤ h` for `|s + x/eₓ| ≤ h/|eₓ|`.
+//! The common area has at most eight corners, of three kinds: where a side of the parallelogram enters the rectangle, or begins inside it; where it leaves it,
+//! or ends; and the rectangle's corners inside the parallelogram. So each of four sides is clipped to the rectangle (Cyrus, Beck 1978; Liang, Barsky 1984), and
+//! each of four corners is tested. That is twelve candidates without a branch, which suits SIMD. A side is its middle and `s e`, with `e` half of it and `s`
+//! from 1 to -1; it is within `|x| ≤ h` for `|s + x/eₓ| ≤ h/|eₓ|`.
 //!
-//! # What is on the rim
+//! # Points on the rim
 //!
-//! What lies squarely on something of its size has sides on the rim and corners on corners. Both the rectangle and the parallelogram are a little larger
-//! ([`ROUNDING`]) than they are, so that these are in, wherever rounding has put them: such a place is found twice, and never lost. What [`choose`] takes of more
-//! than four spans an area, which two in one place do not.
+//! A box squarely on another of its size has sides on the rim and corners on corners. Rectangle and parallelogram are both enlarged slightly ([`ROUNDING`]), so
+//! that these points count as inside despite rounding: such a point may be found twice, but is never lost. [`choose`] reduces more than four points to some
+//! that span an area, which two at the same place do not.
 
 use super::super::reduce::choose;
 use super::super::{Manifold, Point};
 use super::axes::{LoadedPairs, WideAxes, get};
 use crate::lanes::{LANES, LaneArray, Lanes, SetLanes, Vector};
 
-/// By which share of its size a face is larger than it is: some roundings.
+/// Enlargement of a face as a share of its size: a few rounding errors.
 const ROUNDING: f32 = 2e-6;
-/// What part of the rectangle's size a side that is across it must have along it, at the least, to be divided by: less is parallel to its rim.
+/// Least extent of a side along an axis of the rectangle, as a share of the rectangle's size, to be divided by: a side of less is parallel to the rim.
 const ALONG: f32 = 1e-7;
-/// What is nearer to the rim of a face than this share of its size was cut there, or nearly so.
+/// A point closer to the rim of a face than this share of its size counts as clipped there.
 const RIM: f32 = 1e-4;
 
-/// How many places may be corners of what two faces have in common, and how many of them stay.
+/// Number of candidates for corners of the common area, and of points kept.
 const PLACES: usize = 12;
 const POINTS: usize = 4;
 
-/// Manifolds of the faces of eight pairs.
+/// Face manifolds of eight pairs.
 pub(super) struct WideManifolds {
     normal: [LaneArray; 3],
     on_a: [[LaneArray; 3]; POINTS],
@@ -36,12 +36,12 @@ pub(super) struct WideManifolds {
     distance: [LaneArray; POINTS],
     slope: LaneArray,
     len: [u32; LANES],
-    /// The least distance of the points; infinite without any.
+    /// The least distance of the points, metres; infinite without points.
     pub(super) nearest: LaneArray,
 }
 
 impl WideManifolds {
-    /// That of a lane.
+    /// The manifold of a lane.
     #[inline(always)]
     pub(super) fn of(&self, lane: usize) -> Manifold {
         let mut manifold = Manifold::new(get(&self.normal, lane));
@@ -55,7 +55,7 @@ impl WideManifolds {
     }
 }
 
-/// Axes 0, 1 and 2, one in each lane.
+/// An axis index per lane: 0, 1 or 2.
 #[derive(Clone, Copy)]
 struct Axis<L> {
     is_second: L,
@@ -63,13 +63,13 @@ struct Axis<L> {
 }
 
 impl<L: Lanes> Axis<L> {
-    /// What there is of the axis, and of the two after it.
+    /// The component along the axis, then those along the two next axes.
     #[inline(always)]
     fn of(self, [x, y, z]: [L; 3]) -> [L; 3] {
         [self.pick(x, y, z), self.pick(y, z, x), self.pick(z, x, y)]
     }
 
-    /// And back.
+    /// The inverse of [`of`](Self::of).
     #[inline(always)]
     fn back(self, [own, next, last]: [L; 3]) -> [L; 3] {
         [self.pick(own, last, next), self.pick(next, own, last), self.pick(last, next, own)]
@@ -81,14 +81,14 @@ impl<L: Lanes> Axis<L> {
     }
 }
 
-/// The best faces of eight pairs, clipped: up to four points of each.
+/// Clips the best faces of eight pairs: up to four points each.
 #[inline(always)]
 pub(super) fn clip<L: Lanes>(pairs: &LoadedPairs<L>, axes: &WideAxes<L>) -> WideManifolds {
     let (zero, one) = (L::zero(), L::splat(1.0));
     let is_b = axes.face.lt(L::splat(3.0));
     let number = is_b.select(axes.face, axes.face - L::splat(3.0));
     let axis = Axis { is_second: number.same(one), is_third: number.same(one + one) };
-    // The box with the face, and the other one as seen from there: half sizes, axes by component, centre.
+    // The box with the reference face, and the other box in its coordinates: half sizes, axes by component, centre.
     let LoadedPairs { ha, hb, c, t, along, reach } = *pairs;
     let (h, k) = (choice(is_b, hb, ha), choice(is_b, ha, hb));
     let t = choice(is_b, t, [-along[0], -along[1], -along[2]]);
@@ -97,13 +97,13 @@ pub(super) fn clip<L: Lanes>(pairs: &LoadedPairs<L>, axes: &WideAxes<L>) -> Wide
         choice(is_b, [c[0][1], c[1][1], c[2][1]], c[1]),
         choice(is_b, [c[0][2], c[1][2], c[2][2]], c[2]),
     ];
-    // By the axis across the face, and the two along it.
+    // By the axis across the face, then the two along it.
     let [up, x, y] = transposed(axis, rows);
     let [height, rim_x, rim_y] = axis.of(h);
     let [t_up, t_x, t_y] = axis.of(t);
     let side = t_up.lt(zero).select(-one, one);
     let centre = Vector::new(t_x, t_y, side * t_up - height);
-    // The other one's face that is most opposite.
+    // The other box's most opposed face.
     let is_second = up[0].abs().lt(up[1].abs());
     let is_third = is_second.select(up[1], up[0]).abs().lt(up[2].abs());
     let other = Axis { is_second, is_third };
@@ -161,13 +161,13 @@ pub(super) fn clip<L: Lanes>(pairs: &LoadedPairs<L>, axes: &WideAxes<L>) -> Wide
     found
 }
 
-/// Where a mask is set the one, elsewhere the other.
+/// `one` where the mask is set, else `other`.
 #[inline(always)]
 fn choice<L: Lanes>(mask: L, one: [L; 3], other: [L; 3]) -> [L; 3] {
     [mask.select(one[0], other[0]), mask.select(one[1], other[1]), mask.select(one[2], other[2])]
 }
 
-/// Rows of a matrix by an axis, and by the two after it.
+/// Rows of a matrix permuted by [`Axis::of`], as columns.
 #[inline(always)]
 fn transposed<L: Lanes>(axis: Axis<L>, rows: [[L; 3]; 3]) -> [[L; 3]; 3] {
     let mut by = rows;
@@ -180,7 +180,7 @@ fn transposed<L: Lanes>(axis: Axis<L>, rows: [[L; 3]; 3]) -> [[L; 3]; 3] {
     by
 }
 
-/// The places that are chosen, one after the other; which lanes have so many, and how many each has.
+/// Compacts the chosen places; with a bit mask of the lanes that have so many, and the number in each lane.
 #[inline(always)]
 fn in_slots<L: Lanes>(
     places: &[Vector<L>; PLACES],
@@ -199,7 +199,7 @@ fn in_slots<L: Lanes>(
     let mut slots = [[[0.0; LANES]; POINTS]; 3];
     let (mut there, mut len) = ([0; POINTS], [0; LANES]);
     for lane in 0..LANES {
-        // Never more than four are chosen.
+        // At most four are chosen.
         for i in SetLanes(bits[lane]) {
             let n = len[lane] as usize % POINTS;
             for axis in 0..3 {
@@ -217,7 +217,7 @@ fn in_slots<L: Lanes>(
     (found, there, len)
 }
 
-/// The corners of what a rectangle about zero and a parallelogram have in common across it, on the parallelogram; masks of those that there are.
+/// The corners of the common area of a rectangle about zero and a parallelogram, on the plane of the parallelogram, with masks of those that exist.
 #[inline(always)]
 fn common_corners<L: Lanes>(
     middle: Vector<L>,
@@ -228,7 +228,7 @@ fn common_corners<L: Lanes>(
     let mut places = [middle; PLACES];
     let mut there = [zero; PLACES];
     let by = [Inverse::of(e, rim), Inverse::of(f, rim)];
-    // Around: along `e` from 1 to -1, along `f`, and back.
+    // In order around: along `e` from 1 to -1, along `f`, and back.
     let bases = [middle + f, middle - e, middle - f, middle + e];
     let (mut from, mut to, mut inside) = ([one; 4], [one; 4], [zero; 4]);
     for k in 0..4 {
@@ -241,7 +241,7 @@ fn common_corners<L: Lanes>(
         let direction = if k > 1 { -direction } else { direction };
         places[2 * k] = bases[k] + direction * from[k];
         places[2 * k + 1] = bases[k] + direction * to[k];
-        // Where it ends the next one begins, if any of that is in.
+        // Where a side ends the next one begins, if any of that is inside.
         let next = inside[(k + 1) % 4];
         let is_cut = (-one).lt(to[k]).or(next.select(zero, inside[k]));
         there[2 * k] = inside[k];
@@ -260,7 +260,7 @@ fn common_corners<L: Lanes>(
     (places, there)
 }
 
-/// One by what a side has along each axis of the rectangle, and how much of the side the rectangle is wide.
+/// The reciprocals of a side's extents along the axes of the rectangle, and the rectangle's half widths in units of the side.
 #[derive(Clone, Copy)]
 struct Inverse<L> {
     by: [L; 2],
@@ -281,8 +281,8 @@ impl<L: Lanes> Inverse<L> {
         Self { by, width }
     }
 
-    /// From where to where a side, with so much to its middle, is within, from 1 down to -1; the other way round if it goes `back`. Of one that is
-    /// nowhere in, the end is above the beginning.
+    /// The range of a side with middle `base` that is within the rectangle, from 1 down to -1; with the direction reversed if `back`. If none of it is inside,
+    /// the end is greater than the beginning.
     #[inline(always)]
     fn within(&self, base: Vector<L>, back: bool) -> (L, L) {
         let one = L::splat(1.0);
@@ -335,7 +335,7 @@ mod tests {
         }
     );
 
-    /// Around their middle, by angle.
+    /// Sorted by angle about their middle.
     fn in_order(mut corners: Vec<Vec3>) -> Vec<Vec2> {
         let centre = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32;
         corners.sort_by(|p, q| {
@@ -349,7 +349,7 @@ mod tests {
         (0..c.len()).map(|i| 0.5 * c[i].perp_dot(c[(i + 1) % c.len()])).sum()
     }
 
-    /// What is left of a polygon within a rectangle, cut side by side (Sutherland, Hodgman 1974).
+    /// Clips a polygon to a rectangle, one side after the other (Sutherland, Hodgman 1974).
     fn cut(mut polygon: Vec<Vec2>, rim: Vec2) -> Vec<Vec2> {
         for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
             let inside = |p: Vec2| rim[axis] - sign * p[axis];
@@ -368,8 +368,8 @@ mod tests {
         polygon
     }
 
-    /// Parallelograms anywhere, squarely on the rectangle, on its rim to rounding, and past it: as large as what cutting one side after the other leaves, with
-    /// corners in it and on it, and the same bits from each set of instructions.
+    /// Parallelograms at random, squarely on the rectangle, on its rim within rounding, and past it: the area is that of clipping to one side after the other,
+    /// the corners lie within the rectangle and on the plane, and each instruction set gives the same bits.
     #[test]
     fn twelve_places_hold_the_corners_of_what_two_faces_share() {
         let mut dice = Dice(7);

@@ -1,11 +1,11 @@
-//! Box and box, the pair that a pile of boxes asks for most: eight pairs at a time.
+//! Box against box, the most frequent pair in piles of boxes: eight pairs in SIMD lanes.
 //!
-//! Two convex bodies are apart by the greatest of their separations along any direction; for boxes that overlap, the greatest is one of 15 (`axes`). A
-//! separation beyond reach ends the search. Otherwise the body with the face clips the other's most opposite face (`faces`); two edges have one point, and boxes
-//! that are apart, past the rims of each other's faces, may be nearest at a corner or two edges, along none of the 15 (`edges`).
+//! The distance of two convex bodies is their greatest separation along any direction; for overlapping boxes the greatest is along one of 15 axes (`axes`). A
+//! separation greater than reach ends the search. Otherwise the box with the best face clips the most opposed face of the other (`faces`). Two edges have one
+//! point, and separated boxes that are past the rims of each other's faces may be nearest at a corner or two edges, along none of the 15 (`edges`).
 //!
-//! Pairs come in a list, and are compared by eights: to clip eight faces takes as long as to clip two one by one, so that nothing is lost where some of an eight
-//! are found to be apart. What has crossing edges or corners is looked at by itself.
+//! Pairs are queued and compared eight at a time. Clipping eight faces takes as long as clipping two one by one, so nothing is lost if some of the eight pairs
+//! turn out to be apart. Pairs with crossing edges or corners are handled one by one.
 
 mod axes;
 pub(super) mod edges;
@@ -19,7 +19,7 @@ use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, kernel};
 use axes::{Axes, WidePairs};
 use edges::{BEFORE_END, LEANS, ON_EDGE};
 
-/// Pairs of boxes that are to be compared, and their manifolds.
+/// A queue of box pairs, and their manifolds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BoxPairs {
     eights: Vec<WidePairs>,
@@ -28,14 +28,14 @@ pub(crate) struct BoxPairs {
 }
 
 impl BoxPairs {
-    /// Forgets all pairs.
+    /// Removes all pairs.
     pub(crate) fn clear(&mut self) {
         self.eights.clear();
         self.len = 0;
     }
 
-    /// Adds two shapes, where the first one is in the coordinates of the second one, to be compared up to a reach, metres, and says which pair of the list they
-    /// are. `None` where they are not two boxes.
+    /// Adds a pair of shapes, the first at `a_in_b` in the coordinates of the second, to be compared up to `reach` metres. Returns the number of the pair, or
+    /// `None` if the shapes are not two boxes.
     #[inline(always)]
     pub(crate) fn push(
         &mut self,
@@ -57,7 +57,7 @@ impl BoxPairs {
         Some(number)
     }
 
-    /// Compares them: their manifolds by the numbers of the pairs, without points where two are out of reach, or not anywhere.
+    /// Computes the manifolds of all pairs, by pair number. Those of pairs out of reach, or with a frame that is not finite, have no points.
     pub(crate) fn collide(&mut self, instructions: InstructionSet) -> &[Manifold] {
         self.found.clear();
         self.found.resize(self.len, Manifold::default());
@@ -67,7 +67,7 @@ impl BoxPairs {
 }
 
 kernel!(
-    /// Compares eights of pairs, each up to its reach.
+    /// Compares the pairs, each up to its reach.
     fn collide_wide<L: Lanes>(eights: &[WidePairs], found: &mut [Manifold]) {
         for (number, eight) in eights.iter().enumerate() {
             let loaded = eight.loaded::<L>();
@@ -80,7 +80,7 @@ kernel!(
             for lane in SetLanes(near) {
                 let axes = best.of(lane);
                 let (mut manifold, nearest) = (faces.of(lane), faces.nearest[lane]);
-                // Where a face is the best there is, and has points, those are it.
+                // If a face is the best axis and has points, they are the manifold.
                 let most = axes.face_separation;
                 let is_least = (most <= 0.0) & (manifold.len > 0) | (nearest <= most + axes.bias);
                 if axes.edge_wins | !is_least {
@@ -94,7 +94,7 @@ kernel!(
     }
 );
 
-/// The manifold of two whose faces are not, or may not be, what is nearest of them; these are the points of the faces.
+/// The manifold of a pair whose faces are not, or may not be, nearest; `faces` is the manifold of the faces.
 #[inline(never)]
 fn beside_faces(pair: &BoxPair, axes: &Axes, faces: Manifold) -> Manifold {
     let most = axes.face_separation.max(axes.edge_separation);
@@ -111,28 +111,28 @@ fn beside_faces(pair: &BoxPair, axes: &Axes, faces: Manifold) -> Manifold {
         }
     }
     if most > 0.0 {
-        // What is nearest is a corner or two edges past the rim of that face; or the face saw it after all.
+        // The nearest points are a corner or two edges past the rim of that face; or the face manifold has them after all.
         let edges = (axes.edge_separation > 0.0).then(|| pair.meet(axes.edge));
         let past = pair.corners(edges.filter(|edges| edges.over < BEFORE_END));
         return if past.nearest() < faces.nearest() - axes.bias { past } else { faces };
     }
     if faces.len == 0 && axes.edge_separation > f32::NEG_INFINITY {
-        // They overlap by so little that the bias took an axis along which nothing is found.
+        // The overlap is so small that the bias selected an axis along which nothing was found.
         return pair.meet(axes.edge).manifold(&pair.frame);
     }
     faces
 }
 
-/// Two boxes, `a` as seen from `b`.
+/// Two boxes, `a` in the coordinates of `b`.
 #[derive(Clone, Copy, Debug)]
 struct BoxPair {
     /// Half sizes of `a` and of `b`, metres.
     half_sizes: [Vec3; 2],
-    /// Where `a` is in the coordinates of `b`; its axes are `a`'s.
+    /// Frame of `a` in the coordinates of `b`.
     frame: Frame,
-    /// How far apart what is looked for may be, metres.
+    /// Greatest distance at which a manifold has points, metres.
     reach: f32,
 }
 
-/// The axes after an axis.
+/// The two axes after each axis.
 const NEXT: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];

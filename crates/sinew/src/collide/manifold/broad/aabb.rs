@@ -1,8 +1,8 @@
-//! A box in registers, for what compares many.
+//! An AABB in SIMD registers, for code that compares many of them.
 
 use glam::{Vec3, Vec3A};
 
-/// Its least and its greatest corner, metres, each in one register. With NaN in it, it overlaps nothing.
+/// Least and greatest corner, metres, each in one register. An AABB with a NaN overlaps nothing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aabb {
     pub(super) least: Vec3A,
@@ -10,7 +10,7 @@ pub(crate) struct Aabb {
 }
 
 impl Aabb {
-    /// What overlaps nothing, nor does a box about it.
+    /// Overlaps nothing, and neither does its union with any other box.
     pub(crate) const NOWHERE: Self = Self { least: Vec3A::NAN, most: Vec3A::NAN };
 
     #[inline(always)]
@@ -23,17 +23,17 @@ impl Aabb {
         (self.least.into(), self.most.into())
     }
 
-    /// The box about two.
+    /// The union of two boxes.
     #[inline(always)]
     pub(crate) fn and(&self, other: &Self) -> Self {
-        // `min` and `max` pass over what is no number.
+        // `min` and `max` ignore NaN.
         if self.least.is_nan() || other.least.is_nan() {
             return Self::NOWHERE;
         }
         Self { least: self.least.min(other.least), most: self.most.max(other.most) }
     }
 
-    /// Whether two overlap or touch.
+    /// Whether two boxes overlap or touch.
     #[inline(always)]
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         (self.least.cmple(other.most) & other.least.cmple(self.most)).all()

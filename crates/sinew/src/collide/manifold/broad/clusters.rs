@@ -1,49 +1,48 @@
-//! Boxes that are near each other all the time, the bones of a figure or links of a rope, searched as one: the grid finds which clusters are near
-//! each other, and boxes are compared with those of their own cluster and of clusters that are near.
+//! Broad phase for boxes that stay close to each other, such as the bones of a ragdoll or the links of a rope. They form clusters: the grid finds pairs of
+//! nearby clusters, and boxes are compared with those of their own and of nearby clusters.
 //!
-//! A bone has eleven others of its figure around it. To a grid that is a crowd of boxes of many sizes, each of which looks into some thirty cells,
-//! for what is known from the start; compared one with the other they are 66 pairs, and a hundred figures are a hundred boxes of like size.
+//! A bone has eleven other bones of its ragdoll around it. In a grid they are a dense group of boxes of many sizes, each of which would search some thirty
+//! cells to find pairs that are known in advance. Compared directly they are 66 pairs, and a hundred ragdolls are a hundred clusters of similar size.
 //!
-//! # Candidates that last
+//! # Lasting candidates
 //!
-//! The grid has enlarged boxes in it: with a margin, and with the way that each goes on in the next steps. The pairs of those are candidates as long as
-//! the boxes stay within them, which in a heap is many steps; of the candidates those that overlap now are handed out, so that nobody sees for how long
-//! they have lasted. A few that have left theirs are looked for one by one; when they are many, all are taken in afresh.
+//! The grid holds enlarged boxes: with a margin, and extended by the displacement expected over the next steps. Pairs of enlarged boxes remain candidates as
+//! long as every box stays within its enlarged box, which in a heap is many steps. Only candidates that overlap now are returned, so the result does not depend
+//! on the age of the list. If a few clusters have left their enlarged boxes, they are queried one by one; if many have, all enlarged boxes are rebuilt.
 
 use glam::Vec3;
 
 use super::grid::BoxEntry;
 use super::{Broad, is_box, overlap};
 
-/// Boxes in a cluster, at most: of a long rope a few links are together, all of them lie across the whole level.
+/// Greatest number of boxes in a cluster: a long rope is split into runs of links, because one cluster of all of them would extend across the level.
 const MOST: usize = 16;
 
-/// By how much boxes are enlarged on each side, as a share of their largest extent; and for how many further steps they go on as they go.
+/// Margin on each side of an enlarged box, as a share of the box's largest extent, and the number of further steps whose expected displacement it covers.
 const MARGIN: f32 = 0.06;
 const STEPS: f32 = 3.0;
-/// One by the share of all clusters that may have left their enlarged boxes before all are taken in afresh.
+/// All enlarged boxes are rebuilt when more than 1/`FEW` of the clusters have left theirs.
 const FEW: usize = 32;
 
-/// A search for boxes that overlap, some of which are known to be near each other.
+/// Finds overlapping boxes, some of which are known to be close to each other.
 #[derive(Default)]
 pub(crate) struct ClusterSearch {
-    /// Where the enlarged boxes are.
+    /// Grid of the enlarged boxes.
     broad: Broad,
-    /// The first box of each cluster, and how many boxes there are.
+    /// First box of each cluster, then the number of boxes.
     starts: Vec<u32>,
-    /// What each cluster is in; left as it was where all boxes are alone.
+    /// Bounds of each cluster; not updated where every cluster is a single box.
     boxes: Vec<(Vec3, Vec3)>,
-    /// The enlarged boxes, the clusters that they are of, and the pairs of those that overlap; sorted.
+    /// The enlarged boxes, the `starts` that they belong to, and their overlapping pairs, sorted.
     enlarged: Vec<(Vec3, Vec3)>,
     enlarged_starts: Vec<u32>,
     candidates: Vec<[u32; 2]>,
-    /// Clusters that have left theirs, ascending.
+    /// Clusters that have left their enlarged boxes, ascending.
     left: Vec<u32>,
-    /// Where boxes were when they were taken in anew within a step, and whether they were.
+    /// Grid of the boxes as they were when [`fill`](Self::fill) was called within the step, and whether it was.
     anew: Broad,
     is_anew: bool,
-    /// Scratch: clusters that are near each other, or near one that has moved; those of them of which one has left its enlarged box; boxes of a cluster, and
-    /// of those near it.
+    /// Scratch: nearby pairs of clusters; those of which one has left its enlarged box; query results; boxes of a cluster; boxes of the clusters near it.
     near: Vec<[u32; 2]>,
     others_near: Vec<[u32; 2]>,
     around: Vec<u32>,
@@ -52,9 +51,8 @@ pub(crate) struct ClusterSearch {
 }
 
 impl ClusterSearch {
-    /// Takes boxes in (least and greatest corner), and all pairs `[a, b]`, `a < b`, of those that overlap or touch; sorted. One with NaN, or with
-    /// less than no extent, overlaps nothing. A box that is `joined` is near the one before it; `way` is how far one goes on in a step, metres, as far as is
-    /// known.
+    /// Finds all pairs `[a, b]`, `a < b`, of boxes (least and greatest corner) that overlap or touch, sorted. A box with a NaN or a negative extent overlaps
+    /// nothing. A `joined` box is close to the one before it; `way` is the expected displacement of a box in a step, metres.
     pub(crate) fn pairs(
         &mut self,
         bounds: &[(Vec3, Vec3)],
@@ -98,7 +96,7 @@ impl ClusterSearch {
         }
     }
 
-    /// Finds the pairs of clusters whose boxes overlap or touch; sorted.
+    /// Finds the pairs of clusters whose boxes overlap or touch, sorted.
     fn find_near(
         &mut self,
         boxes: &[(Vec3, Vec3)],
@@ -125,7 +123,7 @@ impl ClusterSearch {
             around.clear();
             broad.around(own, enlarged, around);
             let others = around.iter().filter(|&&other| !has_left(other));
-            // Of two that have left theirs the first one asks.
+            // Each pair of clusters that have both left is found from the first of them.
             for &other in others.chain(left.iter().filter(|&&other| other > cluster)) {
                 let theirs = &boxes[other as usize];
                 if is_box(theirs) && overlap(own, theirs) {
@@ -137,7 +135,7 @@ impl ClusterSearch {
         merge(near, others_near);
     }
 
-    /// Whether all but a few are in their enlarged boxes; notes those few.
+    /// Whether all clusters but a few are within their enlarged boxes; collects those few in `left`.
     fn are_within(&mut self, boxes: &[(Vec3, Vec3)]) -> bool {
         let Self { starts, enlarged, enlarged_starts, left, .. } = self;
         if starts != enlarged_starts {
@@ -145,7 +143,7 @@ impl ClusterSearch {
         }
         left.clear();
         for (number, (own, wide)) in (0..).zip(boxes.iter().zip(&*enlarged)) {
-            // What is no box overlaps nothing, wherever it is.
+            // An invalid box overlaps nothing, wherever it is.
             if is_box(own) && !(wide.0.cmple(own.0) & own.1.cmple(wide.1)).all() {
                 left.push(number);
             }
@@ -153,14 +151,14 @@ impl ClusterSearch {
         left.len() * FEW <= boxes.len()
     }
 
-    /// Makes enlarged boxes, and finds the pairs of those.
+    /// Makes the enlarged boxes and finds their overlapping pairs.
     fn enlarge(&mut self, bounds: &[(Vec3, Vec3)], way: impl Fn(usize) -> Vec3) {
         let Self { broad, starts, enlarged, enlarged_starts, candidates, left, .. } = self;
         let wide = |i: usize| {
             let (low, high) = bounds[i];
             let (margin, way) = (MARGIN * (high - low).max_element(), STEPS * way(i));
             let wide = (low + way.min(Vec3::ZERO) - margin, high + way.max(Vec3::ZERO) + margin);
-            // Infinity less itself is NaN.
+            // Infinity minus itself is NaN.
             if is_box(&wide) { wide } else { (low, high) }
         };
         enlarged.clear();
@@ -173,7 +171,7 @@ impl ClusterSearch {
         broad.pairs(enlarged, candidates);
     }
 
-    /// Takes boxes of the same clusters in from elsewhere.
+    /// Rebuilds the grid within a step from the current places of the boxes; the clusters stay the same.
     pub(crate) fn fill(&mut self, bounds: &[(Vec3, Vec3)]) {
         self.is_anew = true;
         if self.all_are_alone() {
@@ -183,8 +181,8 @@ impl ClusterSearch {
         self.anew.fill(&self.boxes);
     }
 
-    /// Adds the pairs of one box, which may lie elsewhere than when it was taken in, and of those that it overlaps or touches; some more than once.
-    /// `moved` lists those of the boxes, ascending, that lie elsewhere now; `bounds` are where all are.
+    /// Adds the pairs of one box, which may have moved since the grid was built, and the boxes that it overlaps or touches; some pairs more than once. `moved`
+    /// lists the boxes that have moved, ascending; `bounds` are the current boxes.
     pub(crate) fn around(
         &mut self,
         number: u32,
@@ -207,7 +205,7 @@ impl ClusterSearch {
         };
         let pair = |other: u32| [number.min(other), number.max(other)];
         for &cluster in &self.around {
-            // Enlarged it is near, and perhaps not otherwise.
+            // The enlarged box overlaps, but perhaps not the actual one.
             if !overlap(own, &boxes[cluster as usize]) {
                 continue;
             }
@@ -220,7 +218,7 @@ impl ClusterSearch {
         out.extend(moved.iter().filter(|&&other| near(other)).map(|&other| pair(other)));
     }
 
-    /// Makes clusters of boxes that follow each other.
+    /// Forms clusters of consecutive boxes.
     fn lay_out(&mut self, count: usize, joined: impl Fn(usize) -> bool) {
         self.starts.clear();
         let mut first = 0;
@@ -233,12 +231,12 @@ impl ClusterSearch {
         self.starts.push(count as u32);
     }
 
-    /// Whether each cluster is one box.
+    /// Whether every cluster is a single box.
     fn all_are_alone(&self) -> bool {
         self.starts.last().is_none_or(|&count| self.starts.len() == count as usize + 1)
     }
 
-    /// What each cluster is in.
+    /// Computes the bounds of each cluster.
     fn unite(&mut self, bounds: &[(Vec3, Vec3)]) {
         let Self { starts, boxes, .. } = self;
         boxes.clear();
@@ -248,18 +246,18 @@ impl ClusterSearch {
     }
 }
 
-/// What boxes are in together; no box if there are none.
+/// The union of some boxes; an invalid box if there are none.
 fn united(boxes: impl Iterator<Item = (Vec3, Vec3)>) -> (Vec3, Vec3) {
     boxes
         .reduce(|(low, high), (least, most)| (low.min(least), high.max(most)))
         .unwrap_or((Vec3::NAN, Vec3::NAN))
 }
 
-/// Merges a sorted list into another one; they have nothing in common.
+/// Merges a sorted list into another; they have no element in common.
 fn merge(into: &mut Vec<[u32; 2]>, from: &[[u32; 2]]) {
     let mut left = into.len();
     into.extend_from_slice(from);
-    // From behind, so that each is moved once.
+    // From the end, so that each element is moved once.
     let mut to = into.len();
     for &one in from.iter().rev() {
         while left > 0 && into[left - 1] > one {
@@ -271,7 +269,7 @@ fn merge(into: &mut Vec<[u32; 2]>, from: &[[u32; 2]]) {
     }
 }
 
-/// The boxes of a cluster.
+/// The valid boxes of a cluster.
 fn members(
     starts: &[u32],
     cluster: usize,

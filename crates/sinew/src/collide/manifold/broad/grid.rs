@@ -1,4 +1,4 @@
-//! One grid of boxes of like size.
+//! One grid of boxes of similar size.
 
 use glam::{IVec3, Vec3};
 
@@ -9,11 +9,11 @@ use super::aabb::Aabb;
 pub(super) struct BoxEntry {
     bounds: Aabb,
     pub(super) number: u32,
-    /// Boxes of one group are not compared with each other, but for [`NO_GROUP`].
+    /// Boxes of one group are not compared with each other, except for [`NO_GROUP`].
     group: u32,
 }
 
-/// The group of a box that is in none.
+/// The group of boxes that belong to none.
 pub(crate) const NO_GROUP: u32 = u32::MAX;
 
 /// Whether boxes of two groups are compared.
@@ -27,40 +27,40 @@ impl BoxEntry {
         Self { bounds: Aabb::new(*bounds), number, group: NO_GROUP }
     }
 
-    /// Whether two overlap or touch.
+    /// Whether two boxes overlap or touch.
     #[inline(always)]
     pub(super) fn overlaps(&self, other: &Self) -> bool {
         self.bounds.overlaps(&other.bounds)
     }
 }
 
-/// Boxes, sorted by the cell of their lower corner.
+/// Boxes sorted by the cell of their lower corner.
 #[derive(Default)]
 pub(super) struct BoxGrid {
     entries: Vec<BoxEntry>,
-    /// Where a cell's entries begin; one more than there are cells.
+    /// Index of each cell's first entry, then the number of entries.
     starts: Vec<u32>,
-    /// Cells in a metre along each axis.
+    /// Cells per metre along each axis.
     density: Vec3,
-    /// The largest extents of a box in it, and a little more, metres.
+    /// Largest extents of a box in the grid, slightly enlarged, metres.
     size: Vec3,
-    /// How many cells along each axis: powers of two.
+    /// Number of cells along each axis: powers of two.
     cells: IVec3,
 }
 
-/// Cells in a grid for each box: more are fewer comparisons, but more memory to go through.
+/// Cells per box: more cells mean fewer comparisons, but more memory to traverse.
 const CELLS_PER_BOX: usize = 4;
 
 impl BoxGrid {
-    /// Puts boxes in; `largest` are the greatest extents of any of them, and no cell is to be smaller than `least`, metres. Along each axis cells are
-    /// as large as the boxes: stairs of 40 m by 10 by 1 are not all in one.
+    /// Fills the grid; `largest` are the greatest extents of any of the boxes, and no cell is smaller than `least`, metres. Cells are as large as the boxes
+    /// along each axis separately: otherwise stairs of 40 m by 10 by 1 would all be in one cell.
     pub(super) fn fill(
         &mut self,
         (largest, least): (Vec3, f32),
         these: &[u32],
         (bounds, groups): (&[(Vec3, Vec3)], &[u32]),
     ) {
-        // Boxes without extent need cells all the same; and a cell's inverse must be finite.
+        // Boxes without extent need cells too, and the inverse of a cell's size must be finite.
         let cell = largest.max(Vec3::splat(least.max(1e-6)));
         (self.density, self.size) = (cell.recip(), cell * 1.0001);
         let (mut least, mut most) = (IVec3::MAX, IVec3::MIN);
@@ -88,17 +88,17 @@ impl BoxGrid {
             self.entries[*next as usize] = BoxEntry { group, ..BoxEntry::new(one, number) };
             *next += 1;
         }
-        // Each start has gone on to the next one's.
+        // Filling has advanced each start to the next one's.
         self.starts.rotate_right(1);
         self.starts[0] = 0;
     }
 
-    /// As many cells along each axis as it takes, but no more in all than some per box: then the longest axis is folded.
+    /// Chooses the number of cells along each axis to cover the range, but no more in all than some per box: beyond that the longest axis is folded.
     fn lay_out(&mut self, least: IVec3, most: IVec3, count: usize) {
         let limit = (count * CELLS_PER_BOX).next_power_of_two().max(64) as i64;
         let mut cells = [0, 1, 2].map(|i| {
             let range = i64::from(most[i]) - i64::from(least[i]) + 1;
-            // A search looks at three in a row, which must not be the same one twice.
+            // A query visits three cells in a row, which must be distinct.
             (range.max(4) as u64).next_power_of_two() as i64
         });
         let all =
@@ -116,28 +116,28 @@ impl BoxGrid {
         self.cells = IVec3::new(cells[0] as i32, cells[1] as i32, cells[2] as i32);
     }
 
-    /// The cell of a point; one beyond two thousand million cells is in the last.
+    /// The cell of a point; saturates at ± 2³¹ cells.
     #[inline(always)]
     fn cell(&self, point: Vec3) -> IVec3 {
         let at = point * self.density;
         IVec3::new(floor(at.x), floor(at.y), floor(at.z))
     }
 
-    /// Where a cell is in memory.
+    /// Index of a cell in memory.
     #[inline(always)]
     fn place(&self, cell: IVec3) -> usize {
         let IVec3 { x, y, z } = cell & (self.cells - 1);
         ((z * self.cells.y + y) * self.cells.x + x) as usize
     }
 
-    /// Each box in it.
+    /// Calls `then` with each box.
     pub(super) fn each(&self, mut then: impl FnMut(u32, (Vec3, Vec3))) {
         for entry in &self.entries {
             then(entry.number, entry.bounds.corners());
         }
     }
 
-    /// Pairs of its own boxes. Each is found from the one that is first in memory.
+    /// Adds the pairs of overlapping boxes within the grid. Each is found from the box that is first in memory.
     pub(super) fn within(&self, found: &mut Vec<[u32; 2]>) {
         for (i, entry) in self.entries.iter().enumerate() {
             let mut add = |other| found.push(pair(entry.number, other));
@@ -145,7 +145,7 @@ impl BoxGrid {
         }
     }
 
-    /// Pairs of its boxes and those of a grid of larger ones.
+    /// Adds the pairs of a box of this grid and one of a grid of larger boxes.
     pub(super) fn among(&self, larger: &Self, found: &mut Vec<[u32; 2]>) {
         for entry in &self.entries {
             let mut add = |other| found.push(pair(entry.number, other));
@@ -153,25 +153,25 @@ impl BoxGrid {
         }
     }
 
-    /// Numbers of those that a box, which may be anywhere, overlaps or touches.
+    /// Adds the numbers of the boxes that a given box overlaps or touches.
     pub(super) fn around(&self, one: &(Vec3, Vec3), found: &mut Vec<u32>) {
         self.query(&BoxEntry::new(one, 0), 0, &mut |other| found.push(other));
     }
 
-    /// Hands out those that a box overlaps or touches, from a place in memory on.
+    /// Passes on the boxes that a box overlaps or touches, from the entry `first` on.
     #[inline(always)]
     fn query(&self, entry: &BoxEntry, first: usize, out: &mut impl FnMut(u32)) {
         let (least, most) = entry.bounds.corners();
-        // A little more, for what rounding has taken off an extent.
+        // Enlarged slightly, for what rounding has taken off an extent.
         let from = self.cell(least - self.size - least.abs() * 3e-7);
         let to = self.cell(most);
-        // Cells from there to here; all of a row, once, if they are more.
+        // Number of further cells along an axis; at most each cell of a row once.
         let span =
             |i: usize| (to[i].wrapping_sub(from[i]) as u32).min(self.cells[i] as u32 - 1) as i32;
         let [nx, ny, nz] = [span(0), span(1), span(2)];
         let mask = self.cells - 1;
         let x = from.x & mask.x;
-        // Past the fold, the row goes on at its beginning.
+        // Beyond the fold the row continues at its beginning.
         let over = x + nx - mask.x;
         let end = if over > 0 { mask.x } else { x + nx };
         for z in 0..=nz {
@@ -187,7 +187,7 @@ impl BoxGrid {
         }
     }
 
-    /// Compares a box with those of some cells in a row.
+    /// Compares a box with those of consecutive cells of a row.
     #[inline(always)]
     fn compare(
         &self,
@@ -210,13 +210,13 @@ impl BoxGrid {
     }
 }
 
-/// Two numbers, the lesser one first.
+/// Two numbers, the lesser first.
 #[inline(always)]
 fn pair(a: u32, b: u32) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// The whole number below, or the last one that there is. The library's own rounding is a call on processors without an instruction for it.
+/// Floor, saturating. `f32::floor` is a function call on processors without an instruction for it.
 #[inline(always)]
 fn floor(x: f32) -> i32 {
     let whole = x as i32;

@@ -1,14 +1,13 @@
-//! Which boxes overlap at all: so that shapes that are far from each other are never compared.
+//! Broad phase: finds pairs of overlapping AABBs, so that only nearby shapes reach the narrow phase.
 //!
-//! Boxes of like size go into one grid, whose cells are as large as the largest of them along each axis: by its lower corner a box is in one cell,
-//! and whatever overlaps it has its own lower corner in that cell or in one of those around it. The grid is folded over (a cell's place is its
-//! coordinates modulo powers of two), so that it stays small however far apart they lie, and along x neighbours stay neighbours in memory. Boxes of
-//! half the size get a grid of their own; those of a grid look into the larger ones, too. A few, or endless ones (floors, half-spaces), are no grid,
-//! but are compared with everything.
+//! Boxes of similar size share a grid whose cells are as large as the largest of them along each axis. A box is in the cell of its lower corner, and every box
+//! that overlaps it has its own lower corner in that cell or a neighbouring one. The grid is folded (a cell's index is its coordinates modulo powers of two),
+//! so that it stays small however far apart the boxes lie, and neighbours along x are neighbours in memory. Boxes of half the size have a grid of their own,
+//! and are compared with the grids of larger boxes too. Small sets and unbounded boxes (floors, half-spaces) have no grid; they are compared with everything.
 //!
-//! Boxes that are near each other all the time are searched as one (`clusters`).
+//! Boxes that stay close to each other are searched as one (`clusters`).
 //!
-//! Sweeping along one axis would compare more: in a pile of 1000 each box has some 150 others beside it there, and 14 to compare here.
+//! Sweep-and-prune along one axis would compare more: in a pile of 1000 boxes each overlaps some 150 others along the axis, and is compared with 14 here.
 
 mod aabb;
 mod clusters;
@@ -21,53 +20,53 @@ pub(crate) use clusters::ClusterSearch;
 pub(crate) use grid::NO_GROUP;
 use grid::{BoxGrid, are_compared};
 
-/// A search for boxes that overlap. What it keeps between calls is memory alone.
+/// Finds overlapping boxes. Only allocations are kept between calls, and what [`around`](Self::around) queries.
 #[derive(Default)]
 pub(crate) struct Broad {
-    /// Class of size, and number, of each box that is one.
+    /// Size class and number of each valid box.
     sizes: Vec<(u16, u32)>,
-    /// How many boxes there are of a class; then, which of the levels it belongs to.
+    /// Number of boxes of each size class; after grouping, the level of the class.
     classes: Vec<u32>,
-    /// Boxes by level, and in each by number.
+    /// Boxes by level, and by number in each level.
     levels: Vec<Level>,
-    /// Grids, from the largest cells down; only the first ones are filled.
+    /// Grids from the largest cells to the smallest; only the first `filled` are in use.
     grids: Vec<BoxGrid>,
     filled: usize,
-    /// Compared with everything.
+    /// Boxes without a grid, compared with everything.
     apart: Vec<u32>,
-    /// Pairs in the order in which they were found; then by their second number.
+    /// Pairs in the order in which they were found; then sorted by their second number.
     found: Vec<[u32; 2]>,
     sorted: Vec<[u32; 2]>,
     counts: Vec<u32>,
 }
 
-/// Boxes of like size.
+/// Boxes of similar size.
 #[derive(Default)]
 struct Level {
-    /// Their largest extents along each axis, metres.
+    /// Largest extents along each axis, metres.
     largest: Vec3,
     boxes: Vec<u32>,
 }
 
-/// A class of sizes is what numbers have in common but for the last 20 bits: an eighth of an octave.
+/// A size class contains the `f32`s that differ in the last 20 bits only: an eighth of an octave.
 const CLASS_SHIFT: u32 = 4;
 const CLASSES_PER_OCTAVE: usize = 8;
 
-/// Boxes of a size that are no more than this are compared with everything: 27 cells cost as much.
+/// A level of at most this many boxes has no grid and is compared with everything: a search of 27 cells costs as much.
 const FEW: usize = 8;
 
 impl Broad {
-    /// Takes boxes in (least and greatest corner). One with NaN, or with less than no extent, overlaps nothing.
+    /// Builds the grids of some boxes (least and greatest corner). A box with a NaN or a negative extent overlaps nothing.
     pub(crate) fn fill(&mut self, bounds: &[(Vec3, Vec3)]) {
         self.filled = self.sort_out(bounds, &[]);
     }
 
-    /// Takes them in, and all pairs `[a, b]`, `a < b`, of those that overlap or touch; sorted.
+    /// Builds the grids and finds all pairs `[a, b]`, `a < b`, of boxes that overlap or touch, sorted.
     pub(crate) fn pairs(&mut self, bounds: &[(Vec3, Vec3)], out: &mut Vec<[u32; 2]>) {
         self.pairs_of_groups(bounds, &[], out);
     }
 
-    /// The same, less the pairs of one group each: `groups` has that of each box, or [`NO_GROUP`] for none. It may end before they do.
+    /// [`pairs`](Self::pairs) without those of two boxes of one group. `groups` has the group of each box, or [`NO_GROUP`]; boxes beyond its end have none.
     pub(crate) fn pairs_of_groups(
         &mut self,
         bounds: &[(Vec3, Vec3)],
@@ -100,7 +99,7 @@ impl Broad {
         self.sort(bounds.len(), out);
     }
 
-    /// Adds the numbers of the boxes that one overlaps or touches, which need not be one of them. `bounds` are those that were taken in.
+    /// Adds the numbers of the boxes that `one` overlaps or touches; it need not be one of them. `bounds` are the boxes that the grids were built from.
     pub(crate) fn around(&self, one: &(Vec3, Vec3), bounds: &[(Vec3, Vec3)], out: &mut Vec<u32>) {
         if !is_box(one) {
             return;
@@ -112,7 +111,7 @@ impl Broad {
         out.extend(apart.filter(|&other| overlap(one, &bounds[other as usize])));
     }
 
-    /// Makes the grids, and says how many.
+    /// Builds the grids and returns their number.
     fn sort_out(&mut self, bounds: &[(Vec3, Vec3)], groups: &[u32]) -> usize {
         let Self { sizes, classes, levels, grids, apart, .. } = self;
         sizes.clear();
@@ -122,7 +121,7 @@ impl Broad {
         for (i, (least, most)) in bounds.iter().enumerate() {
             if is_box(&(*least, *most)) {
                 let size = (*most - *least).max_element();
-                // Infinity less itself is NaN, which `max_element` may pass over.
+                // Infinity minus itself is NaN, which `max_element` may ignore.
                 if size < 1e9 && least.is_finite() && most.is_finite() {
                     let class = (size.to_bits() >> (16 + CLASS_SHIFT)) as u16;
                     classes[usize::from(class)] += 1;
@@ -139,7 +138,7 @@ impl Broad {
             level.largest = level.largest.max(most - least);
             level.boxes.push(i);
         }
-        // Nobody who looks is much smaller than the smallest of all, or finds more by smaller cells.
+        // No box is much smaller than those of the smallest level, so that smaller cells would not exclude more.
         let smallest = levels[..count].last().map_or(0.0, |level| level.largest.max_element());
         let mut made = 0;
         for level in &levels[..count] {
@@ -156,7 +155,7 @@ impl Broad {
         made
     }
 
-    /// The pairs found, by their second number and then, keeping that order, by their first: two passes, however they lie.
+    /// Sorts the pairs found: by their second number, then stably by their first, in two counting passes.
     fn sort(&mut self, boxes: usize, out: &mut Vec<[u32; 2]>) {
         let Self { found, sorted, counts, .. } = self;
         out.clear();
@@ -167,7 +166,7 @@ impl Broad {
     }
 }
 
-/// Makes levels of classes of sizes, from the largest down, each of no more than an octave; says how many, and writes each class's into its place.
+/// Groups size classes into levels of at most an octave each, from the largest down; replaces each class's count by its level and returns the number of levels.
 fn group(classes: &mut [u32], levels: &mut Vec<Level>) -> usize {
     let (mut count, mut top) = (0, usize::MAX);
     for class in (0..classes.len()).rev() {
@@ -188,7 +187,7 @@ fn group(classes: &mut [u32], levels: &mut Vec<Level>) -> usize {
     count
 }
 
-/// Sorts by one of the two numbers, keeping the order of equals.
+/// Counting sort by one of the two numbers; stable.
 fn by_number(
     from: &[[u32; 2]],
     to: &mut [[u32; 2]],
@@ -211,7 +210,7 @@ fn by_number(
     }
 }
 
-/// Whether it is a box: false where a number is NaN.
+/// Whether a box is valid: false where a number is NaN or an extent is negative.
 #[inline(always)]
 fn is_box((least, most): &(Vec3, Vec3)) -> bool {
     least.cmple(*most).all()

@@ -1,4 +1,4 @@
-//! That it finds what comparing all with all finds, and how long it takes.
+//! The pairs are those of comparing all with all; and a timing.
 
 use std::time::Instant;
 
@@ -51,7 +51,7 @@ fn pairs_are_those_of_comparing_all_with_all() {
         bounds.push((Vec3::splat(f32::INFINITY), Vec3::splat(f32::INFINITY)));
         broad.pairs(&bounds, &mut out);
         assert_eq!(out, naive(&bounds), "{round}");
-        // Of three groups and none; of the last ones nothing is said.
+        // Three groups and none; the list ends before the last boxes.
         let groups: Vec<u32> = (0..bounds.len() as u32 - 4)
             .map(|i| if i % 5 == 4 { NO_GROUP } else { i % 5 % 3 })
             .collect();
@@ -65,7 +65,7 @@ fn pairs_are_those_of_comparing_all_with_all() {
     assert!(out.is_empty());
 }
 
-/// Boxes in clusters of a size, each within so far of its middle; of which some are none, one is endless, and one large.
+/// Clusters of `size` boxes, each box within `near` of the cluster's middle, with some invalid boxes, one unbounded and one large.
 fn clusters(
     count: usize,
     size: usize,
@@ -92,7 +92,7 @@ fn what_is_searched_in_clusters_has_the_same_pairs() {
     let mut dice = Dice(15);
     let (mut search, mut out) = (ClusterSearch::default(), Vec::new());
     for round in 0..60 {
-        // Alone, in pairs, as bones of a figure, and in more than fit into one.
+        // Single boxes, pairs, bones of a ragdoll, and more than fit into one cluster.
         let size = [1, 2, 12, 50][round % 4];
         let spread = [1.0, 10.0, 1e3][round % 3];
         let bounds = clusters(200 / size, size, (spread, 1.0), &mut dice);
@@ -103,7 +103,7 @@ fn what_is_searched_in_clusters_has_the_same_pairs() {
     assert!(out.is_empty());
 }
 
-/// Step by step boxes go on, some of them aside, and now and then one is elsewhere, one is none, or all are.
+/// Boxes move step by step with some noise; now and then one jumps, one becomes invalid, or all jump.
 #[test]
 fn candidates_that_last_have_the_same_pairs() {
     let mut dice = Dice(16);
@@ -152,7 +152,7 @@ fn what_has_moved_finds_all_that_it_overlaps_where_it_is_now() {
             let to = around(dice.vector() * spread, dice.vector().abs() * 2.0);
             bounds[number as usize] = if number == 14 { (Vec3::NAN, Vec3::NAN) } else { to };
         }
-        // Now and then all are taken in anew.
+        // Now and then all are filled in again.
         let others = if round % 5 == 0 { &[][..] } else { &moved };
         if others.is_empty() {
             search.fill(&bounds);

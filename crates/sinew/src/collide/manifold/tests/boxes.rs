@@ -1,4 +1,4 @@
-//! Two boxes: whether none is missed, and how deep they are.
+//! Two boxes: no contact is missed, and depths are right.
 
 use glam::Vec3;
 
@@ -6,12 +6,12 @@ use super::super::BoxPairs;
 use super::*;
 use crate::lanes::InstructionSet;
 
-/// How far apart two boxes are along a direction.
+/// The separation of two boxes along a direction.
 fn along(ha: Vec3, hb: Vec3, frame: &Frame, n: Vec3) -> f32 {
     frame.translation.dot(n) - hb.dot(n.abs()) - ha.dot(frame.turn_back(n).abs())
 }
 
-/// What the bias towards faces may add to a depth.
+/// The greatest error of a depth that the bias towards faces causes.
 fn slack(ha: Vec3, hb: Vec3, apart: f32) -> f32 {
     2.0 * (0.03 * apart.abs() + 2e-3 * ha.min_element().min(hb.min_element())) + 1e-4
 }
@@ -107,7 +107,7 @@ fn swapped_boxes_touch_in_the_same_places() {
             |points: &[Point]| points.iter().map(|p| p.distance).fold(f32::INFINITY, f32::min);
         if !one.is_empty() {
             both += 1;
-            // One may take a face, the other an edge or the other's face, which the bias lets be as good.
+            // One order may take a face and the other an edge or the other box's face, which the bias treats as equal.
             assert!(
                 (least(&one) - least(&other)).abs() < slack(ha, hb, least(&one)),
                 "{one:?} {other:?}"
@@ -129,7 +129,7 @@ fn a_face_on_a_face_gives_four_points_that_span_what_they_share() {
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].normal, Vec3::Y);
         let mut at: Vec<_> = found[0].points().iter().map(|p| (p.on_b.x, p.on_b.z)).collect();
-        // By tenths: a rim is where rounding puts it.
+        // In tenths, because rounding displaces points on a rim.
         at.sort_by_key(|(x, z)| ((x * 10.0).round() as i32, (z * 10.0).round() as i32));
         let expected = [(0.5, -0.5), (0.5, 1.0), (2.0, -0.5), (2.0, 1.0)];
         assert_eq!(at.len(), 4);
@@ -138,7 +138,7 @@ fn a_face_on_a_face_gives_four_points_that_span_what_they_share() {
         }
         assert!(found[0].points().iter().all(|p| (p.distance - lift).abs() < 1e-5));
     }
-    // Turned by 45° what they share has eight corners; four of them hold.
+    // Turned by 45° the common area has eight corners, of which four are kept.
     let unit = Shape::cuboid(Vec3::splat(2.0)).unwrap();
     let frame = turned(Vec3::Y * 1.99, Vec3::Y, core::f32::consts::FRAC_PI_4);
     let found = all(&unit, &unit, &frame, 0.0);
@@ -166,7 +166,7 @@ fn a_box_at_rest_keeps_its_face_whatever_its_noise() {
 fn edges_that_cross_touch_in_one_point() {
     let unit = Shape::cuboid(Vec3::splat(2.0)).unwrap();
     let quarter = core::f32::consts::FRAC_PI_4;
-    // The upper one stands on an edge along x, the lower one on one along z: both turned by 45°.
+    // The upper box stands on an edge along x, the lower one on an edge along z: both are turned by 45°.
     let lower = turned(Vec3::ZERO, Vec3::Z, quarter);
     for lift in [-0.05, 0.05] {
         let height = 2.0 * core::f32::consts::SQRT_2 + lift;
@@ -185,7 +185,7 @@ fn edges_that_cross_touch_in_one_point() {
 #[test]
 fn past_the_rim_corners_and_parallel_edges_are_found_at_their_distance() {
     let unit = Shape::cuboid(Vec3::splat(2.0)).unwrap();
-    // Corner to corner, and two edges in parallel.
+    // Corner to corner, and two parallel edges.
     for (step, count) in [(Vec3::ONE * 0.01, 1), (Vec3::new(0.01, 0.01, -2.0), 2)] {
         let found = all(&unit, &unit, &Frame::at(Vec3::splat(2.0) + step), 0.05);
         assert_eq!(found.len(), 1);
@@ -216,7 +216,7 @@ fn what_is_degenerate_gives_finite_points() {
                             assert!(manifold.points().iter().all(|p| p.distance.is_finite()));
                             hits += 1;
                         }
-                        // The one within the other must not be missed.
+                        // A box inside another must not be missed.
                         if place == Vec3::ZERO {
                             assert!(!points(&a, &b, &frame, 0.0).is_empty(), "{ha} {hb} {frame:?}");
                         }
@@ -242,8 +242,8 @@ fn a_small_box_lies_flat_on_a_huge_one() {
     }
 }
 
-/// A box lies across two others and leans away from one of them by three thousandths: its lowest corner is then far below that one's top, and the
-/// edges that cross over it are further apart than its face seems to be. They are on each other in a triangle nevertheless.
+/// A box lies across two others and leans away from one of them by three thousandths. Its lowest corner is then far below the top of that one, and the edges
+/// that cross there are further apart than the face separation suggests; the contact area is a triangle nevertheless.
 #[test]
 fn a_box_that_leans_a_little_keeps_the_points_of_its_face() {
     let half = Vec3::splat(0.25);
@@ -259,7 +259,8 @@ fn a_box_that_leans_a_little_keeps_the_points_of_its_face() {
     }
 }
 
-/// Eight points, four of which may stay. It was those that span most, of which one alone touched; it rocked from one end of that edge to the other.
+/// Four of eight points are kept. They used to be those that span the largest area, of which only one touched: the box rocked from one end of its low edge to
+/// the other.
 #[test]
 fn a_box_that_leans_keeps_both_ends_of_its_low_edge() {
     let half = Vec3::splat(0.25);
@@ -281,8 +282,7 @@ fn a_box_that_leans_keeps_both_ends_of_its_low_edge() {
     }
 }
 
-/// Pairs side by side, of which some are out of reach, and one is nowhere: each has the manifold that it has alone, and the same bits with each set of
-/// instructions.
+/// Pairs in lanes, some out of reach and one with a NaN: each has the manifold that it has alone, with the same bits on each instruction set.
 #[test]
 fn pairs_in_a_list_have_the_manifolds_that_each_has_alone() {
     let (mut dice, mut pairs, mut alone) = (Dice(6), BoxPairs::default(), Vec::new());

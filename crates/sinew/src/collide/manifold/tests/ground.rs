@@ -1,11 +1,11 @@
-//! What lies on triangles.
+//! Shapes on triangles.
 
 use glam::Vec3;
 
 use super::pairs::{convex, support};
 use super::*;
 
-/// A table of 2 x 8 x 8 triangles, which nobody should stumble over, and a landscape of the same.
+/// A flat mesh of 2 × 8 × 8 triangles, whose inner edges must not affect contacts, and a heightfield of the same shape.
 pub(super) fn flat() -> [Shape; 2] {
     let at = |i: u32, j: u32| i * 9 + j;
     let vertices =

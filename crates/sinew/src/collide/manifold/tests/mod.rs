@@ -1,4 +1,4 @@
-//! What every pair of shapes must keep to.
+//! Properties that hold for every pair of shapes.
 
 mod boxes;
 mod ground;
@@ -10,7 +10,7 @@ use glam::{Mat3, Quat, Vec3};
 use super::super::{Frame, Shape};
 use super::{Manifold, ManifoldScratch, Point, collide};
 
-/// The same numbers on every machine.
+/// Pseudo-random numbers, the same on every machine.
 pub(super) struct Dice(pub(super) u64);
 
 impl Dice {
@@ -24,7 +24,7 @@ impl Dice {
         Vec3::new(self.roll(), self.roll(), self.roll())
     }
 
-    /// Evenly turned.
+    /// A frame with a uniformly distributed rotation.
     pub(super) fn frame(&mut self, spread: f32) -> Frame {
         loop {
             let q = Quat::from_xyzw(self.roll(), self.roll(), self.roll(), self.roll());
@@ -50,9 +50,9 @@ pub(super) fn points(a: &Shape, b: &Shape, frame: &Frame, reach: f32) -> Vec<Poi
     all(a, b, frame, reach).iter().flat_map(|m| m.points().to_vec()).collect()
 }
 
-/// How far apart two bodies are at most along any direction, from `b` to `a`, metres: their distance if that is positive, else minus their depth.
+/// The greatest separation of two bodies along any direction from `b` to `a`, metres: their distance if positive, else minus their penetration depth.
 ///
-/// `support` says how far both reach together along a direction from `b`'s zero. A hill climb from each of 400 directions.
+/// `support` gives the separation along a direction. A hill climb from each of 400 directions.
 pub(super) fn brute_force(support: impl Fn(Vec3) -> f32) -> f32 {
     let mut best = f32::NEG_INFINITY;
     for i in 0..400 {
@@ -93,7 +93,7 @@ pub(super) fn turned(place: Vec3, axis: Vec3, angle: f32) -> Frame {
     Frame::new(place, Quat::from_xyzw(axis.x * s, axis.y * s, axis.z * s, c))
 }
 
-/// That a manifold is what it says: a unit normal, and distances that fit its points.
+/// Checks that a manifold is consistent: a unit normal, and distances that fit its points.
 pub(super) fn check(manifold: &Manifold, frame: &Frame, reach: f32) {
     assert!((manifold.normal.length() - 1.0).abs() < 1e-4, "{manifold:?}");
     assert!((1..=4).contains(&manifold.points().len()));

@@ -1,10 +1,10 @@
-//! Every kind against every other.
+//! Every kind of shape against every other.
 
 use glam::Vec3;
 
 use super::*;
 
-/// One of each without dents.
+/// One shape of each convex kind.
 pub(super) fn convex() -> Vec<Shape> {
     let corners = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z].map(|p| p * 0.8);
     vec![
@@ -16,7 +16,7 @@ pub(super) fn convex() -> Vec<Shape> {
     ]
 }
 
-/// How far a shape of [`convex`] reaches along a direction.
+/// The support distance of a shape of [`convex`] along a direction.
 pub(super) fn support(number: usize, n: Vec3) -> f32 {
     match number {
         0 => 0.5,
@@ -67,7 +67,7 @@ fn every_convex_pair_is_as_deep_as_a_search_over_directions_says() {
             );
             assert!(found_some > 80, "{} {}", names[i], names[j]);
             assert_eq!(missed, 0, "{} {}", names[i], names[j]);
-            // What the library finds is as good as it is for cylinders, which it clips as prisms.
+            // `parry3d` is as accurate as it is for cylinders, which it clips as prisms.
             let library = i.max(j) > 2 && i.min(j) > 0;
             assert!(worst < if library { 6e-3 } else { 3e-3 }, "{} {} {worst}", names[i], names[j]);
             assert!(off < if library { 2e-3 } else { 1e-4 }, "{} {} {off}", names[i], names[j]);
@@ -121,7 +121,7 @@ fn on_a_half_space_each_shape_has_its_lowest_points() {
             }
         }
     }
-    // What stands has as many as hold it.
+    // Shapes that stand have as many points as support them.
     let counts = [1, 1, 4, 4, 1];
     for ((shape, count), height) in shapes.iter().zip(counts).zip([0.5, 0.9, 0.5, 0.6, 0.8]) {
         let found = points(shape, &ground, &Frame::at(Vec3::Y * height), 0.01);
@@ -139,14 +139,14 @@ fn capsules_that_lie_touch_in_two_points() {
     let e: Vec<_> = found[0].points().iter().map(|p| p.on_b.y).collect();
     assert_eq!(found[0].normal, Vec3::X);
     assert!(e.len() == 2 && (e[0] + 0.2).abs() < 1e-5 && (e[1] - 0.6).abs() < 1e-5, "{e:?}");
-    // Half over the edge of a table: from its end to the edge.
+    // Half over the edge of a table: from the capsule's end to the edge.
     let table = Shape::cuboid(Vec3::splat(2.0)).unwrap();
     let lying = turned(Vec3::new(0.8, 1.29, 0.0), Vec3::Z, core::f32::consts::FRAC_PI_2);
     let found = all(&capsule, &table, &lying, 0.0);
     let mut e: Vec<_> = found[0].points().iter().map(|p| p.on_b.x).collect();
     e.sort_by(f32::total_cmp);
     assert!(e.len() == 2 && (e[0] - 0.2).abs() < 1e-3 && (e[1] - 1.0).abs() < 1e-3, "{e:?}");
-    // The same place, crossing, and one above the other.
+    // At the same place, crossing, and one above the other.
     for frame in [
         Frame::IDENTITY,
         turned(Vec3::ZERO, Vec3::X, 1.0),
@@ -175,8 +175,8 @@ fn what_was_asked_before_changes_nothing() {
     }
 }
 
-/// Where one centre is exactly in the other's surface, or in its centre, no direction leads from one to the other: a contact without a normal would press
-/// nowhere, and the two would stay in each other.
+/// Where one centre lies exactly on the other's surface or at its centre, no direction leads from one to the other. A contact without a normal would apply no
+/// impulse, and the shapes would stay overlapped.
 #[test]
 fn shapes_with_a_centre_in_the_other_ones_surface_or_centre_have_a_normal() {
     let shapes = convex();

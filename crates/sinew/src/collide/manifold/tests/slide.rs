@@ -1,8 +1,8 @@
-//! How long a manifold is good for: what it says about how far the two may slide and turn.
+//! Validity of a manifold: the bounds that it states for sliding and turning.
 
 use super::*;
 
-/// Heights of the points of one manifold when the first one is somewhere else, metres.
+/// Heights of a manifold's points with the first shape at another frame, metres.
 fn heights(manifold: &Manifold, frame: &Frame) -> Vec<f32> {
     let height = |p: &Point| (frame.point(p.on_a) - p.on_b).dot(manifold.normal);
     manifold.points().iter().map(height).collect()
@@ -30,7 +30,7 @@ fn a_capsule_that_slides_on_a_face_no_farther_than_it_may_touches_it_as_before()
             let found = all(&capsule, &plate, &there, 0.03);
             assert!(found[0].normal == manifold.normal, "{manifold:?}");
             for known in heights(&manifold, &there) {
-                // Past a rim another end may be cut, which is higher.
+                // Beyond a rim another end may be clipped, which is higher.
                 let same = |p: &Point| (p.distance - known).abs() < 1e-5;
                 assert!(found[0].points().iter().any(same), "{known} {found:?}");
                 assert!(found[0].nearest() > manifold.nearest() - 1e-5);
@@ -63,7 +63,7 @@ fn what_lies_on_a_half_space_may_slide_on_it_as_far_as_it_likes() {
 fn what_is_round_is_where_its_manifold_says_after_it_has_rolled_a_little() {
     let capsule = Shape::capsule(0.05, 0.4).unwrap();
     let plate = Shape::cuboid(Vec3::new(2.0, 0.4, 2.0)).unwrap();
-    // 0.05 rad, which is what it may turn: half of the square of that is 1/800 of its radius.
+    // 0.05 rad is what it may turn: half the square of that is 1/800 of its radius.
     let (lies, angle) = (turn_of(Vec3::Z, core::f32::consts::FRAC_PI_2), 0.05);
     let frame = Frame::new(Vec3::Y * 0.25, lies);
     let known = all(&capsule, &plate, &frame, 0.03)[0];
@@ -72,7 +72,7 @@ fn what_is_round_is_where_its_manifold_says_after_it_has_rolled_a_little() {
     for height in heights(&known, &rolled) {
         assert!(height.abs() < 0.05 / 700.0, "{height}");
     }
-    // A box is wrong by all of what its corners rise.
+    // For a box the error is the full rise of its corners.
     let cube = Shape::cuboid(Vec3::splat(0.4)).unwrap();
     let known = all(&cube, &plate, &Frame::at(Vec3::Y * 0.4), 0.03)[0];
     assert!(!known.is_round());

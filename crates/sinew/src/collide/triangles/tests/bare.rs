@@ -1,4 +1,4 @@
-//! Triangles that are none, and worlds that are broken.
+//! Invalid triangles, and worlds with NaN.
 
 use glam::Vec3;
 
@@ -22,7 +22,7 @@ fn what_is_no_triangle_changes_no_bit() {
     let (mut good, rows) = falling();
     let (mut world, _) = falling();
     let [a, b] = [rows[0] as u32, rows[1] as u32];
-    // Rows that are not there, corners that are one, corners of two bodies, of no body.
+    // Rows out of range, repeated corners, corners of two bodies, of no body.
     let ball = *rows.last().unwrap() as u32;
     let nobody = world.particles.push(ParticleSeed::at(Vec3::Y * 3.0).pinned()).unwrap();
     good.particles.push(ParticleSeed::at(Vec3::Y * 3.0).pinned()).unwrap();
@@ -43,7 +43,7 @@ fn triangles_without_area_stop_what_meets_their_line_and_are_no_nan() {
     for at in at {
         particle(&mut world, ParticleSeed::at(at).with_radius(0.01).pinned(), own);
     }
-    // A line, and one with two corners at one place.
+    // A line, and a triangle with two corners at one place.
     world.forces.surfaces.extend([[0, 1, 2], [1, 2, 3]]);
     let other = body(&mut world, asks(false));
     let mut balls = [0.1, 0.3, 0.8].map(|x| {
@@ -60,7 +60,7 @@ fn triangles_without_area_stop_what_meets_their_line_and_are_no_nan() {
 #[test]
 fn a_sheet_with_a_corner_that_is_no_number_still_holds_by_its_others() {
     let (mut world, rows) = falling();
-    // One far from the ball, put there by the game.
+    // A corner far from the ball, set by the game.
     world.particles.set_position(rows[12], Vec3::NAN);
     for _ in 0..60 {
         world.step(DT).unwrap();

@@ -1,5 +1,5 @@
-//! What the result depends on: positions and the order of rows, and neither the order of triangles, nor instructions, nor where in the world it is,
-//! nor who else is there.
+//! Determinism: the result depends on positions and the order of rows, and not on the order of triangles, on instruction sets, on the place in the world, or on
+//! unrelated objects.
 
 use glam::Vec3;
 
@@ -13,8 +13,8 @@ use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
 use crate::simulation::Simulation;
 
-/// A free sheet that folds up around balls that are shot at it; with somebody unrelated before rows for which that is said. Returns the rows of the
-/// others.
+/// A free sheet that folds up around balls that are shot at it, with an unrelated particle before the rows for which `somebody` returns true. Returns the rows
+/// of the others.
 fn scene(somebody: impl Fn(usize) -> bool) -> (Simulation, Vec<usize>) {
     let mut world = empty(9.81);
     let mut rows = Vec::new();
@@ -104,7 +104,7 @@ fn five_kilometres_away_it_is_the_same_to_the_bit() {
     assert!(here == there);
 }
 
-/// Two sheets that fall on one that is held at its corners, and come to lie on it.
+/// Two sheets that fall on one that is pinned at its corners, and come to rest on it.
 fn sheets(_: impl Fn(usize) -> bool) -> (Simulation, Vec<usize>) {
     let mut world = empty(9.81);
     world.forces.drag = 4.0;
@@ -117,7 +117,7 @@ fn sheets(_: impl Fn(usize) -> bool) -> (Simulation, Vec<usize>) {
     (world, rows)
 }
 
-/// What was found lasts for some steps, and is what a world without any of it finds.
+/// The neighbour list lasts for some steps, and gives the result of a world that starts without one.
 #[test]
 fn nothing_is_remembered_from_step_to_step() {
     let scenes = [|| scene(|_| false), || sheets(|_| false)];
@@ -126,7 +126,7 @@ fn nothing_is_remembered_from_step_to_step() {
         for step in 0..190 {
             let (mut other, _) = scene();
             other.particles = world.particles.clone();
-            // The upper ones pass through each other for a while.
+            // The upper two ignore each other for a while.
             let upper = [1, 2].map(ContactParticipant::Body);
             world.ignored = if (130..160).contains(&step) { vec![upper] } else { Vec::new() };
             other.ignored = world.ignored.clone();
@@ -156,7 +156,7 @@ fn what_was_found_lasts_until_somebody_leaves_its_margin_or_is_another_one() {
     };
     assert_eq!(looks(particles, &filter), 1);
     assert_eq!(looks(particles, &filter), 0);
-    // All go a metre; one goes a little, and too far; one is held.
+    // All move by a metre; one moves a little, then too far; one is pinned.
     particles.position.iter_mut().for_each(|place| place.x += 1.0);
     assert_eq!(looks(particles, &filter), 0);
     particles.position[60].y += 0.002;
@@ -165,10 +165,10 @@ fn what_was_found_lasts_until_somebody_leaves_its_margin_or_is_another_one() {
     assert_eq!((looks(particles, &filter), looks(particles, &filter)), (1, 0));
     particles.position[60].w = 0.0;
     assert_eq!((looks(particles, &filter), looks(particles, &filter)), (1, 0));
-    // Somebody is thicker.
+    // A thicker member.
     particles.radius[60] = 0.02;
     assert_eq!((looks(particles, &filter), looks(particles, &filter)), (1, 0));
-    // Two sheets are not to touch.
+    // Two sheets that must not touch.
     update(&mut filter, particles, &[]);
     assert_eq!(looks(particles, &filter), 0);
     update(&mut filter, particles, &[[1, 2].map(ContactParticipant::Body)]);

@@ -1,4 +1,4 @@
-//! Triangles of which each is thrown somewhere else in one substep: far more than contacts one after the other can sort out.
+//! Triangles that are each thrown somewhere else in one substep: far more contacts than Gauss–Seidel can resolve.
 
 use glam::{DVec3, Vec3};
 
@@ -25,14 +25,14 @@ impl Dice {
     }
 }
 
-/// So many a side of a lattice of 1 m, each of one body, and then moved by up to `way` metres and torn by up to a quarter of that.
+/// A cubic lattice of 1 m with `side` triangles a side, each a body, displaced by up to `way` metres and distorted by up to a quarter of that.
 fn thrown(side: usize, way: f32, dice: &mut Dice) -> (Particles, Vec<[u32; 3]>) {
     let (mut particles, mut surfaces) = (Particles::default(), Vec::new());
     for k in 0..side * side * side {
         let cell = [k % side, k / side % side, k / side / side].map(|i| i as f32);
         let first = particles.len() as u32;
         for _ in 0..3 {
-            // Half a metre across at most, so that none begins in another.
+            // About half a metre across, so that none begins in another.
             let at = Vec3::from(cell) + dice.vector() * 0.28;
             let mass = libm::exp2f(3.0 * dice.roll());
             let seed = ParticleSeed::at(at).with_mass(mass).with_radius(0.02);
@@ -63,7 +63,7 @@ fn four(particles: &Particles, rows: [u32; 4], edges: bool) -> Four {
     }
 }
 
-/// How many pass through others, all against all.
+/// Number of crossings, all against all.
 fn passing(particles: &Particles, surfaces: &[[u32; 3]]) -> usize {
     let mut count = 0;
     for (i, one) in surfaces.iter().enumerate() {
@@ -106,7 +106,7 @@ fn whatever_is_thrown_through_each_other_in_a_substep_has_not_passed_when_it_end
         let (before, began) = (passing(&particles, &surfaces), moment(&particles));
         let (filter, nearby) = (ContactFilter::untied(&contacts), Nearby::everywhere(&contacts));
         let mut triangles = Triangles::default();
-        // What is found where all began is outrun by all.
+        // All exceed the margins of a list built at the start positions.
         let (ends, start) = (particles.position.clone(), particles.start.clone());
         particles.position = start;
         triangles.broad_phase(&particles, &surfaces, (&filter, &nearby), &[], 1.0 / 60.0);

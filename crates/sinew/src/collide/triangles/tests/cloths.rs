@@ -10,7 +10,7 @@ use crate::particles::ParticleSeed;
 #[test]
 fn edges_that_cross_in_the_air_keep_apart() {
     for surface in [true, false] {
-        // Two strips that stand upright and fly at each other crosswise: no corner comes near a triangle.
+        // Two upright strips fly at each other crosswise: no corner comes near a triangle.
         let mut world = empty(0.0);
         let contacts = BodyContacts { surface, ..asks(false) };
         let strip = |along: Vec3, across: Vec3, height: f32| Sheet {
@@ -72,7 +72,7 @@ fn a_coarse_cloth_crumples_on_the_floor_and_not_through_itself() {
         let floor = Frame::at(Vec3::ZERO);
         world.colliders.push(Collider::fixed(Shape::half_space(), floor));
         let contacts = BodyContacts { surface, ..asks(true) };
-        // It stands on an edge, a little askew, and folds up as it falls.
+        // It stands on an edge, slightly tilted, and folds up as it falls.
         let axes = [Vec3::new(0.98, 0.0, 0.199), Vec3::new(0.1, 0.99, 0.09)];
         let corner = Vec3::new(-0.4, 0.03, 0.0);
         let sheet = Sheet { contacts, corner, axes, radius: 0.01, ..Sheet::flat(6, 0.15, 0.0) };
@@ -93,7 +93,7 @@ fn a_coarse_cloth_crumples_on_the_floor_and_not_through_itself() {
 
 #[test]
 fn the_two_sides_of_a_fold_that_are_squeezed_do_not_pass() {
-    // A sheet folded flat, and a heavy ball shot at it from above: both layers and the floor under it disagree.
+    // A sheet folded flat, and a heavy ball shot at it from above: the contacts of both layers and of the floor conflict.
     let mut world = empty(9.81);
     world.colliders.push(Collider::fixed(Shape::half_space(), Frame::at(Vec3::NEG_Y * 0.01)));
     let own = body(&mut world, asks(true));

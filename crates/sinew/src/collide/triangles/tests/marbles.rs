@@ -7,7 +7,7 @@ use crate::collide::{BodyContacts, ContactParticipant};
 use crate::particles::ParticleSeed;
 use crate::simulation::Simulation;
 
-/// A ball of 1 cm over a sheet of 5 × 5 cells of 20 cm that is held along its rim, `surface` or not.
+/// A ball of 1 cm radius above a sheet of 5 × 5 cells of 20 cm that is pinned along its rim, with triangle contacts if `surface`.
 fn over(surface: bool, at: Vec3, velocity: Vec3) -> (Simulation, usize) {
     let mut world = empty(9.81);
     let contacts = BodyContacts { surface, ..asks(false) };
@@ -19,7 +19,7 @@ fn over(surface: bool, at: Vec3, velocity: Vec3) -> (Simulation, usize) {
     (world, ball)
 }
 
-/// Below which height a ball that moves so in a step has passed the sheet, metres: the sheet sags.
+/// Lowest height of a ball in a number of steps, metres. The sheet sags.
 fn lowest(world: &mut Simulation, ball: usize, steps: u32) -> f32 {
     let mut least = f32::MAX;
     for _ in 0..steps {
@@ -50,7 +50,7 @@ fn a_ball_shot_at_a_coarse_sheet_does_not_pass_however_fast_it_is() {
             let at = Vec3::new(x, 0.47, z);
             for way in [Vec3::NEG_Y, Vec3::new(0.2, -1.0, 0.1)] {
                 let (mut world, ball) = over(true, at, way * speed);
-                // On which side of the triangle under it: of the sheet's particles the lowest is still above a ball that has passed.
+                // Height above the triangle below or above it: a ball that has passed may still be higher than the sheet's lowest particles.
                 let mut worst = f32::MAX;
                 for _ in 0..30 {
                     world.step(DT).unwrap();
@@ -64,7 +64,7 @@ fn a_ball_shot_at_a_coarse_sheet_does_not_pass_however_fast_it_is() {
     }
 }
 
-/// How high it is above the triangle over or under it, metres; a great number beside all.
+/// Height above the triangle over or under it, metres; `f32::MAX` beside all of them.
 fn above(world: &Simulation, ball: usize) -> f32 {
     let p = world.particles.position(ball);
     for triangle in &world.forces.surfaces {
@@ -86,7 +86,7 @@ fn a_ball_comes_back_as_fast_as_its_material_says() {
         let mut world = empty(0.0);
         let contacts = with_material(asks(false), 0.0, restitution);
         let contacts = BodyContacts { events: true, ..contacts };
-        // Held everywhere: a wall.
+        // Pinned everywhere: a wall.
         Sheet { contacts, ..Sheet::flat(1, 0.5, 0.0) }.build(&mut world, |_, _| true);
         let own = body(&mut world, contacts);
         let ball = ParticleSeed::at(Vec3::new(0.05, 0.3, 0.1)).with_radius(0.01);
@@ -153,7 +153,7 @@ fn free_bodies_keep_their_momentum_and_tell_of_their_contact() {
         }
     }
     let after = momentum(&world);
-    // Positions are single numbers: at 0.2 m one of 1e-8 m, in 1/600 s, is 1e-5 m/s.
+    // Positions are `f32`: at 0.2 m the error of 1e-8 m, in 1/600 s, is 1e-5 m/s.
     let size = 0.05 * 40.0;
     for k in 0..3 {
         assert!((after[k] - before[k]).abs() < 1e-5 * size, "{before:?} {after:?}");

@@ -1,6 +1,6 @@
-//! Sheets of few triangles, and what falls on them.
+//! Sheets of few triangles, and objects that fall on them.
 //!
-//! Whole simulations, because what contacts are worth shows beside rods and gravity.
+//! Whole simulations, because contacts must also work beside distance constraints and gravity.
 
 mod bare;
 mod bits;
@@ -17,7 +17,7 @@ use crate::simulation::Simulation;
 
 const DT: f32 = 1.0 / 60.0;
 
-/// An empty world of ten substeps.
+/// An empty world with ten substeps.
 fn empty(gravity: f32) -> Simulation {
     let mut world = Simulation::default();
     world.settings.substeps = 10;
@@ -25,7 +25,7 @@ fn empty(gravity: f32) -> Simulation {
     world
 }
 
-/// A body that touches others by its surface, and perhaps itself.
+/// Contacts of a body with a surface that collides with other bodies, and optionally with itself.
 fn asks(with_itself: bool) -> BodyContacts {
     BodyContacts { with_bodies: true, with_itself, surface: true, ..Default::default() }
 }
@@ -34,7 +34,7 @@ fn with_material(contacts: BodyContacts, friction: f32, restitution: f32) -> Bod
     BodyContacts { material: Material { friction, restitution, ..Default::default() }, ..contacts }
 }
 
-/// A body for what comes next.
+/// Adds a body.
 fn body(world: &mut Simulation, contacts: BodyContacts) -> u32 {
     world.bodies.push(Default::default());
     world.contacts.resize(world.bodies.len(), Default::default());
@@ -48,7 +48,7 @@ fn particle(world: &mut Simulation, seed: ParticleSeed, body: u32) -> usize {
     row
 }
 
-/// How a sheet is made: so many cells a side of so many metres each, from a corner along two axes.
+/// A sheet to be built: a number of square cells along two axes from a corner, of `size` metres each.
 #[derive(Clone, Copy)]
 struct Sheet {
     cells: [usize; 2],
@@ -56,13 +56,13 @@ struct Sheet {
     corner: Vec3,
     axes: [Vec3; 2],
     radius: f32,
-    /// Kilograms, of each particle.
+    /// Of each particle, kg.
     mass: f32,
     contacts: BodyContacts,
 }
 
 impl Sheet {
-    /// Flat at a height, its middle at zero.
+    /// A horizontal sheet at a height, centred at x = z = 0.
     fn flat(cells: usize, size: f32, height: f32) -> Self {
         let half = 0.5 * size * cells as f32;
         Self {
@@ -76,7 +76,7 @@ impl Sheet {
         }
     }
 
-    /// Adds it, with rods along the edges of its triangles, and returns its rows: row by row of the sheet. `pinned` says which.
+    /// Builds it, with distance constraints along the edges of its triangles, and returns its rows, row by row of the sheet. `pinned` selects pinned particles.
     fn build(self, world: &mut Simulation, pinned: impl Fn(usize, usize) -> bool) -> Vec<usize> {
         let own = body(world, self.contacts);
         let [columns, rows] = self.cells.map(|cells| cells + 1);
@@ -113,7 +113,7 @@ impl Sheet {
     }
 }
 
-/// Momentum of what can move, kg·m/s.
+/// Momentum of particles that can move, kg·m/s.
 fn momentum(world: &Simulation) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for i in (0..world.particles.len()).filter(|&i| world.particles.inverse_mass(i) > 0.0) {
@@ -123,7 +123,7 @@ fn momentum(world: &Simulation) -> [f64; 3] {
     sum
 }
 
-/// How many edges pass through triangles of the surfaces, brute force: none of a mesh that began apart.
+/// Number of edges that pass through triangles of the surfaces, by brute force: zero for meshes that began apart.
 fn entangled(world: &Simulation) -> usize {
     let at = |row: u32| world.particles.position(row as usize).as_dvec3();
     let surfaces = &world.forces.surfaces;
