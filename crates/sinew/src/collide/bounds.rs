@@ -53,7 +53,7 @@ impl PlaneOrBox {
     fn with_friction(self, friction: f32) -> Self {
         match self {
             Self::Plane(plane) => Self::Plane(Plane { friction, ..plane }),
-            Self::Box(room) => Self::Box(InsideBox { friction, ..room }),
+            Self::Box(inside) => Self::Box(InsideBox { friction, ..inside }),
         }
     }
 }
@@ -76,18 +76,18 @@ impl Bounds {
 
     /// Adds a bound for each class for which `friction` returns a coefficient.
     pub(super) fn hold_back(&mut self, bound: PlaneOrBox, friction: impl Fn(usize) -> Option<f32>) {
-        let mut holds = false;
+        let mut is_used = false;
         for (number, class) in self.classes.iter_mut().enumerate() {
             let Some(friction) = friction(number) else { continue };
-            holds = true;
+            is_used = true;
             match bound.with_friction(friction) {
                 PlaneOrBox::Plane(plane) => class.planes.push(plane),
-                PlaneOrBox::Box(room) => class.boxes.push(room),
+                PlaneOrBox::Box(inside) => class.boxes.push(inside),
             }
         }
         match bound {
-            PlaneOrBox::Plane(plane) if holds => self.planes.push(plane),
-            PlaneOrBox::Box(room) if holds => self.boxes.push(room),
+            PlaneOrBox::Plane(plane) if is_used => self.planes.push(plane),
+            PlaneOrBox::Box(inside) if is_used => self.boxes.push(inside),
             _ => (),
         }
     }
@@ -123,8 +123,8 @@ impl Bounds {
     /// The bounds of a class.
     #[inline]
     pub(super) fn of(&self, class: usize) -> &ClassBounds {
-        const NOTHING: &ClassBounds = &ClassBounds { planes: Vec::new(), boxes: Vec::new() };
-        self.classes.get(class).unwrap_or(NOTHING)
+        const UNBOUNDED: &ClassBounds = &ClassBounds { planes: Vec::new(), boxes: Vec::new() };
+        self.classes.get(class).unwrap_or(UNBOUNDED)
     }
 
     /// Projects a row to the plane of a 2D world; returns its distance before, metres.
@@ -174,10 +174,10 @@ impl ClassBounds {
                 worst = worst.max(push(places, row, out, (plane.friction, recover)));
             }
         }
-        for room in &self.boxes {
-            let out = room.correction(places, row);
+        for inside in &self.boxes {
+            let out = inside.correction(places, row);
             if out != Vec3::ZERO {
-                worst = worst.max(push(places, row, out, (room.friction, recover)));
+                worst = worst.max(push(places, row, out, (inside.friction, recover)));
             }
         }
         worst
@@ -186,7 +186,7 @@ impl ClassBounds {
     /// The correction of each plane and each box for a row, metres; zero where it does not overlap.
     pub(super) fn corrections(&self, places: &Places, row: u32) -> impl Iterator<Item = Vec3> {
         let planes = self.planes.iter().map(move |plane| plane.correction(places, row));
-        planes.chain(self.boxes.iter().map(move |room| room.correction(places, row)))
+        planes.chain(self.boxes.iter().map(move |inside| inside.correction(places, row)))
     }
 
     /// Greatest overlap of a row, metres. Moves nothing.
@@ -231,12 +231,12 @@ mod tests {
 
     #[test]
     fn the_box_clamps_each_coordinate_and_centres_what_does_not_fit() {
-        let room = InsideBox::new(Vec3::ZERO, Vec3::new(100.0, 1.0, 100.0));
+        let inside = InsideBox::new(Vec3::ZERO, Vec3::new(100.0, 1.0, 100.0));
         let mut out = one(Vec3::new(-5.0, 0.5, 120.0), Vec3::new(-5.0, 0.5, 120.0), 0.25);
-        hold(PlaneOrBox::Box(room), room.friction, &mut out);
+        hold(PlaneOrBox::Box(inside), inside.friction, &mut out);
         assert!(out.position(0).abs_diff_eq(Vec3::new(0.25, 0.5, 99.75), 1e-4));
         let mut fat = one(Vec3::new(50.0, 0.9, 50.0), Vec3::new(50.0, 0.9, 50.0), 2.0);
-        hold(PlaneOrBox::Box(room), room.friction, &mut fat);
+        hold(PlaneOrBox::Box(inside), inside.friction, &mut fat);
         assert_eq!(fat.position(0).y, 0.5);
     }
 }

@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rotation_that_is_none_and_a_place_that_is_none_are_told() {
+    fn invalid_rotations_and_positions_are_detected() {
         assert!(!Frame::new(Vec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)).is_valid());
         assert!(!Frame::new(Vec3::NAN, Quat::IDENTITY).is_valid());
         let mirrored =

@@ -91,25 +91,25 @@ impl Shape {
     pub(crate) fn sweep(
         &self,
         frame: &Frame,
-        way: &SweepMotion,
+        motion: &SweepMotion,
         other: &Obstacle,
     ) -> Option<SweepHit> {
         let own = RoundedCore::of(self)?;
-        if !(frame.is_valid() && way.direction.is_finite() && way.length >= 0.0) {
+        if !(frame.is_valid() && motion.direction.is_finite() && motion.length >= 0.0) {
             return None;
         }
         let (mut first, mut inside): (Option<SweepHit>, _) = (None, false);
-        self.pieces(frame, way, other, &mut |piece, at| {
-            if way.goes_along(&piece, at) {
+        self.pieces(frame, motion, other, &mut |piece, at| {
+            if motion.is_behind_plane(&piece, at) {
                 return;
             }
-            match (Cast { own, piece, frame, at, way }.first()) {
+            match (Cast { own, piece, frame, at, motion }.first()) {
                 SweepOutcome::Nothing => {}
                 SweepOutcome::Inside => inside = true,
                 SweepOutcome::At(hit) => {
                     let nearest =
                         first.map_or(hit.distance, |first| first.distance.min(hit.distance));
-                    if first.is_none_or(|first| hit.is_before(&first, way)) {
+                    if first.is_none_or(|first| hit.is_before(&first, motion)) {
                         first = Some(hit);
                     }
                     first = first.map(|first| SweepHit { distance: nearest, ..first });
@@ -118,9 +118,9 @@ impl Shape {
         });
         if inside && let Some(hit) = self.nearest_contact(frame, 0.0, other) {
             let hit = SweepHit { distance: 0.0, ..hit };
-            let met = match way.start {
+            let met = match motion.start {
                 AtStart::Overlapped => true,
-                AtStart::Entered => hit.normal.dot(way.direction.as_dvec3()) < 0.0,
+                AtStart::Entered => hit.normal.dot(motion.direction.as_dvec3()) < 0.0,
                 AtStart::Passed => false,
             };
             return if met { Some(hit) } else { first };
@@ -132,7 +132,7 @@ impl Shape {
     fn pieces(
         &self,
         frame: &Frame,
-        way: &SweepMotion,
+        motion: &SweepMotion,
         other: &Obstacle,
         call: &mut dyn FnMut(ConvexPiece, &Frame),
     ) {
@@ -141,14 +141,14 @@ impl Shape {
                 call(ConvexPiece::Convex(RoundedCore::ball(radius)), &Frame::at(centre));
             }
             Obstacle::Triangle(corners) => {
-                let (local, at) = about_first(&corners);
+                let (local, at) = relative_to_first(&corners);
                 call(ConvexPiece::Convex(RoundedCore::triangle(local)), &at);
             }
             Obstacle::Shape(shape, at) => {
-                let swept = SweptBox::new(self, &frame.from_within(&at), &at, way);
+                let swept = SweptBox::new(self, &frame.from_within(&at), &at, motion);
                 let triangle =
                     &mut |corners| call(ConvexPiece::Convex(RoundedCore::triangle(corners)), &at);
-                let keep = |low, high| swept.meets(low, high);
+                let keep = |low, high| swept.overlaps(low, high);
                 if shape.is_endless() {
                     shape
                         .half_spaces()
@@ -173,7 +173,7 @@ impl Shape {
         call: &mut dyn FnMut(&SweepHit),
     ) {
         let Some(own) = RoundedCore::of(self).filter(|_| frame.is_valid()) else { return };
-        let way = SweepMotion {
+        let motion = SweepMotion {
             direction: Vec3::Y,
             length: 0.0,
             clearance: reach,
@@ -182,9 +182,9 @@ impl Shape {
         };
         let mut inside = false;
         let mut found: Vec<SweepHit> = Vec::new();
-        self.pieces(frame, &way, other, &mut |piece, at| {
-            let cast = Cast { own, piece, frame, at, way: &way };
-            match cast.near_at(frame.translation) {
+        self.pieces(frame, &motion, other, &mut |piece, at| {
+            let cast = Cast { own, piece, frame, at, motion: &motion };
+            match cast.gap_at(frame.translation) {
                 Some(near) => found.extend((near.hit.distance <= reach).then_some(near.hit)),
                 None => inside = true,
             }
@@ -199,10 +199,11 @@ impl Shape {
                 call(&SweepHit::near(distance, *centre + normal * *radius, normal));
             }
             Obstacle::Triangle(corners) if inside => {
-                let (local, at) = about_first(corners);
-                let (seen, triangle) = (Relative::new(frame, &at), RoundedCore::triangle(local));
-                if let Some(out) = own.way_out(&seen, &triangle) {
-                    call(&Near::new(&out, &at).hit);
+                let (local, at) = relative_to_first(corners);
+                let (relative, triangle) =
+                    (Relative::new(frame, &at), RoundedCore::triangle(local));
+                if let Some(out) = own.way_out(&relative, &triangle) {
+                    call(&WorldGap::new(&out, &at).hit);
                 }
             }
             _ => found.iter().for_each(call),
@@ -220,10 +221,10 @@ impl Shape {
             let below = |wall: Frame| corners.iter().any(|&c| frame.of(&wall).local(c).y <= 0.0);
             return self.half_spaces().any(below);
         }
-        let (local, at) = about_first(corners);
+        let (local, at) = relative_to_first(corners);
         let [a, b, c] = local.map(theirs);
-        let (triangle, seen) = (parry::Triangle::new(a, b, c), pose(&frame.from_within(&at)));
-        let meets = query::intersection_test(&Pose::IDENTITY, &triangle, &seen, self.parry());
+        let (triangle, relative) = (parry::Triangle::new(a, b, c), pose(&frame.from_within(&at)));
+        let meets = query::intersection_test(&Pose::IDENTITY, &triangle, &relative, self.parry());
         frame.is_valid() && at.is_valid() && meets.is_ok_and(|meets| meets.intersecting)
     }
 
@@ -251,8 +252,8 @@ impl Shape {
         at: &Frame,
         call: &mut dyn FnMut(&SweepHit),
     ) {
-        let (seen, scratch) = (frame.from_within(at), &mut ManifoldScratch::default());
-        collide(self, other, &seen, reach, scratch, &mut |manifold| {
+        let (relative, scratch) = (frame.from_within(at), &mut ManifoldScratch::default());
+        collide(self, other, &relative, reach, scratch, &mut |manifold| {
             let points = manifold.points();
             let Some(first) = points.first() else { return };
             let deepest = points
@@ -273,11 +274,11 @@ impl SweepHit {
 
     /// Whether this hit comes before another in a cast. Of hits at the same distance one may hide the other: what lies behind the plane of a face is an edge of
     /// that face or of a neighbouring one, on which the shape would only get stuck.
-    pub(crate) fn is_before(&self, other: &Self, way: &SweepMotion) -> bool {
-        if (self.distance - other.distance).abs() <= way.at_once() {
+    pub(crate) fn is_before(&self, other: &Self, motion: &SweepMotion) -> bool {
+        if (self.distance - other.distance).abs() <= motion.at_once() {
             let ahead = |one: &Self, other: &Self| (one.point - other.point).dot(other.normal);
             let (own, theirs) = (ahead(self, other), ahead(other, self));
-            if own.min(theirs) < LEVEL && (own - theirs).abs() > 1e-8 {
+            if own.min(theirs) < COPLANAR && (own - theirs).abs() > 1e-8 {
                 return own > theirs;
             }
         }
@@ -292,17 +293,17 @@ impl SweepMotion<'_> {
     }
 
     /// Whether a part lies behind one of the planes that the shape moves along, so that the shape comes no nearer to the part than to the plane.
-    fn goes_along(&self, piece: &ConvexPiece, at: &Frame) -> bool {
+    fn is_behind_plane(&self, piece: &ConvexPiece, at: &Frame) -> bool {
         let ConvexPiece::Convex(convex) = piece else { return false };
         self.along.iter().any(|plane| {
             let sinks = -plane.normal.dot(self.direction.as_dvec3()) * f64::from(self.length);
-            if sinks > f64::from(0.5 * DEEPER * self.clearance) {
+            if sinks > f64::from(0.5 * MIN_APPROACH * self.clearance) {
                 return false;
             }
             let rotation = at.rotation.as_dmat3();
             let highest = convex.farthest(rotation.transpose() * plane.normal);
             let there = rotation * highest + at.translation.as_dvec3();
-            (there - plane.point).dot(plane.normal) < LEVEL
+            (there - plane.point).dot(plane.normal) < COPLANAR
         })
     }
 
@@ -330,7 +331,7 @@ enum SweepOutcome {
 
 /// The gap of two shapes that do not overlap, in world coordinates.
 #[derive(Clone, Copy)]
-struct Near {
+struct WorldGap {
     hit: SweepHit,
     /// The distance of the shapes, metres.
     distance: f64,
@@ -345,25 +346,25 @@ struct Cast<'a> {
     piece: ConvexPiece<'a>,
     frame: &'a Frame,
     at: &'a Frame,
-    way: &'a SweepMotion<'a>,
+    motion: &'a SweepMotion<'a>,
 }
 
 /// What is above a plane by less than this counts as lying in it, metres.
-const LEVEL: f64 = 1e-6;
+const COPLANAR: f64 = 1e-6;
 /// Greatest number of steps. A flat face takes one, a round shape some ten.
 const ROUNDS: usize = 40;
 /// Sine of the angle of approach below which the motion counts as parallel.
 const GRAZING: f32 = 1e-4;
 /// An obstacle is hit if the shape would come closer than the clearance by this share of it; if it starts closer than that, closer than at the start by half of
 /// this.
-const DEEPER: f32 = 0.02;
+const MIN_APPROACH: f32 = 0.02;
 
 impl Cast<'_> {
     fn first(&self) -> SweepOutcome {
-        let clearance = self.way.clearance;
+        let clearance = self.motion.clearance;
         // An obstacle that the shape only approaches to the clearance, within rounding, is not hit: the inner edges of a floor are not.
-        match self.down_to(clearance * (1.0 - DEEPER)) {
-            SweepOutcome::At(near) if clearance > 0.0 => match self.down_to(clearance) {
+        match self.advance_to_gap(clearance * (1.0 - MIN_APPROACH)) {
+            SweepOutcome::At(near) if clearance > 0.0 => match self.advance_to_gap(clearance) {
                 SweepOutcome::At(hit) if hit.distance <= near.distance => SweepOutcome::At(hit),
                 _ => SweepOutcome::At(near),
             },
@@ -372,27 +373,27 @@ impl Cast<'_> {
     }
 
     /// Where on the way the gap has decreased to `least` metres.
-    fn down_to(&self, mut least: f32) -> SweepOutcome {
-        let SweepMotion { direction, length, clearance, start, .. } = *self.way;
-        let mut gone = 0.0_f32;
-        let mut last: Option<Near> = None;
+    fn advance_to_gap(&self, mut least: f32) -> SweepOutcome {
+        let SweepMotion { direction, length, clearance, start, .. } = *self.motion;
+        let mut travelled = 0.0_f32;
+        let mut last: Option<WorldGap> = None;
         for _ in 0..ROUNDS {
-            let place = self.frame.translation + direction * gone;
-            let Some(near) = self.near_at(place) else {
+            let place = self.frame.translation + direction * travelled;
+            let Some(near) = self.gap_at(place) else {
                 return last.map_or(SweepOutcome::Inside, |last| {
-                    SweepOutcome::At(last.after(gone, gone.into()))
+                    SweepOutcome::At(last.after(travelled, travelled.into()))
                 });
             };
             let rate = -near.hit.normal.dot(direction.as_dvec3());
             // Less than the rounding error of the place.
-            let grain = 4.0 * f32::EPSILON * (place.abs().max_element() + gone);
+            let rounding = 4.0 * f32::EPSILON * (place.abs().max_element() + travelled);
             let left = near.distance - f64::from(least);
-            if left <= f64::from(self.way.tolerance() + grain) {
-                let root = f64::from(gone) + left / rate.max(f64::from(GRAZING));
-                if gone > 0.0 {
+            if left <= f64::from(self.motion.tolerance() + rounding) {
+                let root = f64::from(travelled) + left / rate.max(f64::from(GRAZING));
+                if travelled > 0.0 {
                     // Nearly touching corners and edges have no accurate direction; the last one is used.
                     let known = last.filter(|_| near.cores < 1e-3);
-                    return SweepOutcome::At(known.unwrap_or(near).after(gone, root));
+                    return SweepOutcome::At(known.unwrap_or(near).after(travelled, root));
                 }
                 if start == AtStart::Passed {
                     return SweepOutcome::Nothing;
@@ -402,39 +403,41 @@ impl Cast<'_> {
                 if overlapped || rate > f64::from(least_rate) {
                     return SweepOutcome::At(near.after(0.0, root));
                 }
-                least = near.distance as f32 - 0.5 * DEEPER * clearance;
+                least = near.distance as f32 - 0.5 * MIN_APPROACH * clearance;
             }
             // Both are convex, so they will come no nearer.
             if rate <= 0.0 {
                 return SweepOutcome::Nothing;
             }
-            let step = ((near.distance - f64::from(least)) / rate) as f32 - grain;
-            if step.is_nan() || gone + step > length {
+            let step = ((near.distance - f64::from(least)) / rate) as f32 - rounding;
+            if step.is_nan() || travelled + step > length {
                 return SweepOutcome::Nothing;
             }
             last = Some(near);
-            if gone + step <= gone {
+            if travelled + step <= travelled {
                 break;
             }
-            gone += step;
+            travelled += step;
         }
-        last.map_or(SweepOutcome::Nothing, |last| SweepOutcome::At(last.after(gone, gone.into())))
+        last.map_or(SweepOutcome::Nothing, |last| {
+            SweepOutcome::At(last.after(travelled, travelled.into()))
+        })
     }
 
     /// The gap with the cast shape's origin at a place; `None` where the cores overlap.
-    fn near_at(&self, place: Vec3) -> Option<Near> {
+    fn gap_at(&self, place: Vec3) -> Option<WorldGap> {
         let Self { own, piece, frame, at, .. } = self;
-        let seen = Relative::new(&Frame { translation: place, ..**frame }, at);
+        let relative = Relative::new(&Frame { translation: place, ..**frame }, at);
         let gap = match piece {
-            ConvexPiece::HalfSpace => own.above_plane(&seen),
-            ConvexPiece::Convex(other) => own.gap(&seen, other)?,
+            ConvexPiece::HalfSpace => own.above_plane(&relative),
+            ConvexPiece::Convex(other) => own.gap(&relative, other)?,
         };
-        let near = Near::new(&gap, at);
+        let near = WorldGap::new(&gap, at);
         near.hit.point.is_finite().then_some(near)
     }
 }
 
-impl Near {
+impl WorldGap {
     fn new(gap: &Gap, at: &Frame) -> Self {
         let Gap { distance, normal, point, cores } = *gap;
         let rotation = at.rotation.as_dmat3();
@@ -454,7 +457,7 @@ impl Near {
 }
 
 /// The corners of a triangle relative to the first one, for precision, and the frame of that.
-fn about_first(corners: &[Vec3; 3]) -> ([Vec3; 3], Frame) {
+fn relative_to_first(corners: &[Vec3; 3]) -> ([Vec3; 3], Frame) {
     (corners.map(|corner| corner - corners[0]), Frame::at(corners[0]))
 }
 
@@ -468,11 +471,11 @@ struct SweptBox {
 
 impl SweptBox {
     /// The box around a shape and its clearance, with a margin for rounding.
-    fn new(shape: &Shape, seen: &Frame, at: &Frame, way: &SweepMotion) -> Self {
-        let (low, high) = shape.bounds_in(seen);
-        let by = at.turn_back(way.direction) * way.length;
+    fn new(shape: &Shape, relative: &Frame, at: &Frame, motion: &SweepMotion) -> Self {
+        let (low, high) = shape.bounds_in(relative);
+        let by = at.turn_back(motion.direction) * motion.length;
         let largest = low.abs().max(high.abs()).max(by.abs()).max_element();
-        let room = 1.01 * way.clearance + 1e-5 + 4e-6 * largest;
+        let room = 1.01 * motion.clearance + 1e-5 + 4e-6 * largest;
         Self { low: low - room, high: high + room, by }
     }
 
@@ -482,7 +485,7 @@ impl SweptBox {
     }
 
     /// Whether it overlaps a static box at any time: the time intervals of overlap on the three axes have a common part.
-    fn meets(&self, low: Vec3, high: Vec3) -> bool {
+    fn overlaps(&self, low: Vec3, high: Vec3) -> bool {
         let (mut from, mut to) = (0.0_f32, 1.0_f32);
         for axis in 0..3 {
             let (near, far) = (low[axis] - self.high[axis], high[axis] - self.low[axis]);

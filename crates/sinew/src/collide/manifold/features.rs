@@ -11,16 +11,16 @@ use super::{Frame, Point, across_axis};
 type FeatureCorners = SmallVec<[Vec3; 16]>;
 
 /// Slope below which a surface belongs to the feature that is farthest along a direction, so that a face tilted by up to 6° counts as lying flat.
-const LEANS: f32 = 0.1;
+const FLAT_SLOPE: f32 = 0.1;
 /// Cosine of that angle.
-const ACROSS: f32 = 0.995;
+const FLAT_COSINE: f32 = 0.995;
 /// Number of corners that approximate a cylinder's end. Their polygon covers 97 % of its area.
-const ROUND: usize = 16;
+const CYLINDER_CORNERS: usize = 16;
 /// Largest angle between a normal and the normal of a face for it to be replaced by the latter, rad: a normal found from nearest points is no more accurate
 /// than that.
-const FACE: f32 = 3e-3;
+const FACE_TOLERANCE: f32 = 3e-3;
 /// Sine of the angle between two edges from which they cross in a single point: 8°, as for capsules.
-const CROSS: f32 = 0.14;
+const CROSSING_SINE: f32 = 0.14;
 
 /// One side of a pair.
 pub(super) enum ShapeOrTriangle<'a> {
@@ -71,14 +71,14 @@ pub(super) fn contacts(
     points.collect()
 }
 
-/// The face normal of one of the shapes that replaces `normal` (from `b` to `a`), if one is within [`FACE`] of it; else `normal`.
+/// The face normal of one of the shapes that replaces `normal` (from `b` to `a`), if one is within [`FACE_TOLERANCE`] of it; else `normal`.
 pub(super) fn of_face(
     a: &ShapeOrTriangle,
     b: &ShapeOrTriangle,
     a_in_b: &Frame,
     normal: Vec3,
 ) -> Vec3 {
-    let (mut best, mut least) = (normal, FACE * FACE);
+    let (mut best, mut least) = (normal, FACE_TOLERANCE * FACE_TOLERANCE);
     let mut try_out = |face: Vec3| {
         let off = (face - normal).length_squared();
         if off < least {
@@ -197,7 +197,7 @@ impl ShapeOrTriangle<'_> {
             Self::Triangle(corners) => {
                 let [p, q, r] = corners;
                 let normal = (q - p).cross(r - p);
-                let is_face = normal.dot(direction).abs() > ACROSS * normal.length();
+                let is_face = normal.dot(direction).abs() > FLAT_COSINE * normal.length();
                 return if is_face {
                     corners.into_iter().collect()
                 } else {
@@ -208,12 +208,12 @@ impl ShapeOrTriangle<'_> {
         };
         match shape.kind() {
             Kind::Hull(corners) => {
-                let face: FeatureCorners = shape.corners_towards(direction, ACROSS).collect();
+                let face: FeatureCorners = shape.corners_towards(direction, FLAT_COSINE).collect();
                 if face.is_empty() { edge(corners, direction) } else { face }
             }
             Kind::Box { half_size } => {
                 // Both ends of every axis that lies across the direction.
-                let sides = direction.abs().cmple(Vec3::splat(LEANS)).bitmask();
+                let sides = direction.abs().cmple(Vec3::splat(FLAT_SLOPE)).bitmask();
                 let corners = (0..8_u32).map(|bits| {
                     let sign = |axis: usize| if bits >> axis & 1 == 1 { 1.0 } else { -1.0 };
                     (bits, Vec3::from_array([0, 1, 2].map(sign)))
@@ -228,17 +228,17 @@ impl ShapeOrTriangle<'_> {
                 let (out, sine) = across_axis(direction);
                 // A fixed direction for a cylinder that stands upright, so that its points do not rotate with rounding errors.
                 let out = if sine > 1e-3 { out } else { Vec3::X };
-                if sine > LEANS {
+                if sine > FLAT_SLOPE {
                     return ends(half_height, out * radius);
                 }
                 let (x, z) = (out * radius, Vec3::new(-out.z, 0.0, out.x) * radius);
                 let end = Vec3::Y * half_height.copysign(direction.y);
-                let step = core::f32::consts::TAU / ROUND as f32;
+                let step = core::f32::consts::TAU / CYLINDER_CORNERS as f32;
                 let corner = |i: usize| {
                     let (sine, cosine) = libm::sincosf(step * i as f32);
                     end + x * cosine + z * sine
                 };
-                (0..ROUND).map(corner).collect()
+                (0..CYLINDER_CORNERS).map(corner).collect()
             }
             Kind::Sphere { .. }
             | Kind::HalfSpace
@@ -249,7 +249,7 @@ impl ShapeOrTriangle<'_> {
     }
 }
 
-/// The corner farthest along a direction, and the corner towards which the line from it falls least, if its slope is less than [`LEANS`].
+/// The corner farthest along a direction, and the corner towards which the line from it falls least, if its slope is less than [`FLAT_SLOPE`].
 fn edge(corners: &[Vec3], direction: Vec3) -> FeatureCorners {
     let mut best = (f32::NEG_INFINITY, Vec3::ZERO);
     for &p in corners {
@@ -258,7 +258,7 @@ fn edge(corners: &[Vec3], direction: Vec3) -> FeatureCorners {
             best = (height, p);
         }
     }
-    let (top, mut least, mut feature) = (best.1, LEANS, FeatureCorners::new());
+    let (top, mut least, mut feature) = (best.1, FLAT_SLOPE, FeatureCorners::new());
     feature.push(top);
     for &p in corners {
         let slope = (top - p).dot(direction) / (top - p).length();
@@ -342,7 +342,7 @@ fn along(
     let (&[p, p1], &[q, q1]) = (own.as_slice(), theirs.as_slice()) else { return SmallVec::new() };
     let (d, e) = ((p1 - p).truncate(), (q1 - q).truncate());
     let lengths = d.length() * e.length();
-    if lengths <= 0.0 || d.perp_dot(e).abs() > CROSS * lengths {
+    if lengths <= 0.0 || d.perp_dot(e).abs() > CROSSING_SINE * lengths {
         return SmallVec::new();
     }
     // Places of the ends of `b`'s edge along `a`'s, as fractions of its length.

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use super::super::shape::Kind;
 use super::reduce::reduced;
 use super::round::rim;
-use super::{Frame, Manifold, Point, ROLLS, across_axis};
+use super::{Frame, Manifold, Point, ROLL_SINE, across_axis};
 
 /// The manifold of a shape at `frame`, in the coordinates of the half-space. Empty for shapes that are not solids.
 pub(super) fn collide(kind: Kind, frame: &Frame, reach: f32) -> Manifold {
@@ -68,7 +68,7 @@ fn cylinder(radius: f32, half_height: f32, up: Vec3, frame: &Frame, reach: f32) 
     let down = if steep > 1e-3 { -out } else { Vec3::X };
     let (down, across) = (down * radius, Vec3::new(-down.z, 0.0, down.x) * radius);
     let lower = Vec3::Y * if up.y > 0.0 { -half_height } else { half_height };
-    if steep > ROLLS {
+    if steep > ROLL_SINE {
         return gather([lower + down, down - lower], frame, reach);
     }
     gather([lower + down, lower + across, lower - down, lower - across], frame, reach)

@@ -285,7 +285,7 @@ fn in_order(
 }
 
 /// Sine of the tilt from which a cylinder touches by its side or rim and not by an end: 6°.
-const ROLLS: f32 = 0.1;
+const ROLL_SINE: f32 = 0.1;
 
 /// The rounding radius of a shape that touches at some points, metres (0 if it is not round there), and whether it is round about its y axis only.
 #[inline(always)]
@@ -297,7 +297,7 @@ fn rounding(kind: Kind, outwards: Vec3, mut points: impl Iterator<Item = Vec3>) 
             let near = 1e-3 * radius;
             let is_lowest =
                 |p: Vec3| (Vec3::new(p.x, 0.0, p.z) - out * radius).length_squared() < near * near;
-            let rolls = sine > ROLLS && points.all(is_lowest);
+            let rolls = sine > ROLL_SINE && points.all(is_lowest);
             if rolls { (radius, true) } else { (0.0, false) }
         }
         _ => (0.0, false),

@@ -8,14 +8,14 @@ use crate::lanes::{Number, Vector};
 
 /// Greatest slope from the deepest point to a higher one at which the higher one may still come into contact before the next narrow phase. Until then, two
 /// bodies of which one leans by two degrees on the rim of the other turn by no more than this, rad (`TURNED` and `STEEP` of `body_contact::contact_cache`).
-const LOW: f32 = 5e-3;
+const LOW_SLOPE: f32 = 5e-3;
 /// Weight of the distance to points above that slope. If a box leans on another by three degrees, both ends of the low edge must be kept, or it rocks from one
 /// to the other for ever. But of two points so close together that either would do, the lower one is not the better choice.
-const HIGH: f32 = 0.25;
+const HIGH_WEIGHT: f32 = 0.25;
 
 /// Selects among points those within reach and leaves their masks in `chosen`. If there are more than four: the deepest, the one farthest from it, and on each
-/// side of the line between them the one that spans the largest triangle with it, with points that may soon come into contact preferred ([`LOW`]). The first of
-/// equals is taken.
+/// side of the line between them the one that spans the largest triangle with it, with points that may soon come into contact preferred ([`LOW_SLOPE`]). The
+/// first of equals is taken.
 #[inline(always)]
 pub(super) fn choose<N: Number>(
     places: &[Vector<N>],
@@ -44,8 +44,8 @@ pub(super) fn choose<N: Number>(
     for i in 0..places.len() {
         let out = places[i] - origin;
         let squared = out.length_squared();
-        let share = share(distances[i] - least, squared);
-        let length = squared * share * share;
+        let weight = length_weight(distances[i] - least, squared);
+        let length = squared * weight * weight;
         let more = chosen[i].and(most.lt(length));
         most = more.select(length, most);
         farthest = more.select(N::splat(i as f32), farthest);
@@ -56,7 +56,7 @@ pub(super) fn choose<N: Number>(
     let (mut sides, mut ends) = ([-flat, flat], [deepest; 2]);
     for i in 0..places.len() {
         let out = places[i] - origin;
-        let area = across.dot(out) * share(distances[i] - least, out.length_squared());
+        let area = across.dot(out) * length_weight(distances[i] - least, out.length_squared());
         let beyond = [chosen[i].and(area.lt(sides[0])), chosen[i].and(sides[1].lt(area))];
         for side in 0..2 {
             sides[side] = beyond[side].select(area, sides[side]);
@@ -73,8 +73,10 @@ pub(super) fn choose<N: Number>(
 
 /// Weight of the distance to a point that is `rise` metres above the deepest one; `squared` is that distance squared, metres².
 #[inline(always)]
-fn share<N: Number>(rise: N, squared: N) -> N {
-    (rise * rise).le(squared * N::splat(LOW * LOW)).select(N::splat(1.0), N::splat(HIGH))
+fn length_weight<N: Number>(rise: N, squared: N) -> N {
+    (rise * rise)
+        .le(squared * N::splat(LOW_SLOPE * LOW_SLOPE))
+        .select(N::splat(1.0), N::splat(HIGH_WEIGHT))
 }
 
 /// A manifold of the points that [`choose`] selects.

@@ -9,7 +9,7 @@ use super::axes::PARALLEL;
 use super::{BoxPair, Frame, Manifold, NEXT};
 
 /// Cosine of the greatest tilt at which a box still lies on a face: 6°. If it is tilted by more, its other points are too high to matter.
-pub(super) const LEANS: f32 = 0.995;
+pub(super) const FLAT_COSINE: f32 = 0.995;
 
 /// Greatest place of the lines' nearest point along an edge, 1 at its end, at which it counts as on the edge: 0.1 % beyond.
 pub(super) const ON_EDGE: f32 = 1.001;
@@ -38,7 +38,7 @@ impl BoxPair {
     /// The nearest points of two edges that face each other: an axis of `b` and one of `a`.
     ///
     /// With `d` between their midpoints, `u` along `a`'s and `s` along `b`'s: `d + u Rⱼ - s eᵢ` is across both, which gives two linear equations.
-    pub(super) fn meet(&self, (i, j): (usize, usize)) -> Edges {
+    pub(super) fn nearest_on_edges(&self, (i, j): (usize, usize)) -> Edges {
         let Self { half_sizes: [ha, hb], frame, .. } = self;
         let r = &frame.rotation;
         let axes = [r.x_axis, r.y_axis, r.z_axis];

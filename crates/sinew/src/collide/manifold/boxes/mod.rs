@@ -17,7 +17,7 @@ use super::super::shape::{Kind, Shape};
 use super::{Frame, Manifold};
 use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, kernel};
 use axes::{Axes, WidePairs};
-use edges::{BEFORE_END, LEANS, ON_EDGE};
+use edges::{BEFORE_END, FLAT_COSINE, ON_EDGE};
 
 /// A queue of box pairs, and their manifolds.
 #[derive(Clone, Debug, Default)]
@@ -84,7 +84,7 @@ kernel!(
                 let most = axes.face_separation;
                 let is_least = (most <= 0.0) & (manifold.len > 0) | (nearest <= most + axes.bias);
                 if axes.edge_wins | !is_least {
-                    manifold = beside_faces(&eight.pair(lane), &axes, manifold);
+                    manifold = edge_or_corner_manifold(&eight.pair(lane), &axes, manifold);
                 }
                 if manifold.is_sound() {
                     found[LANES * number + lane] = manifold;
@@ -96,13 +96,13 @@ kernel!(
 
 /// The manifold of a pair whose faces are not, or may not be, nearest; `faces` is the manifold of the faces.
 #[inline(never)]
-fn beside_faces(pair: &BoxPair, axes: &Axes, faces: Manifold) -> Manifold {
+fn edge_or_corner_manifold(pair: &BoxPair, axes: &Axes, faces: Manifold) -> Manifold {
     let most = axes.face_separation.max(axes.edge_separation);
     if axes.edge_wins {
-        let edges = pair.meet(axes.edge);
+        let edges = pair.nearest_on_edges(axes.edge);
         let is_face = faces.len > 1
             && (faces.nearest() - most).abs() <= axes.bias
-            && edges.normal.dot(faces.normal) > LEANS;
+            && edges.normal.dot(faces.normal) > FLAT_COSINE;
         if is_face {
             return faces;
         }
@@ -112,13 +112,13 @@ fn beside_faces(pair: &BoxPair, axes: &Axes, faces: Manifold) -> Manifold {
     }
     if most > 0.0 {
         // The nearest points are a corner or two edges past the rim of that face; or the face manifold has them after all.
-        let edges = (axes.edge_separation > 0.0).then(|| pair.meet(axes.edge));
+        let edges = (axes.edge_separation > 0.0).then(|| pair.nearest_on_edges(axes.edge));
         let past = pair.corners(edges.filter(|edges| edges.over < BEFORE_END));
         return if past.nearest() < faces.nearest() - axes.bias { past } else { faces };
     }
     if faces.len == 0 && axes.edge_separation > f32::NEG_INFINITY {
         // The overlap is so small that the bias selected an axis along which nothing was found.
-        return pair.meet(axes.edge).manifold(&pair.frame);
+        return pair.nearest_on_edges(axes.edge).manifold(&pair.frame);
     }
     faces
 }

@@ -16,13 +16,13 @@ use super::grid::BoxEntry;
 use super::{Broad, is_box, overlap};
 
 /// Greatest number of boxes in a cluster: a long rope is split into runs of links, because one cluster of all of them would extend across the level.
-const MOST: usize = 16;
+const MAX_BOXES: usize = 16;
 
 /// Margin on each side of an enlarged box, as a share of the box's largest extent, and the number of further steps whose expected displacement it covers.
 const MARGIN: f32 = 0.06;
-const STEPS: f32 = 3.0;
-/// All enlarged boxes are rebuilt when more than 1/`FEW` of the clusters have left theirs.
-const FEW: usize = 32;
+const AHEAD_STEPS: f32 = 3.0;
+/// All enlarged boxes are rebuilt when more than 1/`REBUILD_DIVISOR` of the clusters have left theirs.
+const REBUILD_DIVISOR: usize = 32;
 
 /// Finds overlapping boxes, some of which are known to be close to each other.
 #[derive(Default)]
@@ -40,11 +40,11 @@ pub(crate) struct ClusterSearch {
     /// Clusters that have left their enlarged boxes, ascending.
     left: Vec<u32>,
     /// Grid of the boxes as they were when [`fill`](Self::fill) was called within the step, and whether it was.
-    anew: Broad,
-    is_anew: bool,
+    refilled: Broad,
+    is_refilled: bool,
     /// Scratch: nearby pairs of clusters; those of which one has left its enlarged box; query results; boxes of a cluster; boxes of the clusters near it.
     near: Vec<[u32; 2]>,
-    others_near: Vec<[u32; 2]>,
+    near_outside: Vec<[u32; 2]>,
     around: Vec<u32>,
     own: Vec<BoxEntry>,
     others: Vec<BoxEntry>,
@@ -52,25 +52,25 @@ pub(crate) struct ClusterSearch {
 
 impl ClusterSearch {
     /// Finds all pairs `[a, b]`, `a < b`, of boxes (least and greatest corner) that overlap or touch, sorted. A box with a NaN or a negative extent overlaps
-    /// nothing. A `joined` box is close to the one before it; `way` is the expected displacement of a box in a step, metres.
+    /// nothing. A `joined` box is close to the one before it; `displacement` is the expected displacement of a box in a step, metres.
     pub(crate) fn pairs(
         &mut self,
         bounds: &[(Vec3, Vec3)],
         joined: impl Fn(usize) -> bool,
-        way: impl Fn(usize) -> Vec3,
+        displacement: impl Fn(usize) -> Vec3,
         out: &mut Vec<[u32; 2]>,
     ) {
-        self.is_anew = false;
-        self.lay_out(bounds.len(), joined);
-        if self.all_are_alone() {
-            self.find_near(bounds, bounds, way);
+        self.is_refilled = false;
+        self.form_clusters(bounds.len(), joined);
+        if self.are_all_single() {
+            self.find_near(bounds, bounds, displacement);
             out.clear();
             out.extend_from_slice(&self.near);
             return;
         }
-        self.unite(bounds);
+        self.find_bounds(bounds);
         let boxes = core::mem::take(&mut self.boxes);
-        self.find_near(&boxes, bounds, way);
+        self.find_near(&boxes, bounds, displacement);
         self.boxes = boxes;
         let Self { starts, boxes, near, own, others, .. } = self;
         out.clear();
@@ -101,12 +101,12 @@ impl ClusterSearch {
         &mut self,
         boxes: &[(Vec3, Vec3)],
         bounds: &[(Vec3, Vec3)],
-        way: impl Fn(usize) -> Vec3,
+        displacement: impl Fn(usize) -> Vec3,
     ) {
-        if !self.are_within(boxes) {
-            self.enlarge(bounds, way);
+        if !self.few_are_outside(boxes) {
+            self.enlarge(bounds, displacement);
         }
-        let Self { broad, enlarged, candidates, left, near, others_near, around, .. } = self;
+        let Self { broad, enlarged, candidates, left, near, near_outside, around, .. } = self;
         near.clear();
         near.extend(candidates.iter().filter(|pair| {
             let [a, b] = pair.map(|cluster| &boxes[cluster as usize]);
@@ -115,28 +115,28 @@ impl ClusterSearch {
         if left.is_empty() {
             return;
         }
-        let has_left = |cluster: u32| left.binary_search(&cluster).is_ok();
-        near.retain(|&[a, b]| !has_left(a) && !has_left(b));
-        others_near.clear();
+        let is_outside = |cluster: u32| left.binary_search(&cluster).is_ok();
+        near.retain(|&[a, b]| !is_outside(a) && !is_outside(b));
+        near_outside.clear();
         for &cluster in left.iter() {
             let own = &boxes[cluster as usize];
             around.clear();
             broad.around(own, enlarged, around);
-            let others = around.iter().filter(|&&other| !has_left(other));
+            let others = around.iter().filter(|&&other| !is_outside(other));
             // Each pair of clusters that have both left is found from the first of them.
             for &other in others.chain(left.iter().filter(|&&other| other > cluster)) {
                 let theirs = &boxes[other as usize];
                 if is_box(theirs) && overlap(own, theirs) {
-                    others_near.push([cluster.min(other), cluster.max(other)]);
+                    near_outside.push([cluster.min(other), cluster.max(other)]);
                 }
             }
         }
-        others_near.sort_unstable();
-        merge(near, others_near);
+        near_outside.sort_unstable();
+        merge(near, near_outside);
     }
 
     /// Whether all clusters but a few are within their enlarged boxes; collects those few in `left`.
-    fn are_within(&mut self, boxes: &[(Vec3, Vec3)]) -> bool {
+    fn few_are_outside(&mut self, boxes: &[(Vec3, Vec3)]) -> bool {
         let Self { starts, enlarged, enlarged_starts, left, .. } = self;
         if starts != enlarged_starts {
             return false;
@@ -148,23 +148,27 @@ impl ClusterSearch {
                 left.push(number);
             }
         }
-        left.len() * FEW <= boxes.len()
+        left.len() * REBUILD_DIVISOR <= boxes.len()
     }
 
     /// Makes the enlarged boxes and finds their overlapping pairs.
-    fn enlarge(&mut self, bounds: &[(Vec3, Vec3)], way: impl Fn(usize) -> Vec3) {
+    fn enlarge(&mut self, bounds: &[(Vec3, Vec3)], displacement: impl Fn(usize) -> Vec3) {
         let Self { broad, starts, enlarged, enlarged_starts, candidates, left, .. } = self;
         let wide = |i: usize| {
             let (low, high) = bounds[i];
-            let (margin, way) = (MARGIN * (high - low).max_element(), STEPS * way(i));
-            let wide = (low + way.min(Vec3::ZERO) - margin, high + way.max(Vec3::ZERO) + margin);
+            let (margin, displacement) =
+                (MARGIN * (high - low).max_element(), AHEAD_STEPS * displacement(i));
+            let wide = (
+                low + displacement.min(Vec3::ZERO) - margin,
+                high + displacement.max(Vec3::ZERO) + margin,
+            );
             // Infinity minus itself is NaN.
             if is_box(&wide) { wide } else { (low, high) }
         };
         enlarged.clear();
         enlarged.extend(starts.windows(2).map(|ends| {
             let own = (ends[0] as usize..ends[1] as usize).filter(|&i| is_box(&bounds[i]));
-            united(own.map(wide))
+            union_of(own.map(wide))
         }));
         enlarged_starts.clone_from(starts);
         left.clear();
@@ -173,12 +177,12 @@ impl ClusterSearch {
 
     /// Rebuilds the grid within a step from the current places of the boxes; the clusters stay the same.
     pub(crate) fn fill(&mut self, bounds: &[(Vec3, Vec3)]) {
-        self.is_anew = true;
-        if self.all_are_alone() {
-            return self.anew.fill(bounds);
+        self.is_refilled = true;
+        if self.are_all_single() {
+            return self.refilled.fill(bounds);
         }
-        self.unite(bounds);
-        self.anew.fill(&self.boxes);
+        self.find_bounds(bounds);
+        self.refilled.fill(&self.boxes);
     }
 
     /// Adds the pairs of one box, which may have moved since the grid was built, and the boxes that it overlaps or touches; some pairs more than once. `moved`
@@ -191,10 +195,10 @@ impl ClusterSearch {
         out: &mut Vec<[u32; 2]>,
     ) {
         let own = &bounds[number as usize];
-        let boxes = if self.all_are_alone() { bounds } else { &self.boxes };
+        let boxes = if self.are_all_single() { bounds } else { &self.boxes };
         self.around.clear();
-        if self.is_anew {
-            self.anew.around(own, boxes, &mut self.around);
+        if self.is_refilled {
+            self.refilled.around(own, boxes, &mut self.around);
         } else {
             self.broad.around(own, &self.enlarged, &mut self.around);
             self.around.extend(&self.left);
@@ -219,11 +223,11 @@ impl ClusterSearch {
     }
 
     /// Forms clusters of consecutive boxes.
-    fn lay_out(&mut self, count: usize, joined: impl Fn(usize) -> bool) {
+    fn form_clusters(&mut self, count: usize, joined: impl Fn(usize) -> bool) {
         self.starts.clear();
         let mut first = 0;
         for i in 0..count {
-            if i == 0 || i - first == MOST || !joined(i) {
+            if i == 0 || i - first == MAX_BOXES || !joined(i) {
                 first = i;
                 self.starts.push(i as u32);
             }
@@ -232,22 +236,22 @@ impl ClusterSearch {
     }
 
     /// Whether every cluster is a single box.
-    fn all_are_alone(&self) -> bool {
+    fn are_all_single(&self) -> bool {
         self.starts.last().is_none_or(|&count| self.starts.len() == count as usize + 1)
     }
 
     /// Computes the bounds of each cluster.
-    fn unite(&mut self, bounds: &[(Vec3, Vec3)]) {
+    fn find_bounds(&mut self, bounds: &[(Vec3, Vec3)]) {
         let Self { starts, boxes, .. } = self;
         boxes.clear();
         boxes.extend(starts.windows(2).map(|ends| {
-            united(bounds[ends[0] as usize..ends[1] as usize].iter().copied().filter(is_box))
+            union_of(bounds[ends[0] as usize..ends[1] as usize].iter().copied().filter(is_box))
         }));
     }
 }
 
 /// The union of some boxes; an invalid box if there are none.
-fn united(boxes: impl Iterator<Item = (Vec3, Vec3)>) -> (Vec3, Vec3) {
+fn union_of(boxes: impl Iterator<Item = (Vec3, Vec3)>) -> (Vec3, Vec3) {
     boxes
         .reduce(|(low, high), (least, most)| (low.min(least), high.max(most)))
         .unwrap_or((Vec3::NAN, Vec3::NAN))

@@ -138,7 +138,7 @@ impl BoxGrid {
     }
 
     /// Adds the pairs of overlapping boxes within the grid. Each is found from the box that is first in memory.
-    pub(super) fn within(&self, found: &mut Vec<[u32; 2]>) {
+    pub(super) fn pairs_within(&self, found: &mut Vec<[u32; 2]>) {
         for (i, entry) in self.entries.iter().enumerate() {
             let mut add = |other| found.push(pair(entry.number, other));
             self.query(entry, i + 1, &mut add);
@@ -146,7 +146,7 @@ impl BoxGrid {
     }
 
     /// Adds the pairs of a box of this grid and one of a grid of larger boxes.
-    pub(super) fn among(&self, larger: &Self, found: &mut Vec<[u32; 2]>) {
+    pub(super) fn pairs_with(&self, larger: &Self, found: &mut Vec<[u32; 2]>) {
         for entry in &self.entries {
             let mut add = |other| found.push(pair(entry.number, other));
             larger.query(entry, 0, &mut add);

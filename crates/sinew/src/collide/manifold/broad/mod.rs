@@ -29,11 +29,11 @@ pub(crate) struct Broad {
     classes: Vec<u32>,
     /// Boxes by level, and by number in each level.
     levels: Vec<Level>,
-    /// Grids from the largest cells to the smallest; only the first `filled` are in use.
+    /// Grids from the largest cells to the smallest; only the first `grid_count` are in use.
     grids: Vec<BoxGrid>,
-    filled: usize,
+    grid_count: usize,
     /// Boxes without a grid, compared with everything.
-    apart: Vec<u32>,
+    ungridded: Vec<u32>,
     /// Pairs in the order in which they were found; then sorted by their second number.
     found: Vec<[u32; 2]>,
     sorted: Vec<[u32; 2]>,
@@ -53,12 +53,12 @@ const CLASS_SHIFT: u32 = 4;
 const CLASSES_PER_OCTAVE: usize = 8;
 
 /// A level of at most this many boxes has no grid and is compared with everything: a search of 27 cells costs as much.
-const FEW: usize = 8;
+const MAX_UNGRIDDED: usize = 8;
 
 impl Broad {
     /// Builds the grids of some boxes (least and greatest corner). A box with a NaN or a negative extent overlaps nothing.
     pub(crate) fn fill(&mut self, bounds: &[(Vec3, Vec3)]) {
-        self.filled = self.sort_out(bounds, &[]);
+        self.grid_count = self.build_grids(bounds, &[]);
     }
 
     /// Builds the grids and finds all pairs `[a, b]`, `a < b`, of boxes that overlap or touch, sorted.
@@ -73,27 +73,27 @@ impl Broad {
         groups: &[u32],
         out: &mut Vec<[u32; 2]>,
     ) {
-        self.filled = self.sort_out(bounds, groups);
+        self.grid_count = self.build_grids(bounds, groups);
         self.found.clear();
-        let Self { grids: kept, apart, found, filled, .. } = self;
-        let grids = &kept[..*filled];
+        let Self { grids: kept, ungridded, found, grid_count, .. } = self;
+        let grids = &kept[..*grid_count];
         let group = |i: u32| groups.get(i as usize).copied().unwrap_or(NO_GROUP);
-        for (i, a) in apart.iter().enumerate() {
+        for (i, a) in ungridded.iter().enumerate() {
             let (bounds_a, group_a) = (bounds[*a as usize], group(*a));
             let mut compare = |b: u32, bounds_b: (Vec3, Vec3)| {
                 if are_compared(group_a, group(b)) && overlap(&bounds_a, &bounds_b) {
                     found.push([(*a).min(b), (*a).max(b)]);
                 }
             };
-            apart[i + 1..].iter().for_each(|&b| compare(b, bounds[b as usize]));
+            ungridded[i + 1..].iter().for_each(|&b| compare(b, bounds[b as usize]));
             for grid in grids {
                 grid.each(&mut compare);
             }
         }
         for (i, grid) in grids.iter().enumerate() {
-            grid.within(found);
+            grid.pairs_within(found);
             for larger in &grids[..i] {
-                grid.among(larger, found);
+                grid.pairs_with(larger, found);
             }
         }
         self.sort(bounds.len(), out);
@@ -104,18 +104,18 @@ impl Broad {
         if !is_box(one) {
             return;
         }
-        for grid in &self.grids[..self.filled] {
+        for grid in &self.grids[..self.grid_count] {
             grid.around(one, out);
         }
-        let apart = self.apart.iter().copied();
-        out.extend(apart.filter(|&other| overlap(one, &bounds[other as usize])));
+        let ungridded = self.ungridded.iter().copied();
+        out.extend(ungridded.filter(|&other| overlap(one, &bounds[other as usize])));
     }
 
     /// Builds the grids and returns their number.
-    fn sort_out(&mut self, bounds: &[(Vec3, Vec3)], groups: &[u32]) -> usize {
-        let Self { sizes, classes, levels, grids, apart, .. } = self;
+    fn build_grids(&mut self, bounds: &[(Vec3, Vec3)], groups: &[u32]) -> usize {
+        let Self { sizes, classes, levels, grids, ungridded, .. } = self;
         sizes.clear();
-        apart.clear();
+        ungridded.clear();
         classes.clear();
         classes.resize(usize::from(u16::MAX >> CLASS_SHIFT) + 1, 0);
         for (i, (least, most)) in bounds.iter().enumerate() {
@@ -127,7 +127,7 @@ impl Broad {
                     classes[usize::from(class)] += 1;
                     sizes.push((class, i as u32));
                 } else {
-                    apart.push(i as u32);
+                    ungridded.push(i as u32);
                 }
             }
         }
@@ -142,8 +142,8 @@ impl Broad {
         let smallest = levels[..count].last().map_or(0.0, |level| level.largest.max_element());
         let mut made = 0;
         for level in &levels[..count] {
-            if level.boxes.len() <= FEW {
-                apart.extend_from_slice(&level.boxes);
+            if level.boxes.len() <= MAX_UNGRIDDED {
+                ungridded.extend_from_slice(&level.boxes);
                 continue;
             }
             if made == grids.len() {

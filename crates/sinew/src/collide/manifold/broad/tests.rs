@@ -88,7 +88,7 @@ fn clusters(
 }
 
 #[test]
-fn what_is_searched_in_clusters_has_the_same_pairs() {
+fn a_search_in_clusters_has_the_same_pairs() {
     let mut dice = Dice(15);
     let (mut search, mut out) = (ClusterSearch::default(), Vec::new());
     for round in 0..60 {
@@ -136,7 +136,7 @@ fn candidates_that_last_have_the_same_pairs() {
 }
 
 #[test]
-fn what_has_moved_finds_all_that_it_overlaps_where_it_is_now() {
+fn a_moved_box_finds_all_that_it_overlaps_now() {
     let mut dice = Dice(12);
     let mut search = ClusterSearch::default();
     let (mut out, mut pairs) = (Vec::new(), Vec::new());
@@ -189,7 +189,7 @@ fn far_from_zero_and_all_in_one_place_none_is_missed() {
 }
 
 #[test]
-fn a_pile_has_the_pairs_that_it_has() {
+fn a_pile_has_the_pairs_of_its_faces_edges_and_corners() {
     let mut dice = Dice(13);
     let bounds = pile(10, &mut dice);
     let (mut broad, mut out) = (Broad::default(), Vec::new());

@@ -107,7 +107,7 @@ pub(super) fn check(manifold: &Manifold, frame: &Frame, reach: f32) {
 }
 
 #[test]
-fn what_is_nowhere_touches_nothing() {
+fn shapes_without_a_finite_place_touch_nothing() {
     let shapes = pairs::convex();
     for a in &shapes {
         for b in shapes.iter().chain([&Shape::half_space()]) {

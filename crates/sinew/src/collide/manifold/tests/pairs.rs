@@ -28,7 +28,7 @@ pub(super) fn support(number: usize, n: Vec3) -> f32 {
 }
 
 #[test]
-fn every_convex_pair_is_as_deep_as_a_search_over_directions_says() {
+fn every_convex_pair_is_as_deep_as_by_a_search_over_directions() {
     let shapes = convex();
     let names = ["sphere", "capsule", "box", "cylinder", "hull"];
     let reach = 0.1;
@@ -159,7 +159,7 @@ fn capsules_that_lie_touch_in_two_points() {
 }
 
 #[test]
-fn what_was_asked_before_changes_nothing() {
+fn earlier_queries_change_nothing() {
     let shapes = convex();
     let mut dice = Dice(34);
     let mut used = ManifoldScratch::default();

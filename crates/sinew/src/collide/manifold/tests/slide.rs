@@ -42,7 +42,7 @@ fn a_capsule_that_slides_on_a_face_no_farther_than_it_may_touches_it_as_before()
 }
 
 #[test]
-fn what_lies_on_a_half_space_may_slide_on_it_as_far_as_it_likes() {
+fn a_shape_on_a_half_space_may_slide_without_limit() {
     let mut dice = Dice(6);
     for (shape, i) in pairs::convex().iter().zip(0..) {
         for _ in 0..50 {
