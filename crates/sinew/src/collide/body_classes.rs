@@ -1,28 +1,28 @@
-//! Classes of bodies: those that all static geometry treats alike, because they are made of the same, are in the same layers and are listened to
-//! alike. There are few of them, so that what holds between a class and a plane is looked up, and not combined again for each particle.
+//! Body classes: bodies with the same material, layers and event flag, which all static geometry treats alike.
+//! There are few classes, so what holds between a class and a plane (filter result, combined material) is computed once per class and not once per particle.
 
 use super::filter::ContactFilter;
 use super::material::{BodyContacts, Layers, Material};
 use crate::particles::Particles;
 
-/// What a class has in common.
+/// The properties that all bodies of a class share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BodyClass {
     pub(super) material: Material,
     pub(super) layers: Layers,
-    /// Whether contacts of the bodies are listed in the report.
+    /// Whether contacts of these bodies are listed in the report.
     pub(super) events: bool,
 }
 
-/// The classes that there are, and who is of which. Kept from step to step while nothing changes, and a function of the present alone.
+/// The body classes of a step and the class of each body and row. Rebuilt only when something changes; a function of the current state alone, not of history.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BodyClasses {
-    /// The first is that of all who ask for nothing.
+    /// Entry 0 is the class of [`BodyContacts::DEFAULT`], which rows without a body belong to.
     classes: Vec<BodyClass>,
     of_body: Vec<u32>,
-    /// Of each row; empty where all are of the first class.
+    /// Class of each row; empty where all rows are of class 0.
     of_row: Vec<u32>,
-    /// [Edits](Particles::edits) of the particles when the rows were looked at, and how many there were.
+    /// [Edits](Particles::edits) and number of the particles when `of_row` was last built.
     seen: Option<(u64, usize)>,
 }
 
@@ -34,7 +34,7 @@ impl BodyClass {
 }
 
 impl BodyClasses {
-    /// Sorts the bodies of a step into classes.
+    /// Assigns the bodies of a step to classes.
     pub(super) fn update(&mut self, filter: &ContactFilter, particles: &Particles) {
         let bodies = filter.bodies();
         let same = !self.classes.is_empty()
@@ -81,13 +81,13 @@ impl BodyClasses {
         self.of_row.get(row as usize).map_or(0, |&class| class as usize)
     }
 
-    /// The class of all rows, if they are of one.
+    /// The class of all rows, if there is only one.
     #[inline]
     pub(super) fn of_everyone(&self) -> Option<usize> {
         self.of_row.is_empty().then_some(0)
     }
 
-    /// The class of some rows, if they are of one.
+    /// The class of these rows, if they all have the same one.
     pub(super) fn of_all(&self, rows: core::ops::Range<u32>) -> Option<usize> {
         let class = self.of(rows.start);
         let listed = self.of_row.get(rows.start as usize..rows.end as usize).unwrap_or_default();

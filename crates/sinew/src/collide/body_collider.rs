@@ -1,4 +1,4 @@
-//! What a body collider is made of, and why it may not be.
+//! Body colliders: what one consists of, and the faults that keep one out of the contacts.
 
 use std::sync::Arc;
 
@@ -8,52 +8,52 @@ use super::distance::of_segments;
 use super::shape::{Kind, Shape, ShapeFault};
 use crate::particles::Particles;
 
-/// By how much two segments must be clear of each other in the rest shape to touch at all, as a share of how thick they are: those that just touch there would
-/// press for nothing.
+/// Two segments of one body collide only if their distance in the rest shape exceeds the sum of their radii by this share of it: segments that only just
+/// touch at rest would push each other apart for no reason.
 const CLEAR: f64 = 0.01;
 
-/// Particles that collide as one, by a shape.
+/// A collision shape attached to a group of particles, which collide as one rigid shape.
 ///
-/// Where it is and how it is turned follows from where its particles are; they must be held together by constraints. Two particles do not say how it
-/// is turned about their line; give such a body collider a shape that is round about it.
+/// Its pose is extracted from the positions of its particles, which constraints must hold together. Two particles do not determine the rotation about the line
+/// between them; give such a body collider a shape that is round about that line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyCollider {
-    /// Rows of its particles. Several body colliders may share some; those never touch each other if they are of one body.
+    /// Rows of its particles. Body colliders may share particles; two of one body that do never touch each other.
     pub rows: Vec<u32>,
-    /// Where each of them is in the body collider's own frame, metres; as many as `rows`. Shared by body colliders of the same shape.
+    /// Position of each particle in the frame of the body collider, metres; as many as `rows`. Shared by body colliders of the same shape.
     pub rest: Arc<[Vec3]>,
-    /// Its shape, in its own frame: anything without dents.
+    /// Its shape, in its own frame: any convex shape.
     pub shape: Shape,
-    /// Its name in the contact cache ([`ContactCache`](super::ContactCache)): ascending in the list of body colliders, whatever comes and goes.
+    /// Its identity in the contact cache ([`ContactCache`](super::ContactCache)). Must ascend in the list of body colliders, whichever are added or removed.
     pub id: u64,
 }
 
-/// Why a body collider takes part in no contacts.
+/// Why a body collider takes part in no contacts. Returned by [`BodyCollider::fault`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BodyColliderFault {
-    /// It has no rows, or another number of rest positions.
+    /// It has no rows, or the number of rest positions differs.
     #[error("it has no particles, or not as many rest positions")]
     Count,
-    /// One of its rows is no particle.
+    /// One of its rows does not exist.
     #[error("one of its particles does not exist")]
     MissingParticle,
-    /// One of its rows is there twice.
+    /// A row is listed twice.
     #[error("one of its particles is there twice")]
     SameParticle,
     /// A rest position is not finite.
     #[error("a rest position is not finite")]
     Number,
-    /// A half-space, a mesh or a heightfield: those are for static geometry.
+    /// Its shape is a half-space, an inside box, a mesh or a heightfield, which are for static geometry only.
     #[error("a half-space, a mesh or a heightfield cannot move")]
     Shape,
 }
 
 impl BodyCollider {
-    /// One segment of a rope: a capsule along the line of two particles, as thick as `radius` and as long as `length` between the centres of its
-    /// caps, both in metres. Segments that have a particle in common make a rope without gaps. See [`BodyCollider::id`] for `id`.
+    /// One segment of a rope: a capsule along the line through two particles. `radius` is that of the capsule and `length` the distance between the centres of
+    /// its caps, both in metres. Segments that share a particle form a rope without gaps. `id` is [`BodyCollider::id`].
     ///
-    /// Segments of one body touch each other, where the body touches itself, unless they overlap in its rest shape ([`Particles::set_rest`]): a rope
-    /// that is thicker than its segments are long does not press itself apart.
+    /// Segments of one body that collides with itself touch each other unless they overlap in its rest shape ([`Particles::set_rest`]), so that a rope that is
+    /// thicker than its segments are long does not push itself apart.
     ///
     /// # Errors
     /// If the radius or the length is not between 1e-6 and 1e6 metres.
@@ -64,7 +64,7 @@ impl BodyCollider {
         Ok(Self { rows: rows.to_vec(), rest, shape, id })
     }
 
-    /// Why it cannot collide among so many particles, or `None` if it can.
+    /// Why it cannot collide in a world with `particles` particles, or `None` if it can.
     pub fn fault(&self, particles: usize) -> Option<BodyColliderFault> {
         if self.rows.is_empty() || self.rows.len() != self.rest.len() {
             Some(BodyColliderFault::Count)
@@ -84,8 +84,7 @@ impl BodyCollider {
         }
     }
 
-    /// Whether two segments overlap in the rest shape of their body. Anything else does not, and neither do those whose particles have no place
-    /// there.
+    /// Whether two segments overlap in the rest shape of their body. False for body colliders that are not segments, and where a particle has no rest position.
     pub(in crate::collide) fn overlaps_at_rest(&self, other: &Self, particles: &Particles) -> bool {
         let axis = |solid: &Self| {
             let (&[a, b], Kind::Capsule { radius, .. }) = (&*solid.rows, solid.shape.kind()) else {

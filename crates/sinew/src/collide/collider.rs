@@ -1,4 +1,4 @@
-//! Colliders: shapes that stand still or are moved by the game, and that particles and body colliders cannot enter.
+//! Colliders: static or kinematic shapes, which particles and body colliders cannot enter.
 
 use glam::{Mat3, Vec3};
 
@@ -6,8 +6,7 @@ use super::frame::Frame;
 use super::material::{Layers, Material};
 use super::shape::Shape;
 
-/// A shape in the world. Nothing moves it but the game: what touches it is pushed, and it is not.
-///
+/// A static or kinematic shape in the world: only the game moves it. It pushes what touches it and is not pushed back.
 /// ```
 /// use sinew::glam::Vec3;
 /// use sinew::{Collider, Frame, Shape, Simulation};
@@ -20,27 +19,28 @@ use super::shape::Shape;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collider {
-    /// Its shape, in coordinates of its own.
+    /// Its shape, in its own frame.
     pub shape: Shape,
-    /// Where it is when the step begins.
+    /// Its pose at the start of the step.
     pub start: Frame,
-    /// Where it is when the step ends; the same for one that stands still. In between it goes evenly, and carries what lies on it.
+    /// Its pose at the end of the step; equal to `start` for a static collider. In between it moves at constant velocity, and friction carries along what lies
+    /// on it.
     pub end: Frame,
-    /// What it is made of.
+    /// Its surface: friction, restitution, drag.
     pub material: Material,
-    /// What it may touch.
+    /// Its collision layers.
     pub layers: Layers,
-    /// Whether it only notices what touches it, and lets it through. Default not.
+    /// Whether it is a sensor: it reports what overlaps it and lets it pass through. Default false.
     pub sensor: bool,
-    /// Whether its contacts are listed in the report. Default not.
+    /// Whether its contacts are listed in the report. Default false.
     pub events: bool,
-    /// Its name in the contact cache ([`ContactCache`](super::ContactCache)): ascending in the list of colliders, whatever comes and
-    /// goes. Default 0, which stands for its place in that list.
+    /// Its identity in the contact cache ([`ContactCache`](super::ContactCache)). Must ascend in the list of colliders, whichever are added or removed. Default
+    /// 0, which stands for its index in that list.
     pub id: u64,
 }
 
 impl Collider {
-    /// One that stands still.
+    /// A static collider.
     pub fn fixed(shape: Shape, frame: Frame) -> Self {
         Self {
             shape,
@@ -54,28 +54,28 @@ impl Collider {
         }
     }
 
-    /// The same that goes to another place during the step.
+    /// The same collider, moving to pose `end` during the step.
     pub fn moving_to(self, end: Frame) -> Self {
         Self { end, ..self }
     }
 
-    /// The same made of something else.
+    /// The same collider with another material.
     pub fn with_material(self, material: Material) -> Self {
         Self { material, ..self }
     }
 
-    /// Whether its frames and its material are valid; what is not is skipped.
+    /// Whether its frames and its material are valid. Colliders that are not are skipped.
     pub fn is_valid(&self) -> bool {
         self.start.is_valid() && self.end.is_valid() && self.material.is_valid()
     }
 
-    /// Where it is after a share of the step, 0 to 1: translation evenly, rotation evenly about one axis.
+    /// Its pose at a fraction `share` of the step, 0 to 1: constant linear velocity, constant angular velocity about one axis.
     pub fn frame_at(&self, share: f32) -> Frame {
         on_the_way(&self.start, &self.end, share)
     }
 }
 
-/// Where something that goes evenly from one frame to another is after a share of the way.
+/// The pose at a fraction of the way from one frame to another, at constant linear and angular velocity.
 pub(super) fn on_the_way(start: &Frame, end: &Frame, share: f32) -> Frame {
     if start == end || share >= 1.0 {
         return *end;
@@ -84,10 +84,10 @@ pub(super) fn on_the_way(start: &Frame, end: &Frame, share: f32) -> Frame {
     Frame { translation, rotation: between(&start.rotation, &end.rotation, share) }
 }
 
-/// The rotation a share of the way from one to another.
+/// The rotation at a fraction of the way from one rotation to another.
 ///
-/// `E Sᵀ` turns by `θ` about `n`, where `sinθ n` is half of its antisymmetric part and `1 + 2 cosθ` its trace. A turn of π has no such axis, and
-/// jumps at the end.
+/// `E Sᵀ` turns by `θ` about `n`, where `sinθ n` is half of its antisymmetric part and `1 + 2 cosθ` its trace. For a turn of π the antisymmetric part vanishes
+/// and gives no axis: the rotation then stays at the start and jumps at the end.
 fn between(start: &Mat3, end: &Mat3, share: f32) -> Mat3 {
     let turn = *end * start.transpose();
     let (x, y, z) = (turn.x_axis, turn.y_axis, turn.z_axis);

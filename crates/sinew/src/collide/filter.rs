@@ -1,13 +1,12 @@
-//! Contact filter: which things may touch, by what each body asks for, by layers, and by what constraints join.
-//!
+//! Contact filter: which pairs may touch, by the settings of each body, by layers, and by the constraints between bodies.
 //! | two things | touch |
 //! |---|---|
-//! | of one body | if the body touches itself |
-//! | of two bodies | if both meet others, their layers meet, and no constraint joins a particle of one with a particle of the other |
+//! | of one body | if the body collides with itself |
+//! | of two bodies | if both collide with other bodies, their layers match, and no constraint joins a particle of one with a particle of the other |
 //! | a body of one particle and what it is tied to, directly or through others | never |
-//! | a body and a collider | if their layers meet and the pair is not [ignored](crate::Simulation::ignored) |
+//! | a body and a collider | if their layers match and the pair is not [ignored](crate::Simulation::ignored) |
 //!
-//! Bodies that a joint connects do not touch each other: so it is in most engines, because a joint mostly has its anchors inside both.
+//! Bodies that a joint connects do not touch each other, as in most engines, because the anchors of a joint mostly lie inside both.
 
 use super::impact::ContactParticipant;
 use super::material::BodyContacts;
@@ -16,42 +15,42 @@ use crate::islands::Islands;
 use crate::particles::{NO_BODY, Particles};
 use crate::tracked::Tracked;
 
-/// Which things may touch in a step. Scratch, but for what constraints join, which is found when those have changed.
+/// Which pairs may touch in a step. Scratch, except `joined`, which is recomputed only when constraints or particles have changed.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactFilter {
-    /// How each body takes part, numbered as [`Simulation::contacts`](crate::Simulation::contacts). Empty if none does.
+    /// Contact settings of each body, in the order of [`Simulation::contacts`](crate::Simulation::contacts). Empty if no body collides.
     bodies: Vec<BodyContacts>,
-    /// The number of the list that they were taken from.
+    /// The [revision](Tracked::revision) of the list that `bodies` was copied from.
     revision: u64,
-    /// How many particles each body has; two stand for more.
+    /// How many particles each body has, saturating at 2.
     counts: Vec<u8>,
     /// The island of each row.
     islands: Vec<u32>,
-    /// Bodies that a constraint joins, the lower number first; sorted.
+    /// Pairs of bodies joined by a constraint, the lower index first; sorted.
     joined: Vec<[u32; 2]>,
-    /// Bodies that are not to touch all the same, likewise; and bodies and colliders.
+    /// Pairs of bodies to be ignored by request of the game, in the same form, of this step and of the one before; then pairs of a body and a collider.
     apart: Vec<[u32; 2]>,
     apart_before: Vec<[u32; 2]>,
     ignored: Vec<[u32; 2]>,
-    /// [Edits](Particles::edits) of the particles when `joined` was found; `None` when constraints have changed since.
+    /// [Edits](Particles::edits) of the particles when `joined` was computed; `None` once constraints have changed since.
     seen: Option<u64>,
-    /// How often anything else than in the step before was found in it.
+    /// How many updates found a change.
     changes: u64,
 }
 
 impl ContactFilter {
-    /// By what bodies ask for alone: nothing is tied to anything.
+    /// A filter with the settings of the bodies alone: no constraints join them.
     #[cfg(test)]
     pub(crate) fn untied(contacts: &[BodyContacts]) -> Self {
         Self { bodies: contacts.to_vec(), ..Self::default() }
     }
 
-    /// Has the joined bodies looked for anew at the next [`update`](Self::update): constraints between bodies came or went.
+    /// Makes the next [`update`](Self::update) recompute the joined bodies: constraints between bodies were added or removed.
     pub(crate) fn forget_joints(&mut self) {
         self.seen = None;
     }
 
-    /// Takes what holds for a step.
+    /// Takes the settings, ignored pairs, islands and constraints of a step.
     pub(crate) fn update(
         &mut self,
         particles: &Particles,
@@ -73,29 +72,29 @@ impl ContactFilter {
         self.changes += u64::from(changed);
     }
 
-    /// A number that is another one when something may touch that might not in the step before, or the other way round.
+    /// A counter that increases whenever the set of pairs that may touch may have changed.
     pub(crate) fn changes(&self) -> u64 {
         self.changes
     }
 
-    /// How a body takes part; as by default for one that is not listed, and for [`NO_BODY`].
+    /// Contact settings of a body; the default for one that is not listed, and for [`NO_BODY`].
     #[inline(always)]
     pub(crate) fn body(&self, body: u32) -> &BodyContacts {
         const DEFAULT: &BodyContacts = &BodyContacts::DEFAULT;
         self.bodies.get(body as usize).unwrap_or(DEFAULT)
     }
 
-    /// A number that is another one when a body takes part in another way, or another body does.
+    /// The revision of the contact settings: it differs when the settings of a body, or the list of bodies, have changed.
     pub(crate) fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// How all bodies take part.
+    /// The contact settings of all bodies.
     pub(crate) fn bodies(&self) -> &[BodyContacts] {
         &self.bodies
     }
 
-    /// Whether two rows of two bodies may touch, or two of one.
+    /// Whether two rows, each given as (body, row), may touch. They may belong to one body or to two.
     #[inline(always)]
     pub(crate) fn rows_may_touch(&self, a: (u32, u32), b: (u32, u32)) -> bool {
         let (body, other_body) = (a.0, b.0);
@@ -105,7 +104,7 @@ impl ContactFilter {
         self.body(body).meets(self.body(other_body)) && !self.are_tied(a, b)
     }
 
-    /// Whether constraints keep two rows of two bodies from touching.
+    /// Whether constraints between two rows of different bodies keep them from touching.
     #[inline(always)]
     fn are_tied(&self, (body, row): (u32, u32), (other_body, other_row): (u32, u32)) -> bool {
         let single = |body: u32| self.counts.get(body as usize) == Some(&1);
@@ -116,18 +115,18 @@ impl ContactFilter {
         self.are_joined(body, other_body)
     }
 
-    /// Whether a body may touch a collider, as far as layers do not decide.
+    /// Whether a body may touch a collider, apart from layers.
     #[inline]
     pub(crate) fn may_touch_collider(&self, body: u32, collider: u32) -> bool {
         self.ignored.is_empty() || self.ignored.binary_search(&[body, collider]).is_err()
     }
 
-    /// Whether a collider has a body that may not touch it, whatever its layers.
+    /// Whether a collider is ignored by some body, whatever its layers.
     pub(crate) fn ignores_collider(&self, collider: u32) -> bool {
         self.ignored.iter().any(|pair| pair[1] == collider)
     }
 
-    /// Whether a constraint joins two bodies, or they are not to touch all the same.
+    /// Whether a constraint joins two bodies, or the game ignores the pair.
     #[inline]
     fn are_joined(&self, a: u32, b: u32) -> bool {
         let pair = [a.min(b), a.max(b)];
@@ -135,7 +134,7 @@ impl ContactFilter {
         among(&self.joined) || among(&self.apart)
     }
 
-    /// Takes pairs that never touch, and returns whether those of two bodies are others than before.
+    /// Takes the ignored pairs. Returns whether those of two bodies differ from the ones before.
     fn take_ignored(&mut self, ignored: &[[ContactParticipant; 2]]) -> bool {
         let Self { apart, apart_before, ignored: with_colliders, .. } = self;
         core::mem::swap(apart, apart_before);
@@ -187,7 +186,7 @@ impl ContactFilter {
         }
         for constraint in constraints {
             for (i, &row) in constraint.rows.iter().enumerate().skip(1) {
-                // All of one constraint are joined; most are of one body.
+                // A constraint joins every two of its rows; most constraints lie within one body.
                 let own = body(row);
                 if own != body(constraint.rows[i - 1]) {
                     constraint.rows.iter().for_each(|&other| join(own, body(other)));
@@ -199,7 +198,7 @@ impl ContactFilter {
     }
 }
 
-/// Copies a list, and returns whether it was another one.
+/// Copies a list and returns whether it differed.
 fn take<T: Clone + PartialEq>(to: &mut Vec<T>, from: &[T]) -> bool {
     let differs = to[..] != *from;
     if differs {

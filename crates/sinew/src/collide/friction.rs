@@ -1,7 +1,7 @@
-//! Coulomb's law of friction (physics.md F8), in positions and in velocities.
+//! Coulomb friction (physics.md F8), as a position correction and in velocities.
 //!
-//! In positions, within a substep, it holds what sticks: [`friction`]. A contact whose two sides both move takes speed off what slides at the end of the
-//! substep instead: `μ N h/m` with `N = m δ/h²` of an overlap `δ`, that is `μ δ/h`. Either way at most all of the sliding: [`friction_share`].
+//! The position solve removes slip that is within the friction limit: [`friction`]. A contact whose two sides both move takes velocity off a slip at the end
+//! of the substep instead: `μ N h/m` with `N = m δ/h²` of an overlap `δ`, that is `μ δ/h`. Either way at most all of the slip: [`friction_share`].
 
 use glam::Vec3;
 
@@ -9,8 +9,8 @@ use super::recovery::recovered_way;
 use crate::lanes::Number;
 use crate::particles::Places;
 
-/// Moves a row by the normal correction, of which that of an overlap from before is `recover` metres at the most, and by the friction that goes with it;
-/// returns how far, metres.
+/// Moves a row by the normal correction and by the friction that belongs to it. Of an overlap from before this substep, at most `recover` metres are corrected.
+/// Returns the normal correction applied, metres.
 #[inline]
 pub(super) fn push(
     places: &mut Places,
@@ -22,7 +22,7 @@ pub(super) fn push(
     let moved = (places.position[i] - places.start[i]).truncate();
     let normal_part = recovered_way(normal_part, moved, recover);
     let depth = normal_part.length();
-    // Of what is too little to be squared nothing comes.
+    // The square underflows to zero: dividing by it would be NaN.
     if depth * depth == 0.0 {
         return 0.0;
     }
@@ -32,19 +32,19 @@ pub(super) fn push(
     depth
 }
 
-/// The tangential correction of Coulomb's law in positions: `Δt = -t · min(μ Δn/‖t‖, 1)`.
+/// The tangential correction of Coulomb's law as a displacement: `Δt = -t · min(μ Δn/‖t‖, 1)`.
 ///
-/// `t` is the sliding of this substep and `Δn` the normal correction. A normal force N acts for a substep h on the mass m as
-/// the displacement `Δn = N h²/m`; friction of at most μN moves it back by at most `μ Δn`, and never past standing still.
+/// `t` is the tangential slip of this substep and `Δn` the normal correction. A normal force N acting on the mass m for a substep h is the displacement `Δn = N
+/// h²/m`; friction of at most μN corrects the slip by at most `μ Δn`, and never beyond zero slip.
 #[inline]
 pub(super) fn friction(slid: Vec3, normal_correction: f32, coefficient: f32) -> Vec3 {
     slid * -friction_share(slid.length(), coefficient * normal_correction)
 }
 
-/// The share of a sliding of `length` that friction takes which is good for `most` of it, 0 to 1, both in the same unit.
+/// The share of a slip of length `slip` that friction removes if its limit is `limit`, 0 to 1. Both in the same unit, metres or m/s.
 #[inline(always)]
-pub(super) fn friction_share<N: Number>(length: N, most: N) -> N {
-    most.lt(length).select(most / length, N::splat(1.0))
+pub(super) fn friction_share<N: Number>(slip: N, limit: N) -> N {
+    limit.lt(slip).select(limit / slip, N::splat(1.0))
 }
 
 #[cfg(test)]

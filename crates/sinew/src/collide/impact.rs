@@ -1,50 +1,50 @@
-//! What has touched what in a step, for whoever wants to know: gathered contact by contact, and merged into one line for each two participants.
+//! Contact events of a step: collected contact by contact, then merged into one entry for each pair of participants.
 
 use glam::Vec3;
 
-/// Who takes part in a contact.
+/// A participant of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ContactParticipant {
-    /// A body, by its number in [`Simulation::bodies`](crate::Simulation::bodies).
+    /// A body, by its index in [`Simulation::bodies`](crate::Simulation::bodies).
     Body(u32),
-    /// A particle of no body, by its row.
+    /// A particle that belongs to no body, by its row.
     Particle(u32),
-    /// A collider, by its number in [`Simulation::colliders`](crate::Simulation::colliders).
+    /// A collider, by its index in [`Simulation::colliders`](crate::Simulation::colliders).
     Collider(u32),
-    /// A plane of [`Boundaries`](crate::Boundaries), by its number there.
+    /// A plane of [`Boundaries`](crate::Boundaries), by its index there.
     Plane(u32),
-    /// A box of [`Boundaries`](crate::Boundaries), by its number there.
+    /// A box of [`Boundaries`](crate::Boundaries), by its index there.
     Box(u32),
 }
 
 /// Two participants that touched in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// The one with the lower number of its kind, in the order of [`ContactParticipant`].
+    /// The participant that comes first in the order of [`ContactParticipant`]: by kind, then by index.
     pub first: ContactParticipant,
-    /// The other one.
+    /// The other participant.
     pub second: ContactParticipant,
-    /// Where, metres; of several contacts the one with the greatest impulse.
+    /// The contact point, metres; of several contacts, that with the greatest impulse.
     pub point: Vec3,
-    /// Unit vector there, from the second to the first.
+    /// Unit contact normal at that point, from the second to the first.
     pub normal: Vec3,
-    /// What the first one got along the normals over the whole step, N·s. Zero from a sensor.
+    /// The total normal impulse on the first participant over the step, N·s. Zero from a sensor.
     pub impulse: f32,
-    /// Whether one of them is a sensor.
+    /// Whether one of the two is a sensor.
     pub sensor: bool,
 }
 
-/// Impacts of a step. Scratch, and then the report.
+/// Contact events of a step. Scratch while the step runs, then the report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Impacts {
-    /// Contact by contact; merged in the end, sorted by their participants.
+    /// One entry a contact; after [`merge`](Self::merge) one a pair, sorted by participants.
     list: Vec<Impact>,
-    /// The greatest single impulse of each merged one.
+    /// The greatest single impulse of each merged entry, N·s.
     greatest: Vec<f32>,
 }
 
 impl Impacts {
-    /// Forgets the last step.
+    /// Clears the events of the last step.
     pub(crate) fn clear(&mut self) {
         self.list.clear();
     }
@@ -62,9 +62,9 @@ impl Impacts {
         self.list.push(Impact { first, second, point, normal, impulse, sensor });
     }
 
-    /// Merges those of the same two participants, and sorts them by who they are.
+    /// Merges the contacts of each pair of participants, and sorts the pairs.
     pub(crate) fn merge(&mut self) -> &[Impact] {
-        // Stable, so that equals stay in the order in which they came about.
+        // Stable, so that contacts of one pair stay in the order in which they were added.
         self.list.sort_by_key(|impact| (impact.first, impact.second));
         self.greatest.clear();
         let mut kept = 0;

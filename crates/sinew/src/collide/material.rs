@@ -1,30 +1,30 @@
-//! What surfaces are made of, and which may touch: friction, restitution, the lectures' drags; layers.
+//! Surface materials (friction, restitution, drag), collision layers, and the contact settings of a body.
 
 use crate::constraints::PlanarDrag;
 
-/// What a surface is made of. Two that touch make a [`CombinedMaterial`] of theirs.
+/// The material of a surface. Two surfaces that touch combine to a [`CombinedMaterial`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Coulomb's coefficient of friction μ, 0 (ice) and up. Default 0.5.
+    /// Coulomb coefficient of friction μ, dimensionless, 0 (ice) or more. Default 0.5.
     pub friction: f32,
-    /// Which part of the speed of approach it bounces back with, 0 (not at all) to 1 (all of it). Default 0.
+    /// Coefficient of restitution: the share of the approach speed that remains after a bounce, 0 (no bounce) to 1 (elastic). Default 0.
     pub restitution: f32,
-    /// How the friction of two surfaces is made of each one's. Default [`Combine::Average`].
+    /// How the friction of two surfaces is combined. Default [`Combine::Average`].
     pub friction_rule: Combine,
-    /// The same of restitution.
+    /// How the restitution of two surfaces is combined. Default [`Combine::Average`].
     pub restitution_rule: Combine,
-    /// The lectures' friction: a drag along the surface and one across it, for what touches it: single particles on what stands, and body colliders.
-    /// Of two surfaces the greater counts. Default none.
+    /// A velocity damping along and across the surface, for what touches it: single particles on static or kinematic geometry, and body colliders. Of two
+    /// surfaces the greater value applies. Default none.
     pub drag: PlanarDrag,
 }
 
-/// How a coefficient of two surfaces is made of each one's. Where the two ask for different rules, the one later in this list counts.
+/// How a coefficient of a contact is computed from those of the two surfaces. Where the two surfaces have different rules, the later one in this list applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Combine {
-    /// Half of their sum. The default.
+    /// The mean of the two. The default.
     #[default]
     Average,
-    /// The smaller of the two: ice is slippery for everyone.
+    /// The smaller of the two: ice stays slippery under any other surface.
     Min,
     /// Their product.
     Multiply,
@@ -32,14 +32,14 @@ pub enum Combine {
     Max,
 }
 
-/// Two surfaces that touch.
+/// The combined surface properties of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CombinedMaterial {
-    /// Coefficient of friction μ.
+    /// Coulomb coefficient of friction μ.
     pub friction: f32,
     /// Coefficient of restitution e.
     pub restitution: f32,
-    /// Drag along and across, shares of the velocity lost per second.
+    /// Drag along and across the surface, shares of the velocity lost per second.
     pub drag: PlanarDrag,
 }
 
@@ -58,17 +58,17 @@ impl Material {
         drag: PlanarDrag { along: 0.0, across: 0.0 },
     };
 
-    /// The same with another coefficient of friction.
+    /// The same material with another coefficient of friction.
     pub fn with_friction(self, friction: f32) -> Self {
         Self { friction, ..self }
     }
 
-    /// The same with another coefficient of restitution.
+    /// The same material with another coefficient of restitution.
     pub fn with_restitution(self, restitution: f32) -> Self {
         Self { restitution, ..self }
     }
 
-    /// Whether all numbers are finite and in range.
+    /// Whether all values are finite and in range.
     pub fn is_valid(&self) -> bool {
         self.friction.is_finite()
             && self.friction >= 0.0
@@ -76,7 +76,7 @@ impl Material {
             && self.drag.is_valid()
     }
 
-    /// What becomes of this surface and another one.
+    /// Combines this material with that of another surface.
     pub fn against(&self, other: &Self) -> CombinedMaterial {
         CombinedMaterial {
             friction: self.friction_rule.max(other.friction_rule).of(self.friction, other.friction),
@@ -93,7 +93,7 @@ impl Material {
 }
 
 impl Combine {
-    /// The coefficient of two surfaces.
+    /// The combined coefficient of two surfaces.
     pub fn of(self, a: f32, b: f32) -> f32 {
         match self {
             Self::Average => 0.5 * (a + b),
@@ -104,10 +104,10 @@ impl Combine {
     }
 }
 
-/// Which things may touch: two of them do if each is a member of a layer that the other one collides with. 32 layers, a bit each.
+/// Collision layers. Two things may touch if each is a member of a layer that the other collides with. 32 layers, one bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Layers {
-    /// Layers that it is in. Default the first.
+    /// Layers that it is a member of. Default the first.
     pub memberships: u32,
     /// Layers that it collides with. Default all.
     pub filters: u32,
@@ -122,38 +122,39 @@ impl Default for Layers {
 impl Layers {
     const DEFAULT: Self = Self { memberships: 1, filters: u32::MAX };
 
-    /// Touches nothing.
+    /// Collides with nothing.
     pub const NONE: Self = Self { memberships: 0, filters: 0 };
 
-    /// A member of the first of these layers that collides with the second of them.
+    /// A member of the layers `memberships` that collides with the layers `filters`.
     pub const fn new(memberships: u32, filters: u32) -> Self {
         Self { memberships, filters }
     }
 
-    /// Whether the two may touch.
+    /// Whether two things with these layers may touch.
     #[inline]
     pub const fn meets(self, other: Self) -> bool {
         self.memberships & other.filters != 0 && other.memberships & self.filters != 0
     }
 }
 
-/// How a body takes part in contacts with colliders, with other bodies and with itself.
+/// The contact settings of a body: what it collides with, and how its surface behaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyContacts {
-    /// What it is made of.
+    /// The material of its surface.
     pub material: Material,
-    /// What it may touch.
+    /// Its collision layers.
     pub layers: Layers,
-    /// Whether it touches other bodies, if they touch it: rigid parts by their shape, other particles as balls of their radius. Default so.
+    /// Whether it collides with other bodies that do, too: rigid parts by their shape, other particles as balls of their radius. Default true.
     pub with_bodies: bool,
-    /// Whether its particles touch each other where they are further apart in the rest shape. Default not.
+    /// Whether its particles collide with each other. Two that are closer than the sum of their radii in the rest shape keep their distance there instead.
+    /// Default false.
     pub with_itself: bool,
-    /// Whether it touches those by the triangles of its surface, too ([`Forces::surfaces`](crate::Forces::surfaces)), and not by its particles alone:
-    /// nothing passes through its mesh then, however coarse that is. It costs some ten times what its particles do. Default not.
+    /// Whether it collides by the triangles of its surface ([`Forces::surfaces`](crate::Forces::surfaces)) in addition to its particles: nothing then passes
+    /// through its mesh, however coarse it is. Costs about ten times as much as particles alone. Default false.
     pub surface: bool,
-    /// Whether its contacts are listed in the report. Default not.
+    /// Whether its contacts are listed in the report. Default false.
     pub events: bool,
-    /// Whether it touches nothing at all, not even colliders, planes and boxes. Default not.
+    /// Whether it collides with nothing at all, not even colliders, planes and boxes. Default false.
     pub disabled: bool,
 }
 
@@ -164,7 +165,7 @@ impl Default for BodyContacts {
 }
 
 impl BodyContacts {
-    /// Touches all there is but itself.
+    /// Collides with everything but itself.
     pub(crate) const DEFAULT: Self = Self {
         material: Material::DEFAULT,
         layers: Layers::DEFAULT,
@@ -175,12 +176,12 @@ impl BodyContacts {
         disabled: false,
     };
 
-    /// Whether it touches anything that moves.
+    /// Whether it collides with anything dynamic.
     pub(crate) fn takes_part(&self) -> bool {
         !self.disabled && (self.with_bodies || self.with_itself)
     }
 
-    /// Whether two bodies touch, if no joint keeps them from it.
+    /// Whether two bodies may touch, as far as no constraint between them prevents it.
     #[inline(always)]
     pub(crate) fn meets(&self, other: &Self) -> bool {
         self.with_bodies

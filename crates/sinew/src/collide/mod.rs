@@ -1,31 +1,31 @@
-//! Contacts (physics.md C10): what may not pass through what, with friction and restitution.
+//! Contacts (physics.md C10): collision detection and response, with friction and restitution.
 //!
 //! | file | what it is |
 //! |---|---|
-//! | `shape` | plane, sphere, capsule, box, cylinder, hull, mesh, heightfield: made and measured with `parry3d` |
-//! | `frame` | where something rigid is |
-//! | `material` | friction, restitution, layers; what a body asks for |
-//! | `collider` | shapes that stand still or that the game moves |
+//! | `shape` | half-space, inverted box, sphere, capsule, box, cylinder, hull, mesh, heightfield: contacts of a moving sphere, rays, nearest points |
+//! | `frame` | poses of rigid things |
+//! | `material` | friction, restitution, layers; contact settings of a body |
+//! | `collider` | static and kinematic shapes |
 //! | `body_collider` | particles that collide as one, by a shape |
-//! | `distance` | how near points, segments and triangles are to each other |
-//! | `filter` | which things may touch: layers, joints, what bodies ask for |
-//! | `nearby` | broad phase over whole bodies: which of them may come to touch another one |
+//! | `distance` | distances between points, segments and triangles |
+//! | `filter` | which pairs may touch: layers, joints, settings of bodies |
+//! | `nearby` | broad phase over whole bodies |
 //! | `body_classes` | bodies that static geometry treats alike |
-//! | `bounds` | planes and boxes that hold particles without ado |
+//! | `bounds` | planes and boxes that bound particles without bounce, drag, motion or events |
 //! | `particle_contact` | single particles against colliders |
-//! | `pairs` | particles against particles: a grid, and what is near enough in it |
-//! | `triangles` | particles against triangles, and edges against edges, where a body asks for it: the finer tier |
-//! | `manifold` | where two shapes touch |
-//! | `sweep` | what a shape meets on a straight way, and what it is near |
+//! | `pairs` | particles against particles: grid, neighbour list, solve |
+//! | `triangles` | particles against triangles, and edges against edges, for bodies that collide by their surface |
+//! | `manifold` | contact manifolds of two shapes |
+//! | `sweep` | shape casts along a straight line, and contacts within a distance |
 //! | `body_contact` | compounds that collide by their shape, ropes by their segments |
-//! | `friction` | Coulomb's law |
-//! | `pressed` | what contacts ask of large cloth that body colliders press on |
-//! | `restitution` | restitution: the one law of all contacts |
-//! | `recovery` | how much of an overlap a particle is put out by in a substep |
-//! | `world` | what all of them are told of a world |
-//! | `stage` | all of it in its order |
-//! | `impact` | what has touched what, for the report |
-//! | `words` | what has private parts as plain words, to be stored |
+//! | `friction` | Coulomb friction |
+//! | `restitution` | the law of restitution |
+//! | `pressed` | interface to large cloth under body colliders |
+//! | `recovery` | maximum depenetration of a particle in a substep |
+//! | `world` | the view of a world that all of them read |
+//! | `stage` | contact state of a step, and the order of the passes |
+//! | `impact` | contact events for the report |
+//! | `words` | types with private fields as plain words, for serialisation |
 
 mod body_classes;
 mod body_collider;

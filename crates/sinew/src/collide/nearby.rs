@@ -1,10 +1,11 @@
-//! Broad phase over whole bodies: which of them may come to touch another one in a step, so that what is far from everything costs nothing.
+//! Broad phase over whole bodies: finds the bodies that may touch another one in a step, so that bodies far from everything cost nothing.
 //!
-//! It is asked for bodies that have particles of their own to collide with: cloth, ropes, soft bodies, single particles. Rigid parts are compared one by
-//! one as it is (`body_contact`), and stand here for what those may run into.
+//! It serves bodies that have particles of their own to collide with: cloth, ropes, soft bodies, single particles. Rigid parts are tested one by one anyway
+//! (`body_contact`), and are included here only as something those may run into.
 //!
-//! Of a large body that is near another one mostly a few particles are: a sail has ropes at its corners. The others are far from everything, too. They are asked
-//! where each of some strips of the other may come to: the box about a rope that goes to a corner aslant has half of the sail in it.
+//! Of a large body near another one, mostly only a few particles are close: a sail has ropes at its corners. The other particles are excluded too. The other
+//! body is cut into strips of consecutive particles, and the swept bounds of each strip are a region: particles of the large body outside all regions take no
+//! part. One box about the whole body would not do: that about a rope running aslant to a corner contains half of the sail.
 
 use core::ops::Range;
 
@@ -17,70 +18,71 @@ use super::world::World;
 use crate::kept::Kept;
 use crate::particles::{NO_BODY, Particles};
 
-/// Bodies, and which are near another one. Scratch of a step.
+/// Bodies that are near another one in a step. Scratch.
 ///
-/// What collides by its particles meets particles of others in one place (`pairs`, `triangles`) and shapes in another (`body_contact`), and takes part there where
-/// there are such: cloth that a figure runs into touches its limbs, and no particle, so that no triangle of it is looked for.
+/// Bodies that collide by their particles are tested against particles of others in one place (`pairs`, `triangles`) and against shapes in another
+/// (`body_contact`), and take part in each only where there is something of that kind. Cloth that a figure runs into touches its limbs and no particle, so none
+/// of its triangles is tested against particles.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Nearby {
-    /// Which may come to touch particles of another one, or their own.
+    /// Bodies that may touch particles, of another body or their own.
     particles: Participation,
-    /// Which may come to touch shapes.
+    /// Bodies that may touch shapes.
     shapes: Participation,
     bodies: Vec<BodyExtent>,
     bounds: Vec<(Vec3, Vec3)>,
     broad: Kept<Broad>,
     pairs: Vec<[u32; 2]>,
-    /// Of each body how far its shapes reach beyond its particles at the most, metres; of bodies that have none it may be missing.
+    /// For each body the greatest distance that its shapes reach beyond its particles, metres; may be missing for bodies without shapes.
     overhangs: Vec<f32>,
-    /// Large bodies, each with one that it is near; sorted.
+    /// Large bodies, each paired with a body that it is near; sorted.
     met: Vec<[u32; 2]>,
-    /// Of each body that large ones are near where its strips are, how many particles each has, and how many of it have been looked at.
+    /// Strips of each body that a large one is near, and of the large ones.
     strips_of: Vec<StripsOf>,
     /// Boxes about consecutive particles of a body.
     strips: Vec<(Vec3, Vec3)>,
 }
 
-/// Whose particles may come to touch things of one kind.
+/// The bodies, regions and particles that may touch things of one kind.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Participation {
-    /// Of each body, whether some of its particles may, and whether they may touch things of another one.
+    /// For each body, whether some of its particles may touch something, and whether that something belongs to another body.
     near: Vec<bool>,
     beside: Vec<bool>,
-    /// Of each body where the regions are in which its particles may; none where all of them may.
+    /// For each body its slice of `regions`, in which its particles take part; empty where all of them do.
     of_body: Vec<Range<u32>>,
     regions: Vec<(Vec3, Vec3)>,
-    /// Of each body how many particles are in its regions.
+    /// For each body how many of its particles lie in its regions.
     inside: Vec<u32>,
-    /// Of each row whether it is in no region, though its body is near something; empty where that is so of none.
+    /// For each row whether it lies in no region although its body takes part; empty where there is no such row.
     far: Vec<bool>,
 }
 
-/// Where a body is.
+/// Bounds and motion of a body.
 #[derive(Clone, Copy, Debug)]
 struct BodyExtent {
     low: Vec3,
     high: Vec3,
-    /// The square of its fastest particle's speed, m²/s².
+    /// The square of the speed of its fastest particle, m²/s².
     fastest: f32,
-    /// Its mean velocity, m/s: before it is known that somebody large is near, or that it is large and near somebody, the sum over its particles.
+    /// Mean velocity, m/s. First the sum over its particles; divided only for large bodies that are near others, and for those others.
     velocity: Vec3,
-    /// How much its particles' velocities differ from that at the most, m/s; of the same bodies.
+    /// The greatest deviation of a particle's velocity from that, m/s; of the same bodies.
     spread: f32,
-    /// Of its largest particle, metres.
+    /// The radius of its largest particle, metres.
     radius: f32,
-    /// How far the pin that is led farthest in this step is led, metres.
+    /// The greatest distance that a pin of it is moved by in this step, metres.
     led: f32,
-    /// How many particles it has.
+    /// Number of its particles.
     particles: u32,
-    /// How far its shapes reach beyond its particles at the most, metres.
+    /// The greatest distance that its shapes reach beyond its particles, metres.
     overhang: f32,
-    /// Whether it has particles that collide by themselves, and whether it has some that collide as a shape.
+    /// Whether some of its particles collide by themselves, and whether some collide as a shape.
     free: bool,
     has_shapes: bool,
 }
 
-/// Where the strips of a body are.
+/// The strips of a body: their slice of the boxes, the particles in each, and a count of particles processed while they are built.
 #[derive(Clone, Debug, Default)]
 struct StripsOf {
     strips: Range<u32>,
@@ -88,29 +90,30 @@ struct StripsOf {
     seen: u32,
 }
 
-/// In so many strips a body is cut at the most, and none has fewer particles than this.
+/// Maximum number of strips of a body, and minimum number of particles of a strip.
 const STRIPS: u32 = 8;
 const STRIP: u32 = 4;
 
-/// Of smaller bodies all particles are asked.
+/// Up to this many particles of a body, all take part.
 const LARGE: u32 = 64;
 
-/// Of more regions none are made: all particles are asked as fast.
+/// Above this many regions of a body all of its particles take part: testing each against so many boxes takes as long.
 const MOST_REGIONS: usize = 48;
 
-/// Where more than one in so many particles of a body is in a region, all take part: who does changes less, and what was found lasts longer.
+/// Where more than one particle in this many is in a region, all of the body take part: the set of participants then changes less often, and neighbour lists
+/// last longer.
 const MANY: u32 = 2;
 
-/// How much further than its fastest particle would go alone, a body may go: what is flung by its neighbours is faster than all of them were.
+/// Factor on the speed of the fastest particle: what its neighbours fling can become faster than any of them was.
 pub(super) const HASTE: f32 = 1.5;
 
-/// How far a body may reach in a step of `dt` seconds, metres, beside the radii of its particles, if the fastest of them goes at `speed` m/s.
+/// How far a body may reach in a step of `dt` seconds beyond the radii of its particles, metres, if the fastest of them moves at `speed` m/s.
 pub(super) fn reach(speed: f32, gravity: f32, dt: f32) -> f32 {
     HASTE * (speed + gravity * dt) * dt
 }
 
 impl Nearby {
-    /// All that take part, wherever they are.
+    /// A result in which every body that collides takes part, wherever it is.
     #[cfg(test)]
     pub(super) fn everywhere(contacts: &[BodyContacts]) -> Self {
         let near: Vec<bool> = contacts.iter().map(BodyContacts::takes_part).collect();
@@ -118,17 +121,17 @@ impl Nearby {
         Self { particles: all.clone(), shapes: all, ..Self::default() }
     }
 
-    /// Who may come to touch particles of another body, or of its own.
+    /// Participation in contacts with particles of another body, or of the same one.
     pub(super) fn to_particles(&self) -> &Participation {
         &self.particles
     }
 
-    /// Who may come to touch shapes of another body, or of its own.
+    /// Participation in contacts with shapes of another body, or of the same one.
     pub(super) fn to_shapes(&self) -> &Participation {
         &self.shapes
     }
 
-    /// Looks at the shapes, when those or the particles have changed.
+    /// Computes how far shapes overhang particles, when either has changed.
     pub(super) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
         self.overhangs.clear();
         for BodyCollider { rows, rest, shape, .. } in body_colliders {
@@ -149,7 +152,7 @@ impl Nearby {
         }
     }
 
-    /// Finds them. Rows that are marked in `aside` do not collide by themselves.
+    /// Finds the bodies and regions that take part in this step. Rows that are marked in `aside` do not collide by themselves.
     pub(super) fn broad_phase(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
         let contacts = world.filter.bodies();
         self.particles.clear(contacts.len());
@@ -157,7 +160,7 @@ impl Nearby {
         if !contacts.iter().any(BodyContacts::takes_part) {
             return;
         }
-        // Where all that collide do so by a shape, nobody is looked for.
+        // Where everything that collides does so by a shape, there is nothing to find.
         let is_free = |(row, &body): (usize, &u32)| {
             let own = contacts.get(body as usize);
             !aside.get(row).is_some_and(|&aside| aside)
@@ -199,7 +202,7 @@ impl Nearby {
         }
     }
 
-    /// Lists large bodies with those that they are near.
+    /// Lists large bodies with the bodies that they are near.
     fn find_met(&mut self, world: &World) {
         let contacts = world.filter.bodies();
         let Self { bodies, pairs, particles, shapes, met, .. } = self;
@@ -220,7 +223,7 @@ impl Nearby {
         met.sort_unstable();
     }
 
-    /// Puts boxes about the strips of those that they are near, and finds how fast both are.
+    /// Bounds the strips of the bodies in `met`, and computes the mean velocity and spread of each.
     fn find_strips(&mut self, particles: &Particles, world: &World) {
         let contacts = world.filter.bodies();
         let Self { bodies, met, strips_of, strips: boxes, .. } = self;
@@ -230,7 +233,7 @@ impl Nearby {
         for &body in met.iter().flatten() {
             let (extent, own) = (&mut bodies[body as usize], &mut strips_of[body as usize]);
             if own.size == 0 {
-                // What lies between particles of different strips collides, too, where it is a shape or a surface.
+                // Shapes and surfaces also collide between particles of different strips, so they are one strip.
                 let whole = extent.has_shapes || contacts[body as usize].surface;
                 let strips = if whole { 1 } else { STRIPS };
                 own.size = extent.particles.div_ceil(strips).max(STRIP);
@@ -251,7 +254,7 @@ impl Nearby {
             }
             let extent = &mut bodies[body as usize];
             let (number, about) = (own.seen / own.size, particles.radius[row] + extent.overhang);
-            // The first of a strip is of the one before, too: a rope may collide between the two.
+            // The first particle of a strip belongs to the strip before, too: a rope may collide by the segment between the two.
             let first = own.seen.is_multiple_of(own.size) && number > 0;
             let strips = own.strips.start + number - u32::from(first)..=own.strips.start + number;
             for strip in strips {
@@ -264,8 +267,8 @@ impl Nearby {
         }
     }
 
-    /// Notes where particles of large bodies may come to touch another one: where that may come to, in a frame that goes as fast as the large one does in the mean, for
-    /// a parachute and its ropes fall together.
+    /// Finds the regions in which particles of large bodies may touch another body: the swept bounds of that body, relative to the mean velocity of the large
+    /// one, because a parachute and its ropes fall together.
     fn find_regions(&mut self, world: &World) {
         let contacts = world.filter.bodies();
         let Self { particles, shapes, bodies, met, strips_of, strips, .. } = self;
@@ -277,7 +280,7 @@ impl Nearby {
                 let apart = bodies[other].velocity - extent.velocity;
                 apart.length() + bodies[other].spread
             };
-            // Who is hit is as fast as what hits it.
+            // What is hit may become as fast as what hits it.
             let fastest = others().map(speed).fold(extent.spread, f32::max);
             let reach = |speed: f32| reach(speed, world.g(), world.dt);
             let own = extent.led + extent.radius + extent.rounding() + reach(fastest);
@@ -288,7 +291,7 @@ impl Nearby {
                 let boxes = &strips[start as usize..end as usize];
                 boxes.iter().map(move |&(low, high)| (low - wide, high + wide))
             };
-            // Of what touches itself any particle may touch another one of its own.
+            // In a body that collides with itself any particle may touch another one of it.
             let alone = !contacts[body].with_itself;
             if alone {
                 let others = others().filter(|&other| bodies[other].free);
@@ -301,7 +304,7 @@ impl Nearby {
         }
     }
 
-    /// Puts a box about each body that takes part, and about where its pins lead.
+    /// Computes the bounds of each body that takes part, including the targets of its pins.
     fn enclose(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
         let contacts = world.filter.bodies();
         self.bodies.clear();
@@ -341,7 +344,7 @@ impl Nearby {
 }
 
 impl Participation {
-    /// Forgets all, and has so many bodies.
+    /// Clears everything, and resizes for this many bodies.
     fn clear(&mut self, bodies: usize) {
         self.near.clear();
         self.near.resize(bodies, false);
@@ -352,13 +355,13 @@ impl Participation {
         self.far.clear();
     }
 
-    /// Notes in which regions particles of a body take part.
+    /// Sets the regions in which particles of a body take part.
     fn take_regions(&mut self, body: usize, of_others: impl Iterator<Item = (Vec3, Vec3)>) {
         let Self { near, of_body, regions, .. } = self;
         let first = regions.len();
         regions.extend(of_others.take(MOST_REGIONS + 1));
         let is_finite = |(low, high): &(Vec3, Vec3)| low.is_finite() && high.is_finite();
-        // Where somebody is infinitely fast, or at a speed of no number, all are asked.
+        // Where a speed is infinite or NaN, all particles take part.
         if regions.len() - first > MOST_REGIONS || !regions[first..].iter().all(is_finite) {
             regions.truncate(first);
         }
@@ -366,7 +369,7 @@ impl Participation {
         of_body[body] = first as u32..regions.len() as u32;
     }
 
-    /// Marks the particles that are in no region of their body, where those are most of it.
+    /// Marks the particles that are in no region of their body, unless most of the body is in one.
     fn find_far(&mut self, particles: &Particles, bodies: &[BodyExtent]) {
         let Self { of_body, regions, far, inside, .. } = self;
         if regions.is_empty() {
@@ -398,30 +401,30 @@ impl Participation {
         }
     }
 
-    /// Notes that a body is near another one, if so.
+    /// Marks a body as near another one, if `beside`.
     fn add(&mut self, body: usize, beside: bool) {
         self.near[body] |= beside;
         self.beside[body] |= beside;
     }
 
-    /// Whether some particles of a body may touch things of another one.
+    /// Whether some particles of a body may touch things of another body.
     pub(super) fn has_beside(&self, body: u32) -> bool {
         self.beside.get(body as usize).is_some_and(|&beside| beside)
     }
 
-    /// Whether some particles of a body may.
+    /// Whether some particles of a body take part.
     #[inline(always)]
     pub(super) fn has(&self, body: u32) -> bool {
         self.near.get(body as usize).is_some_and(|&near| near)
     }
 
-    /// Whether the particle of a row, which is of a body, may.
+    /// Whether the particle of a row, which belongs to `body`, takes part.
     #[inline(always)]
     pub(super) fn has_particle(&self, row: usize, body: u32) -> bool {
         self.has(body) && !self.far.get(row).is_some_and(|&far| far)
     }
 
-    /// Whether what is between some points of a body, metres in the world, may.
+    /// Whether the triangle of three points of a body, metres in the world, takes part.
     pub(super) fn has_hull(&self, body: u32, points: [Vec3; 3]) -> bool {
         let own = self.of_body.get(body as usize).filter(|own| !own.is_empty());
         let Some(own) = own else { return self.has(body) };
@@ -454,19 +457,19 @@ impl BodyExtent {
         self.radius = self.radius.max(radius);
     }
 
-    /// What it may reach in the step; a box that overlaps nothing for one that takes no part.
+    /// Swept bounds of the step. Inverted, so that it overlaps nothing, for a body that takes no part.
     fn bounds(&self, world: &World) -> (Vec3, Vec3) {
         let wide = reach(self.fastest.sqrt(), world.g(), world.dt) + self.rounding();
         (self.low - wide, self.high + wide)
     }
 
-    /// Far out the sum of a position with its origin is rounded, metres.
+    /// Bound of the rounding of position plus origin, which grows with the distance from the origin, metres.
     fn rounding(&self) -> f32 {
         1e-6 * (self.low.abs().max(self.high.abs()).max_element() + 1.0)
     }
 }
 
-/// Whether a box is within a region, in part; what is no number is nowhere.
+/// Whether a box overlaps a region; false for NaN.
 fn is_within((low, high): (Vec3, Vec3), region: (Vec3, Vec3)) -> bool {
     low.cmple(region.1).all() && region.0.cmple(high).all()
 }
@@ -482,7 +485,7 @@ mod tests {
     use crate::particles::ParticleSeed;
     use crate::recipes::{BoxLayout, BoxSpec, box_3d};
 
-    /// A flat sheet of 40 × 40 particles that are 0.1 m apart and have a radius of 0.04 m, from the origin on; and other bodies.
+    /// A flat sheet of 40 × 40 particles with a spacing of 0.1 m and a radius of 0.04 m, with a corner at the origin; and other bodies.
     #[derive(Default)]
     struct Sheet {
         particles: Particles,
@@ -501,7 +504,7 @@ mod tests {
             sheet
         }
 
-        /// Adds a body of such particles, all of which have a velocity.
+        /// Adds a body of such particles with a common velocity.
         fn add(&mut self, places: impl IntoIterator<Item = Vec3>, velocity: Vec3) {
             let body = self.contacts.len() as u32;
             self.contacts.push(BodyContacts { with_bodies: true, ..BodyContacts::DEFAULT });
@@ -513,7 +516,7 @@ mod tests {
             }
         }
 
-        /// Adds a crate of 1 m that lies in its middle.
+        /// Adds a crate of 1 m that lies on the middle of the sheet.
         fn add_crate(&mut self, layout: BoxLayout) {
             let spec = BoxSpec { size: Vec3::splat(1.0), layout, ..BoxSpec::default() };
             let crate_ = box_3d(&spec).unwrap();
@@ -525,7 +528,7 @@ mod tests {
             self.shapes.push(BodyCollider { rows: rows.collect(), rest, shape, id: 0 });
         }
 
-        /// Who may come to touch whom in a sixtieth of a second.
+        /// The broad phase for a step of 1/60 s.
         fn nearby(&self) -> Nearby {
             let (filter, islands) = (ContactFilter::untied(&self.contacts), Islands::default());
             let world = World {
@@ -547,10 +550,10 @@ mod tests {
             nearby
         }
 
-        /// The places of those particles of the sheet that may come to touch another body.
+        /// Positions of the particles of the sheet that may touch another body.
         fn taking_part(&self) -> Vec<Vec3> {
             let nearby = self.nearby();
-            // Of the others all that are near.
+            // Small bodies take part with all of their particles or none.
             let sheet = 0..Self::SIDE * Self::SIDE;
             let others = sheet.end..self.particles.len();
             let body = |row: usize| self.particles.body[row];
@@ -572,7 +575,7 @@ mod tests {
         let mut sheet = Sheet::new();
         sheet.add([Vec3::new(0.1, 0.08, 0.1)], Vec3::ZERO);
         let taking_part = sheet.taking_part();
-        // Two radii about it, and what gravity may do to each in the step.
+        // Two radii, and for each the reach that gravity adds in the step.
         let near = 0.1 + 2.0 * (0.04 + reach(0.0, 9.81, 1.0 / 60.0));
         assert_eq!(taking_part.len(), 1, "{taking_part:?}");
         assert!(taking_part.iter().all(|at| at.max_element() <= near));
@@ -582,7 +585,7 @@ mod tests {
     fn where_something_comes_fast_more_of_it_takes_part() {
         let mut sheet = Sheet::new();
         sheet.add([Vec3::new(1.0, 0.1, 1.0)], Vec3::new(12.0, -3.0, 0.0));
-        // What is hit goes as fast, and that is twice 0.3 m in the step.
+        // What is hit moves as fast, so the reach is twice 0.3 m in the step.
         let within = |at: &&Vec3| (at.x - 1.0).abs() < 0.6 && (at.z - 1.0).abs() < 0.6;
         let all = Sheet::new().particles;
         let wanted = (0..all.len()).map(|row| all.position(row)).filter(|at| within(&at)).count();
@@ -602,7 +605,8 @@ mod tests {
         assert_eq!(taking_part.len(), 1, "{taking_part:?}");
     }
 
-    /// A crate that lay on a sheet, whose corners were two strips, sank into it between them; one whose particles are inside of it did so by more than a third of its size.
+    /// The corners of a crate on a sheet used to be two strips, and the sheet sank in between them; with a crate whose particles are inside of it, by more than
+    /// a third of its size.
     #[test]
     fn below_all_of_a_shape_it_takes_part() {
         for layout in [BoxLayout::Corners, BoxLayout::Equimomental] {
@@ -615,14 +619,15 @@ mod tests {
         }
     }
 
-    /// A figure that ran into cloth had all triangles of it looked for in each substep, which were two thirds of the time, and never touch a shape.
+    /// A figure that ran into cloth had all triangles of the cloth tested in each substep, which took two thirds of the time, though triangles never touch a
+    /// shape.
     #[test]
     fn what_is_beside_a_shape_meets_no_particles() {
         let mut sheet = Sheet::new();
         sheet.add_crate(BoxLayout::Corners);
         let nearby = sheet.nearby();
         assert!(nearby.to_shapes().has(0) && !nearby.to_particles().has(0));
-        // Beside a particle, too, each kind has its own places.
+        // With a particle nearby as well, each kind has its own regions.
         sheet.add([Vec3::new(0.1, 0.08, 0.1)], Vec3::ZERO);
         let nearby = sheet.nearby();
         let count = |kind: &Participation| {
@@ -649,7 +654,7 @@ mod tests {
         assert_eq!(sheet.taking_part().len(), 0);
         sheet.particles.position[0].w = 0.0;
         sheet.boundaries.pins.push(Pin { particle: 0, target: Vec3::new(0.0, 1.5, 0.0) });
-        // It takes its neighbours along.
+        // A moved pin drags its neighbours along.
         let taking_part = sheet.taking_part();
         assert!(taking_part.contains(&Vec3::ZERO) && taking_part.len() > 100);
         assert!(taking_part.iter().all(|at| at.max_element() < 1.7));
@@ -660,7 +665,7 @@ mod tests {
         let corner = Vec3::new(0.1, 0.08, 0.1);
         let mut sheet = Sheet::new();
         let aslant = |share: f32| corner.lerp(Vec3::new(3.0, 0.08, 3.0), share);
-        // Of what lies aslant on it only what is below is near, and of few points that are far apart all between them.
+        // Under a dense row that lies aslant only the particles below it take part. A body of few points far apart is one box, so everything between them does.
         sheet.add((0..128).map(|i| aslant(i as f32 / 127.0)), Vec3::ZERO);
         let taking_part = sheet.taking_part().len();
         assert!((100..300).contains(&taking_part), "{taking_part}");

@@ -1,25 +1,25 @@
-//! How much of an overlap that a substep began with a particle is put out by in it: what it approached by in the substep is stopped exactly, and the rest comes
-//! at a bounded speed, since what is moved out by a length in a substep leaves with that length by the time of one.
+//! Maximum depenetration of a particle in a substep. The motion into the shape during the substep is corrected in full; an overlap from before is corrected at
+//! a bounded speed, because a particle that is moved by a length in a substep leaves with the velocity length / h.
 
 use glam::Vec3;
 
 use super::shape::{Shape, ShapeTouch};
 
-/// How much of an overlap is recovered in a substep: so many times what gravity adds to it, and what this speed is, m/s.
+/// Limit of the depenetration in a substep: this multiple of g h² (what gravity adds to an overlap), plus this speed times h, m/s.
 const RECOVERED: (f32, f32) = (20.0, 2.0);
 
-/// How much of an overlap of a particle is recovered in a substep of `h` seconds, metres.
+/// Maximum depenetration of a particle in a substep of `h` seconds, metres; `g` is the magnitude of gravity, m/s².
 pub(crate) fn recovery(h: f32, g: f32) -> f32 {
     in_substep(RECOVERED, h, g)
 }
 
-/// How far it is in a substep of `h` seconds, metres: so many times what gravity adds to an overlap in it, and what a speed is, m/s.
+/// A limit of depenetration, given as a multiple of g h² and a speed in m/s, for a substep of `h` seconds, metres.
 pub(super) fn in_substep((falls, speed): (f32, f32), h: f32, g: f32) -> f32 {
     falls * g * h * h + speed * h
 }
 
-/// How far a sphere that came from one point to another is put out of a shape in a substep in which so much of an overlap is recovered, metres. `None` if it is
-/// not.
+/// The contact of a sphere that moved `from` one point `to` another, with its depth limited to the approach of this substep plus `recover` metres. `None` if
+/// nothing is left to correct.
 #[inline]
 pub(super) fn recovered(
     touched: ShapeTouch,
@@ -28,7 +28,8 @@ pub(super) fn recovered(
     recover: f32,
 ) -> Option<ShapeTouch> {
     let most = touched.normal.dot(from - to) + recover;
-    // Round a bend it may have begun behind the plane that it touches now, and yet outside.
+    // On a curved surface the start may lie behind the tangent plane of this contact and yet outside the shape: then it was no overlap before, and all of it is
+    // corrected.
     if touched.depth <= recover.max(most) || !is_inside(shape, from, radius, recover) {
         return Some(touched);
     }
@@ -40,7 +41,7 @@ fn is_inside(shape: &Shape, at: Vec3, radius: f32, recover: f32) -> bool {
     shape.touch(at, at, radius).is_some_and(|touched| touched.depth > recover)
 }
 
-/// The same of a way out of planes and boxes.
+/// As [`recovered`], for a correction by planes and boxes.
 #[inline]
 pub(super) fn recovered_way(out: Vec3, moved: Vec3, recover: f32) -> Vec3 {
     let depth = out.length();

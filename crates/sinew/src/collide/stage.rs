@@ -1,4 +1,4 @@
-//! All that a step needs to know of contacts and nobody saves, and in which order its parts are asked.
+//! All contact state that a step needs and that is not saved, and the order in which the contact passes run.
 
 use super::body_collider::BodyCollider;
 use super::body_contact::{BodyContactSolver, ContactCache, RigidStep};
@@ -14,12 +14,12 @@ use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 
-/// Contacts of a step. Scratch.
+/// Contact state of a step. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Contacts {
     pub(crate) particle_contacts: ParticleContacts,
     pub(crate) normal_impulses: Vec<NormalImpulse>,
-    /// For each row whether it does not collide by itself: it belongs to a body collider, or its body touches nothing.
+    /// For each row whether it does not collide as a particle: it belongs to a body collider, or contacts of its body are disabled.
     aside: Vec<bool>,
     /// For each row whether it takes no part in `pairs`: it is aside, or triangles do all that its pairs would.
     unpaired: Vec<bool>,
@@ -31,26 +31,26 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
-    /// Chooses the instructions of the wide kernels. They never change a result.
+    /// Chooses the instruction set of the wide kernels. Results do not depend on it.
     pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
         self.body_contact.instructions = instructions;
         self.pairs.instructions = instructions;
         self.triangles.use_instructions(instructions);
     }
 
-    /// Notes which rows belong to which body colliders, when those or the particles have changed.
+    /// Rebuilds the map from rows to body colliders, when those or the particles have changed.
     pub(crate) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
         self.body_contact.compile(body_colliders, particles);
         self.nearby.compile(body_colliders, particles);
     }
 
-    /// Whether a row does not collide by itself: it belongs to a body collider, which does in its place, or its body touches nothing.
+    /// Whether a row does not collide as a particle: it belongs to a body collider, which collides in its place, or contacts of its body are disabled.
     pub(crate) fn is_aside(&self, row: u32) -> bool {
         self.aside.get(row as usize).is_some_and(|&aside| aside)
     }
 
-    /// Begins a step: finds what may come to touch what, and borrows the contact cache until the step [ends](Self::keep). Bodies that ask for
-    /// it collide by the triangles of `surfaces`.
+    /// Begins a step: runs the broad phases, and borrows the contact cache until the step [ends](Self::keep). Bodies that collide by their
+    /// [surface](crate::BodyContacts::surface) use the triangles of `surfaces`.
     pub(crate) fn begin(
         &mut self,
         (particles, surfaces): (&Particles, &[[u32; 3]]),
@@ -71,17 +71,17 @@ impl Contacts {
         self.pairs.broad_phase(particles, (filter, nearby), &particles.rest, unpaired, dt);
     }
 
-    /// Whether a body may come to touch particles of another one in this step.
+    /// Whether a body may touch particles of another body in this step.
     pub(crate) fn may_meet_others(&self, body: u32) -> bool {
         self.nearby.to_particles().has_beside(body)
     }
 
-    /// Whether it may come to touch particles in this step, of another one or its own.
+    /// Whether a body may touch particles in this step, of another body or its own.
     pub(crate) fn may_meet_any(&self, body: u32) -> bool {
         self.nearby.to_particles().has(body)
     }
 
-    /// Notes which rows do not collide by themselves.
+    /// Marks the rows that do not collide as particles.
     fn set_aside(&mut self, particles: &Particles, filter: &ContactFilter) {
         let Self { aside, body_contact, .. } = self;
         aside.clear();
@@ -93,12 +93,12 @@ impl Contacts {
         }
     }
 
-    /// The body colliders, of which some are rigid states.
+    /// The solver of body colliders, some of which are rigid states.
     pub(crate) fn rigid_states(&mut self) -> &mut BodyContactSolver {
         &mut self.body_contact
     }
 
-    /// Reads those of this step, and notes which islands they are. In a world in 2D there are none: single particles are held in its plane.
+    /// Loads the rigid states of this step, and marks their islands. A 2D world has none, since its plane constrains single particles.
     pub(crate) fn begin_rigid_states(
         &mut self,
         particles: &mut Particles,
@@ -109,18 +109,18 @@ impl Contacts {
         self.body_contact.begin_rigid_states(particles, islands, step, held);
     }
 
-    /// Whether some of them are in this step.
+    /// Whether this step has rigid states.
     pub(crate) fn has_rigid_states(&self) -> bool {
         self.body_contact.has_rigid_states()
     }
 
-    /// Whether something may come to touch something else that moves, so that islands cannot go their ways alone.
+    /// Whether two dynamic things may touch in this step, so that islands cannot be solved independently.
     pub(crate) fn is_active(&self) -> bool {
         let quiet = self.body_contact.is_empty() || self.body_contact.is_idle();
         !quiet || !self.pairs.is_empty() || !self.triangles.is_empty()
     }
 
-    /// Between the constraints of a substep of `h` seconds and its velocities.
+    /// Solves the contacts in positions: after the constraints of a substep of `h` seconds and before its velocities.
     pub(crate) fn project(
         &mut self,
         particles: &mut Particles,
@@ -132,12 +132,12 @@ impl Contacts {
         let cloth = (cloth, &*particle_contacts, &mut normal_impulses[..]);
         body_contact.project(particles, (world, nearby), (h, substep), cloth);
         self.pairs.project(particles, world.filter, h);
-        // Last, so that what it says of sides holds when the next substep begins.
+        // Last, so that the sides that it determines still hold when the next substep begins.
         self.triangles.project(particles, world.filter);
         self.particle_contacts.flatten(particles, false);
     }
 
-    /// After the velocities.
+    /// Solves restitution: after the velocities of a substep.
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         self.body_contact.bounce(particles, h, gravity);
         self.pairs.bounce(particles, h, gravity);
@@ -145,17 +145,17 @@ impl Contacts {
         self.particle_contacts.flatten(particles, true);
     }
 
-    /// How deep body colliders are in each other and in what stands, metres, with a row of each.
+    /// Depths of overlap of body colliders with each other and with static geometry, metres, each with a row of the two.
     pub(crate) fn overlaps(&mut self) -> impl Iterator<Item = (u32, f32)> {
         self.body_contact.overlaps()
     }
 
-    /// Gives the contact cache back.
+    /// Returns the contact cache.
     pub(crate) fn keep(&mut self, contact_cache: &mut ContactCache) {
         self.body_contact.keep(contact_cache);
     }
 
-    /// What has touched what in a step.
+    /// The contact events of a step.
     pub(crate) fn report(&mut self, particles: &Particles) -> &[Impact] {
         let mut normal_impulses = NormalImpulses::all(&mut self.normal_impulses);
         self.particle_contacts.report(particles, &mut normal_impulses, &mut self.impacts);

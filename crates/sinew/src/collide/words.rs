@@ -1,8 +1,8 @@
-//! Plain words, for whoever stores what has private parts: floats by their bits, so that what is read is what was written, to the last bit.
+//! Serialisation of types with private fields as a sequence of `u32` words. Floats are stored by their bits, so that reading restores them exactly.
 
 use glam::{Mat3, Vec3};
 
-/// Appends the words of something.
+/// Appends values as words.
 pub(crate) trait Write {
     fn float(&mut self, x: f32);
 
@@ -27,7 +27,7 @@ impl Write for Vec<u32> {
     }
 }
 
-/// Reads words one after the other; `None` where they end too early.
+/// Reads words in sequence; `None` where they end too early.
 pub(crate) struct Reader<'a>(pub(crate) &'a [u32]);
 
 impl Reader<'_> {
@@ -54,7 +54,7 @@ impl Reader<'_> {
         Some(Mat3::from_cols(self.vec3()?, self.vec3()?, self.vec3()?))
     }
 
-    /// A list that is led by its length. No memory is asked for beyond what there are words for.
+    /// A list preceded by its length. Memory is reserved only for as many elements as there are words left, whatever the length says.
     pub(crate) fn list<T>(
         &mut self,
         mut one: impl FnMut(&mut Self) -> Option<T>,
@@ -67,7 +67,7 @@ impl Reader<'_> {
         Some(list)
     }
 
-    /// What was read, if nothing is left over.
+    /// Returns `read` if no words are left over.
     pub(crate) fn all<T>(self, read: T) -> Option<T> {
         self.0.is_empty().then_some(read)
     }

@@ -1,4 +1,4 @@
-//! What the parts of contacts are told of a world.
+//! The view of a world that the contact passes read.
 
 use glam::Vec3;
 
@@ -8,7 +8,7 @@ use super::filter::ContactFilter;
 use crate::constraints::Boundaries;
 use crate::islands::Islands;
 
-/// What a world has that contacts depend on.
+/// Everything in a world that contacts depend on.
 #[derive(Clone, Copy)]
 pub(crate) struct World<'a> {
     pub(crate) boundaries: &'a Boundaries,
@@ -16,12 +16,12 @@ pub(crate) struct World<'a> {
     pub(crate) body_colliders: &'a [BodyCollider],
     pub(crate) filter: &'a ContactFilter,
     pub(crate) islands: &'a Islands,
-    /// Length of the step, seconds, and its substeps.
+    /// Length of the step, seconds, and its number of substeps.
     pub(crate) dt: f32,
     pub(crate) substeps: u32,
     /// Gravity, m/s².
     pub(crate) gravity: Vec3,
-    /// Whether nothing moves in this step, neither particles nor colliders, and nobody listens to contacts.
+    /// Whether neither particles nor colliders move in this step, and no contact events are requested.
     pub(crate) at_rest: bool,
 }
 

@@ -1,8 +1,8 @@
-//! Candidates: pairs among which the neighbours are, kept for several steps.
+//! Candidate pairs: a superset of the neighbour list that is kept for several steps.
 //!
-//! Which pairs are listed is a function of where particles are and how fast they go; to find them among all pairs is what the [grid](super::grid) is for. It is
-//! asked for those that are nearer than their margins allow and some more, and until somebody has used that up, no others can have got within their margins: then
-//! the neighbours are found among these, to the bits of asking everyone. So nothing depends on how long they have been kept.
+//! The neighbour list is a function of positions and velocities. To avoid testing all pairs, the [grid](super::grid) finds those within their allowances, which
+//! are wider than the margins. Until a particle has moved by the difference, no other pair can have come within its margins, and the neighbours found among the
+//! candidates are exactly those among all pairs. So no result depends on how long candidates have been kept.
 
 use glam::DVec3;
 
@@ -12,31 +12,31 @@ use super::grid::{PairGrid, list_candidates};
 use super::participants::Participants;
 use crate::lanes::InstructionSet;
 
-/// Pairs, and what they were found by. Scratch.
+/// Candidate pairs, and the state that they were found for. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Candidates {
-    /// Members, the lower one first; sorted, each once.
+    /// Participant indices, the lower one first; sorted, unique.
     pub(super) pairs: Vec<[u32; 2]>,
-    /// As they were found.
+    /// In the order in which they were found.
     found: Vec<[u32; 2]>,
-    /// The higher ones by the lower; then where those of each member end.
+    /// Scratch of the counting sort: higher indices grouped by the lower one, and the end of each group.
     sorted: Vec<u32>,
     ends: Vec<u32>,
-    /// Who took part, and how.
+    /// The participants and contact settings that the pairs were found for.
     rows: Vec<u32>,
     body: Vec<u32>,
     radius: Vec<f32>,
     contacts: Vec<BodyContacts>,
-    /// Where each was, and how far from there its margin may reach, metres.
+    /// Position of each participant at that time, metres, and its allowance: how far from there its margin may reach, metres.
     pub(super) place: Vec<DVec3>,
     allowance: Vec<f32>,
 }
 
-/// What is left of an allowance for rounding.
+/// Reduction of what is left of an allowance, against rounding.
 const ROUNDED: f32 = 0.99;
 
 impl Candidates {
-    /// Finds them anew if some may be missing.
+    /// Finds the candidates again if a pair may be missing.
     pub(super) fn update(
         &mut self,
         participants: &Participants,
@@ -62,7 +62,7 @@ impl Candidates {
         self.order(rows.len());
     }
 
-    /// Whether all pairs that are within their margins now are among them.
+    /// Whether all pairs that are within their margins now are candidates.
     fn are_complete(&self, participants: &Participants, filter: &ContactFilter) -> bool {
         let Participants { rows, body, radius, place, home, .. } = participants;
         if self.rows != *rows
@@ -75,7 +75,7 @@ impl Candidates {
         let then = self.place.iter().zip(&self.allowance);
         for ((place, home), (before, allowance)) in place.iter().zip(home).zip(then) {
             let left = f64::from((allowance - home.w) * ROUNDED);
-            // Who is nowhere, or was, is not known to be near nobody.
+            // A position that is or was NaN fails this test: its neighbours are unknown.
             let stays = left >= 0.0 && (*place - *before).length_squared() <= left * left;
             if !stays {
                 return false;
@@ -84,7 +84,7 @@ impl Candidates {
         true
     }
 
-    /// Puts all in order: by counting those of each lower one, and then those few by the higher.
+    /// Sorts the pairs and removes duplicates: a counting sort by the lower index, then a comparison sort of each short group by the higher.
     fn order(&mut self, count: usize) {
         let Self { pairs, found, sorted, ends, .. } = self;
         pairs.clear();
@@ -111,7 +111,7 @@ impl Candidates {
             own.sort_unstable();
             let mut last = None;
             for &high in own.iter() {
-                // Slots may hold several cells, and so be asked twice.
+                // A slot of the grid may hold several cells and be visited twice, so a pair can be found twice.
                 if last != Some(high) {
                     pairs.push([low as u32, high]);
                 }

@@ -1,16 +1,15 @@
-//! Which two are near each other: members sorted by the cell that they are in, and each asked for those in the cells around its own.
+//! Broad phase grid: participants are sorted by cell, and each is tested against those in the cells around its own.
 //!
 //! # Cells
 //!
-//! The reach of a member is its radius and its margin. Where the cells are as wide as two of the greatest reaches, who is near is in one of the 27
-//! cells around one's own. So that one large or fast member does not make all cells large, there are levels: in each are members of reaches within a
-//! factor of two, in cells for the greatest of them. A member asks on its own level and on those of the larger ones.
+//! The reach of a participant is its radius plus its allowance. With cells as wide as twice the greatest reach, all neighbours are in the 27 cells around a
+//! participant's own. So that one large or fast particle does not make all cells large, there are levels: each holds participants whose reaches are within a
+//! factor of two, in cells for the greatest of them. A participant is tested on its own level and on those of the larger ones.
 //!
-//! Cells have no memory of their own. A cell's slot in the table of its level is `x + y s + z t` modulo the size of the table, a power of two between
-//! two and four times the number of members, after M. Müller's dense hash (*Ten minute physics* 11). Where the box about all members has no more
-//! cells than that, `s` and `t` are the box's sides, and no two cells share a slot; otherwise they are large odd numbers, and a slot may hold several
-//! cells, far from each other, whose members the distance sorts out. Either way the three cells next to each other along x are one stretch of the
-//! sorted members.
+//! Cells are not stored. The slot of a cell in the table of its level is `x + y s + z t` modulo the size of the table, a power of two between two and four
+//! times the number of participants, after M. Müller's dense hash (*Ten minute physics* 11). Where the box about all participants has no more cells than that,
+//! `s` and `t` are the sides of the box, and no two cells share a slot. Otherwise they are large odd numbers, and a slot may hold several cells far from each
+//! other, whose participants the distance test separates. Either way three cells adjacent along x are one contiguous range of the sorted participants.
 
 use glam::DVec3;
 
@@ -18,60 +17,59 @@ use super::super::filter::ContactFilter;
 use super::participants::Participants;
 use crate::lanes::{LANES, Lanes, kernel};
 
-/// Members by cell. Scratch.
+/// Participants sorted by cell. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PairGrid {
     levels: Vec<GridLevel>,
-    /// Of each member how far it reaches, metres.
+    /// Reach of each participant, metres.
     reach: Vec<f32>,
-    /// Of each member its level, largest members first, and its slot there.
+    /// Level of each participant, that of the largest first, and its slot there.
     level: Vec<u8>,
     slot: Vec<u32>,
-    /// Where each slot begins among the sorted members, all levels one after the other, each with an end.
+    /// Start of each slot among the sorted participants, all levels one after the other, each followed by an end.
     starts: Vec<u32>,
-    /// The members, by level and slot; after them as many that are nowhere as there are lanes.
+    /// The participants, by level and slot; padded by one register of zeros, so that the last can be loaded whole.
     sorted: Sorted,
-    /// What is added to reaches against the rounding of `sorted`, metres.
+    /// Added to reaches against the rounding of `sorted`, metres.
     slack: f32,
-    /// The least coordinates, metres from the origin of the first.
+    /// Minimum corner of the bounds, metres from the origin of the first participant.
     low: DVec3,
 }
 
 #[derive(Clone, Debug, Default)]
 struct Sorted {
     participant: Vec<u32>,
-    /// The number of its body.
+    /// Body index, as a float so that it can be compared in lanes.
     body: Vec<f32>,
-    /// Metres from `low`, and the reach.
+    /// Position in metres from `low`, and the reach.
     x: Vec<f32>,
     y: Vec<f32>,
     z: Vec<f32>,
     reach: Vec<f32>,
 }
 
-/// Cells for members of a size.
+/// A grid for participants of similar reach.
 #[derive(Clone, Copy, Debug, Default)]
 struct GridLevel {
-    /// Its greatest reach, metres.
+    /// Greatest reach of its participants, metres.
     reach: f32,
     count: u32,
-    /// Cells a metre.
+    /// Cells per metre.
     per_metre: f64,
-    /// Slots from one row of cells to the next, and from one layer.
+    /// Slot stride from one row of cells to the next, and from one layer to the next.
     row: u32,
     layer: u32,
-    /// Slots less one.
+    /// Number of slots minus one.
     mask: u32,
     /// Its first slot.
     first: u32,
 }
 
-/// The levels there may be. The last one takes all who are smaller yet.
+/// Maximum number of levels. The last one takes all smaller participants.
 const LEVELS: usize = 12;
 
 impl PairGrid {
-    /// Sorts the members.
-    /// Each reaches as far as its radius and its allowance, metres.
+    /// Sorts the participants into cells. The reach of each is its radius plus its allowance, metres.
     pub(super) fn fill(&mut self, participants: &Participants, allowances: &[f32]) {
         self.reach.clear();
         let columns = participants.radius.iter().zip(allowances);
@@ -81,7 +79,7 @@ impl PairGrid {
         self.sort(participants);
     }
 
-    /// Finds the levels and the box about all.
+    /// Computes the levels and the bounds of all participants.
     fn measure(&mut self, participants: &Participants) {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let mut most = 0.0_f32;
@@ -100,7 +98,7 @@ impl PairGrid {
                 continue;
             }
             let reach = self.reach[i];
-            // How often it goes into the greatest, as a power of two: the exponent of an `f32`.
+            // log2 of the ratio to the greatest reach, rounded down: the exponent of the `f32`.
             let exponent = ((most / reach).to_bits() >> 23).saturating_sub(127);
             let number = (exponent as usize).min(LEVELS - 1);
             let level = &mut self.levels[number];
@@ -113,8 +111,7 @@ impl PairGrid {
         }
         self.low = low;
         let size = high - low;
-        // Each coordinate is rounded by 2⁻²⁴ of itself at most, a difference by twice that along each of three axes; and reaches and squares by some
-        // more.
+        // Each coordinate is rounded by at most 2⁻²⁴ of itself, a difference by twice that along each of three axes; reaches and squares add some more.
         self.slack = (size.max_element() * 4e-7) as f32 + most * 1e-5;
         let mut first = 0;
         for level in self.levels.iter_mut().filter(|level| level.count > 0) {
@@ -126,7 +123,7 @@ impl PairGrid {
         self.starts.resize(first as usize + 1, 0);
     }
 
-    /// Counts who is in each slot, and where it ends.
+    /// Counts the participants of each slot, and sums up to the end of each.
     fn count(&mut self, participants: &Participants) {
         self.slot.clear();
         for (place, &number) in participants.place.iter().zip(&self.level) {
@@ -154,7 +151,7 @@ impl PairGrid {
         for column in [body, x, y, z, reach] {
             column.resize(count + LANES, 0.0);
         }
-        // From the last one down, so that each slot's members end up in their order and its mark at its beginning.
+        // From the last one down, so that the participants of a slot stay in order and `starts` ends up at the beginning of each slot.
         for i in (0..count).rev().filter(|&i| level[i] != u8::MAX) {
             let mark = &mut starts[(levels[level[i] as usize].first + slot[i]) as usize];
             *mark -= 1;
@@ -168,18 +165,18 @@ impl PairGrid {
 }
 
 impl GridLevel {
-    /// For members of a reach in a box of a size, metres.
+    /// Lays out cells for a reach in a box of a size, metres.
     fn lay_out(&mut self, size: DVec3, reach: f64) {
         self.per_metre = 0.5 / reach;
         let slots = (2 * self.count).next_power_of_two().max(64);
         self.mask = slots - 1;
-        // And one on either side, for the asking.
+        // One more on either side, since the neighbours of border cells are visited.
         let cells = (size * self.per_metre).floor() + 3.0;
         if cells.x * cells.y * cells.z <= f64::from(slots) {
             self.row = cells.x as u32;
             self.layer = self.row * cells.y as u32;
         } else {
-            // Of Teschner and others, *Optimized spatial hashing*, 2003: large, odd, and without a common measure.
+            // From Teschner et al., *Optimized spatial hashing*, 2003: large, odd and coprime.
             (self.row, self.layer) = (19_349_663, 83_492_791);
         }
     }
@@ -187,7 +184,7 @@ impl GridLevel {
     #[inline(always)]
     fn slot(&self, place: DVec3) -> u32 {
         let cell = place * self.per_metre;
-        // No coordinate is negative, but those of small members who ask on a level of larger ones are not, either: towards zero is down.
+        // Truncation is rounding down: no coordinate is negative, also not those of small participants tested on a coarser level.
         let number = |x: f64| (x as i64 as u32).wrapping_add(1);
         let (x, y, z) = (number(cell.x), number(cell.y), number(cell.z));
         let (y, z) = (y.wrapping_mul(self.row), z.wrapping_mul(self.layer));
@@ -196,9 +193,9 @@ impl GridLevel {
 }
 
 kernel!(
-    /// Asks for every member who is near it.
-    /// Cell by cell, so that those who are asked for are in the cache. Each asks for those in half of the cells about its own, and is asked for from
-    /// the other half.
+    /// Lists every pair of participants within reach of each other.
+    /// Goes cell by cell, so that the data of neighbouring cells is in the cache. Each participant is tested against half of the cells about its own; the other
+    /// half tests against it.
     pub(super) fn list_candidates<L: Lanes>(
         grid: &PairGrid,
         participants: &Participants,
@@ -212,7 +209,7 @@ kernel!(
             let i = i as usize;
             let (own, slot) = (grid.level[i], grid.slot[i]);
             let asker = Asker::<L>::new(grid, (participants, filter), i);
-            // Those of one slot follow each other, and ask the same.
+            // Participants of one slot are consecutive and share the ranges.
             if last != Some((own, slot)) {
                 last = Some((own, slot));
                 beside.find(grid, own, slot, OWN_LINE);
@@ -234,21 +231,21 @@ kernel!(
     }
 );
 
-/// Of the nine lines of cells, counted from below, that through one's own cell.
+/// Of the nine lines of cells along x, counted from below, the one through the participant's own cell.
 const OWN_LINE: u32 = 4;
 
-/// Where those are among the sorted members who are in some lines of cells about one.
+/// Ranges of the sorted participants in some lines of cells about a cell.
 #[derive(Default)]
 struct Stretches {
-    /// The first, and the first behind.
+    /// Start and end of each.
     each: [[u32; 2]; 18],
     count: usize,
-    /// So many of them are of the line through the cell itself.
+    /// How many of them belong to the line through the cell itself.
     of_own_line: usize,
 }
 
 impl Stretches {
-    /// Those about a slot of a level, from one of the nine lines on.
+    /// The ranges about a slot of a level, starting at one of the nine lines.
     fn find(&mut self, grid: &PairGrid, level: u8, slot: u32, first_line: u32) {
         let level = &grid.levels[level as usize];
         let slots = level.mask + 1;
@@ -257,7 +254,7 @@ impl Stretches {
             let beside = (line % 3).wrapping_sub(1).wrapping_mul(level.row);
             let below = (line / 3).wrapping_sub(1).wrapping_mul(level.layer);
             let left = slot.wrapping_add(beside).wrapping_add(below).wrapping_sub(1) & level.mask;
-            // Three slots, which may go round the end of the table.
+            // Three slots, which may wrap around the end of the table.
             let end = left + 3;
             self.add(grid, level, [left, end.min(slots)]);
             if end > slots {
@@ -269,9 +266,9 @@ impl Stretches {
         }
     }
 
-    /// Takes those in some slots of a level, if there are any.
+    /// Adds the participants in a range of slots of a level, if there are any.
     fn add(&mut self, grid: &PairGrid, level: &GridLevel, slots: [u32; 2]) {
-        // No `array::map`, which is a call of several functions.
+        // Not `array::map`, which compiles to several function calls.
         let start = |slot: u32| grid.starts[(level.first + slot) as usize];
         let stretch = [start(slots[0]), start(slots[1])];
         if stretch[0] < stretch[1] {
@@ -280,7 +277,7 @@ impl Stretches {
         }
     }
 
-    /// Each of them, and whether it is of the line through the cell itself: so it is where that is the first.
+    /// Each range, and whether it belongs to the line through the cell itself; such ranges come first.
     #[inline(always)]
     fn iter(&self) -> impl Iterator<Item = ([u32; 2], bool)> {
         let each = self.each[..self.count].iter().enumerate();
@@ -288,7 +285,7 @@ impl Stretches {
     }
 }
 
-/// Who asks, in all lanes.
+/// The participant whose neighbours are sought, broadcast to all lanes.
 struct Asker<'a, L> {
     sorted: &'a Sorted,
     number: usize,
@@ -296,11 +293,11 @@ struct Asker<'a, L> {
     y: L,
     z: L,
     reach: L,
-    /// The number of its body, if that does not touch itself: most who are near are of it.
+    /// Its body, if that does not collide with itself: most neighbours belong to it.
     own: Option<L>,
 }
 
-/// Numbers of bodies below that are a number in `f32` each.
+/// Body indices below this are exact in `f32`.
 const EXACT: u32 = 1 << 24;
 
 impl<'a, L: Lanes> Asker<'a, L> {
@@ -324,7 +321,8 @@ impl<'a, L: Lanes> Asker<'a, L> {
         }
     }
 
-    /// Notes who is near in a stretch of the sorted ones; where all of a line ask each other, only those `after` it.
+    /// Adds the participants within reach in a range of the sorted ones. In its own line every participant is tested against all, so only those `after` it are
+    /// added.
     #[inline(always)]
     fn ask(&self, found: &mut Vec<[u32; 2]>, [first, end]: [u32; 2], after: bool) {
         let Self { sorted, number, .. } = self;

@@ -1,40 +1,40 @@
-//! Particles against particles: ropes, cloth and soft bodies against each other and against themselves.
+//! Contacts between particles: ropes, cloth and soft bodies against each other and against themselves.
 //!
 //! | file | what it is |
 //! |---|---|
-//! | `participants` | who takes part, where each was when it was looked at, and how far it may go before it must be looked at again |
-//! | `skin` | whether somebody went further |
-//! | `grid` | which two are near each other: cells, by counting sort |
-//! | `candidates` | the pairs that it found, kept while nobody can have come near anybody else |
-//! | `neighbour_list` | those that may come to touch, in colours, eight to a block |
-//! | `solve` | the blocks, eight pairs at a time |
-//! | `swept` | the pairs that eight at a time are not for: coincident ones, and fast ones |
-//! | `restitution` | restitution, and what is reported |
+//! | `participants` | the particles that take part, their positions when the neighbour list was built, and their margins |
+//! | `skin` | whether a particle has moved further than its margin |
+//! | `grid` | broad phase: uniform cells by counting sort |
+//! | `candidates` | the pairs that the grid found, kept while no pair can be missing |
+//! | `neighbour_list` | the pairs within their margins, graph coloured, eight to a block |
+//! | `solve` | position solve of the blocks, eight pairs at a time |
+//! | `swept` | scalar path: coincident and fast pairs |
+//! | `restitution` | restitution, and contact events |
 //!
-//! # How it goes
+//! # Algorithm
 //!
-//! [`broad_phase`](Pairs::broad_phase) runs once a step. It lists every two particles that are nearer than their radii and two margins; a margin is a
-//! share of the radius. In each substep [`project`](Pairs::project) first asks whether any particle has gone further than its margin, after taking
-//! off what all (or all of its body) did alike, and if so looks again. Then each pair that overlaps is pushed apart once, as a constraint is
+//! [`broad_phase`](Pairs::broad_phase) runs once a step. It lists every pair of particles that are closer than the sum of their radii and margins; a margin is
+//! a fraction of the radius. In each substep [`project`](Pairs::project) first checks whether any particle has moved further than its margin, relative to the
+//! common displacement of all particles or of its body, and if so rebuilds the list. Then each pair that overlaps is pushed apart once, like a constraint
 //! (physics.md C10), with Coulomb friction.
 //!
-//! # The order, and what it depends on
+//! # Order and determinism
 //!
-//! Pairs are sorted by their rows and coloured in that order, so that no two of a colour share a particle; colours follow each other. That makes the
-//! result a function of positions and of the order of the rows alone, not of the grid, the threads or the instructions. Particles that touch nothing
-//! of a heap change no bit of it as long as they do not make it look again.
+//! Pairs are sorted by their rows and coloured in that order, so that no two of a colour share a particle; colours are solved one after the other. That makes
+//! the result a function of positions and of the order of the rows alone, not of the grid, the threads or the instruction set. Particles that do not touch a
+//! heap change no bit of its result, as long as they do not trigger a rebuild.
 //!
-//! # What cannot happen, and what can
+//! # What is guaranteed, and what is not
 //!
-//! Two particles that were apart when a substep began do not pass through each other in it, however fast they are: where one moves by more than a
-//! quarter of its radius in a substep (beside what all do), the pair is stopped where it first touches, against the direction in which it does. A
-//! pair stopped so is looked at twice more when all others have been solved.
+//! Two particles that were apart at the start of a substep do not pass through each other in it, however fast they are: where one moves by more than a quarter
+//! of its radius in a substep (relative to the common displacement), the pair is stopped at its time of impact, along the normal there. Pairs stopped in this
+//! way are solved twice more after all others.
 //!
-//! A layer of cloth lets no particle through as long as the gaps between its particles are narrower than they are: in a square lattice of spacing `s`
-//! that is a radius above `s/√8 = 0.354 s`, in one of equal triangles above `s/√12 = 0.289 s`. A crossing is then a way through some pair of
-//! particles, and is stopped with that. What is *not* known from particles is on which side a particle belongs: one that starts on the wrong side, or
-//! that is pressed so hard that the overlap at the start of a substep is more than the gap leaves (a quarter of the distance in a square lattice),
-//! stays where it got to. Wider meshes need their [`triangles`](super::triangles).
+//! A layer of cloth lets no particle through as long as the gaps between its particles are narrower than the particle: in a square lattice of spacing `s` that
+//! requires a radius above `s/√8 = 0.354 s`, in one of equilateral triangles above `s/√12 = 0.289 s`. A crossing then passes through some pair of particles,
+//! and is stopped with that pair. Particles do *not* determine on which side of the cloth a particle belongs: one that starts on the wrong side, or is pressed
+//! so hard that the overlap at the start of a substep exceeds what the gap leaves (a quarter of the distance in a square lattice), stays on the side that it
+//! reached. Coarser meshes need [`triangles`](super::triangles).
 
 mod candidates;
 mod grid;
@@ -65,34 +65,34 @@ use skin::SkinCheck;
 use solve::PairSweep;
 use swept::TimeOfImpact;
 
-/// Contacts between particles: scratch. Nothing of it outlives the next [`broad_phase`](Self::broad_phase) but what saves looking, and changes no result.
+/// Contacts between particles: scratch. What outlives the next [`broad_phase`](Self::broad_phase) only saves work and changes no result.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pairs {
-    /// Which instructions are used; all give the same bits.
+    /// Instruction set of the kernels; all give the same bits.
     pub(crate) instructions: InstructionSet,
     participants: Participants,
     skin_check: SkinCheck,
     grid: PairGrid,
     candidates: Candidates,
     neighbours: NeighbourList,
-    /// Of this substep: blocks in which some touched.
+    /// Blocks of this substep with a contact.
     touched: Vec<Touched>,
-    /// The same: those that were treated one by one, and those that are reported.
+    /// Contacts of this substep that were solved one by one or are reported.
     hits: Vec<PairHit>,
-    /// Of this substep: fast pairs, and where they were stopped.
+    /// Fast pairs of this substep that were stopped at their time of impact.
     times_of_impact: Vec<TimeOfImpact>,
-    /// Of this step: what is reported.
+    /// Contacts of this step to be reported.
     reported: Vec<PairHit>,
-    /// How often it looked in this step.
+    /// Neighbour list builds in this step.
     rebuilds: u32,
 }
 
 impl Pairs {
-    /// Lists what may come to touch in a step of `dt` seconds.
+    /// Lists the pairs that may touch in a step of `dt` seconds.
     ///
-    /// Bodies that are near no other take no part, nor do particles of none. `rest` has where each particle is in
-    /// the rest shape of its body, metres; it may be empty, and NaN says that it has no such place. Rows that are marked in `solid` take no part; it
-    /// may be empty, too. Neither do particles without a radius, nor any that is not finite or is more than 1e15 m away from the first.
+    /// Bodies that are near no other take no part, nor do particles without a body. `rest` holds the position of each particle in the rest shape of its body,
+    /// metres; it may be empty, and NaN means no rest position. Rows that are marked in `solid` take no part; it may be empty, too. Particles without a radius
+    /// take no part, nor do those that are not finite or more than 1e15 m away from the first.
     pub(crate) fn broad_phase(
         &mut self,
         particles: &Particles,
@@ -113,13 +113,13 @@ impl Pairs {
         self.rebuild(particles, filter, false);
     }
 
-    /// Whether nobody takes part.
+    /// Whether fewer than two particles take part.
     pub(crate) fn is_empty(&self) -> bool {
         self.participants.rows.len() < 2
     }
 
-    /// Pushes apart what overlaps or would have passed through each other, in a substep of `h` seconds whose start is in the particles. Returns the
-    /// greatest overlap that it met, metres.
+    /// Pushes apart pairs that overlap or would have passed through each other, in a substep of `h` seconds whose start positions are in the particles. Returns
+    /// the greatest overlap found, metres.
     pub(crate) fn project(
         &mut self,
         particles: &mut Particles,
@@ -129,7 +129,7 @@ impl Pairs {
         self.hits.clear();
         self.touched.clear();
         self.times_of_impact.clear();
-        // Rows that came or went since would make the lists name others.
+        // Rows added or removed since would invalidate the rows in the lists.
         if self.is_empty() || self.participants.last() >= particles.len() {
             return 0.0;
         }
@@ -150,8 +150,8 @@ impl Pairs {
         worst
     }
 
-    /// Gives those that met in the substep of `h` seconds the velocity that they bounce off with, where their materials ask for it. To be called when
-    /// velocities have been derived; `gravity` is its size, m/s².
+    /// Applies restitution to the pairs that touched in the substep of `h` seconds. To be called after velocities have been derived; `gravity` is its
+    /// magnitude, m/s².
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         let least = threshold(gravity, h);
         let (touched, blocks) = (&mut self.touched[..], &self.neighbours.blocks[..]);
@@ -163,14 +163,14 @@ impl Pairs {
         self.reported.extend(self.hits.iter().filter(|hit| hit.reported));
     }
 
-    /// Tells what has touched what in the step, where a body asked for it.
+    /// Reports the contacts of the step that involve a body with events enabled.
     pub(crate) fn report(&self, impacts: &mut Impacts) {
         for hit in &self.reported {
             hit.report(impacts);
         }
     }
 
-    /// Looks where everybody is, and who is near whom; at the beginning of a step, or within a substep that has been predicted.
+    /// Rebuilds the neighbour list: at the beginning of a step, or `within` a substep whose positions have been predicted.
     fn rebuild(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
         let Self { participants, skin_check, grid, candidates, neighbours, .. } = self;
         participants.place(particles, within);
@@ -183,6 +183,6 @@ impl Pairs {
     }
 }
 
-/// How often pairs that were stopped are looked at again: what pushed one of the two back meanwhile is mostly its neighbour, and that one's
+/// Number of extra solves of pairs stopped at their time of impact: what pushes one of the two back in the meantime is mostly its neighbour, and that one's
 /// neighbour.
 const RECHECKS: usize = 2;

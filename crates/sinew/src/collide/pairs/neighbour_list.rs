@@ -1,4 +1,4 @@
-//! Pairs that may come to touch: checked, in order, in colours, eight to a block.
+//! Neighbour list: the pairs within their margins, filtered, sorted, graph coloured, eight to a block.
 
 use glam::Vec3;
 
@@ -6,20 +6,20 @@ use super::super::filter::ContactFilter;
 use super::participants::Participants;
 use crate::lanes::LANES;
 
-/// What was found. Scratch.
+/// The neighbour list. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NeighbourList {
-    /// Members, the lower one first; sorted.
+    /// Participant indices, the lower one first; sorted.
     pub(super) pairs: Vec<[u32; 2]>,
-    /// Of each the least distance that it may have, metres.
+    /// Least allowed distance of each pair, metres.
     pub(super) reach: Vec<f32>,
-    /// The colours that each member has taken, a bit each.
+    /// Colours used by each participant, a bit each.
     taken: Vec<u64>,
     /// The colour of each pair.
     colour: Vec<u8>,
     /// The blocks, colour by colour.
     pub(super) blocks: Vec<PairBlock>,
-    /// What must be added to the difference of two positions for their different origins, metres, where a block has such.
+    /// For blocks whose pairs have different origins: what is added to the difference of the two positions, metres.
     pub(super) offsets: Vec<[[f32; LANES]; 3]>,
 }
 
@@ -27,29 +27,29 @@ pub(super) struct NeighbourList {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct PairBlock {
-    /// Rows of the first and of the second of each.
+    /// Rows of the first and of the second particle of each pair.
     pub(super) rows: [[u32; LANES]; 2],
-    /// Least distance, metres.
+    /// Least allowed distance, metres.
     pub(super) reach: [f32; LANES],
     /// Coefficient of friction.
     pub(super) friction: [f32; LANES],
     /// Coefficient of restitution.
     pub(super) restitution: [f32; LANES],
-    /// How many there are.
+    /// Number of distinct pairs.
     pub(super) count: u32,
-    /// Which are to be reported, a bit each.
+    /// Bit mask of the pairs to be reported.
     pub(super) reported: u32,
-    /// Its place in `offsets`, or [`NO_OFFSET`].
+    /// Its index in `offsets`, or [`NO_OFFSET`].
     pub(super) offset: u32,
 }
 
-/// Of a block whose particles all have the origin of their partner.
+/// Marks a block in which both particles of every pair have the same origin.
 pub(super) const NO_OFFSET: u32 = u32::MAX;
 
-/// Colours that a bit stands for. A pair for which none is left gets a block of its own, after all others.
+/// Colours, one a bit of `taken`. A pair for which none is left gets a block of its own, after all others.
 const COLOURS: usize = 64;
 
-/// What sums of radii and margins in another order may differ by, squared.
+/// Factor on a squared distance for the rounding of sums of radii and margins in a different order.
 const ROUNDED: f32 = 1.0 + 1e-5;
 
 impl NeighbourList {
@@ -60,7 +60,7 @@ impl NeighbourList {
         self.offsets.clear();
     }
 
-    /// Takes those of some candidates, sorted, that are near enough and may touch.
+    /// Takes those of the sorted candidates that are within their margins and may touch.
     pub(super) fn take(
         &mut self,
         candidates: &[[u32; 2]],
@@ -70,7 +70,7 @@ impl NeighbourList {
         let Participants { radius, home, pinned, .. } = participants;
         for &[low, high] in candidates {
             let (i, j) = (low as usize, high as usize);
-            // No pair has a greater reach than both radii.
+            // No pair has a greater reach than the sum of its radii.
             let within = radius[i] + radius[j] + home[i].w + home[j].w;
             let apart = participants.separation(i, j).length_squared();
             if apart > within * within * ROUNDED || pinned[i] && pinned[j] {
@@ -84,7 +84,7 @@ impl NeighbourList {
         }
     }
 
-    /// Colours the pairs in their order, each with the first colour that neither of its two has, and packs each colour into blocks.
+    /// Colours the pairs in order (greedy: the first colour that neither particle has), and packs each colour into blocks.
     pub(super) fn colour(&mut self, participants: &Participants, filter: &ContactFilter) {
         let Self { pairs, taken, colour, blocks, .. } = self;
         taken.clear();
@@ -112,7 +112,7 @@ impl NeighbourList {
         self.pack((participants, filter), firsts);
     }
 
-    /// Puts each pair into the block where its colour has got to.
+    /// Writes each pair into the next free lane of its colour.
     fn pack(
         &mut self,
         (participants, filter): (&Participants, &ContactFilter),
@@ -155,13 +155,13 @@ impl NeighbourList {
     }
 }
 
-/// Whether two come so near that they may touch before one of them exceeds its skin; of fast ones, whether they do on the way that they came.
+/// Whether a pair is close enough to touch before one of the two exceeds its margin; for fast pairs, whether it does on its path in this substep.
 fn is_near(participants: &Participants, i: usize, j: usize, reach: f32) -> bool {
     let apart = participants.separation(i, j);
     let (one, other) = (participants.home[i].w, participants.home[j].w);
     let within = reach + one + other;
     let distance = apart.length_squared();
-    // What is no number is not near.
+    // NaN is not near.
     #[allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN is not near, either")]
     if !(distance < within * within) {
         return false;
@@ -171,13 +171,13 @@ fn is_near(participants: &Participants, i: usize, j: usize, reach: f32) -> bool 
     }
     let came = participants.path[i] - participants.path[j];
     let length = came.length_squared();
-    // The nearest point of the way from `apart - came` to `apart`, and a share of the radii about it for what others do to the two meanwhile.
+    // The nearest point of the path from `apart - came` to `apart`, with half of the radii as a margin for what other contacts do to the two in the meantime.
     let back = if length > 0.0 { (apart.dot(came) / length).clamp(0.0, 1.0) } else { 0.0 };
     let about = reach + 0.5 * (participants.radius[i] + participants.radius[j]);
     (apart - came * back).length_squared() < about * about
 }
 
-/// What becomes of two bodies that meet.
+/// Combined contact settings of two bodies.
 struct Meeting {
     bodies: [u32; 2],
     friction: f32,
@@ -214,7 +214,7 @@ impl PairBlock {
         offset: NO_OFFSET,
     };
 
-    /// Puts a pair into a lane.
+    /// Writes a pair into a lane.
     #[inline(always)]
     fn put(&mut self, lane: usize, rows: [u32; 2], reach: f32, meeting: &Meeting) {
         self.rows[0][lane] = rows[0];
@@ -226,7 +226,7 @@ impl PairBlock {
         self.reported |= u32::from(meeting.reported) << lane;
     }
 
-    /// Repeats the last pair in the lanes that are left: they do what it does, and write what it writes.
+    /// Repeats the last pair in the unused lanes: they compute and write the same values.
     fn pad(&mut self, offsets: &mut [[[f32; LANES]; 3]]) {
         let Some(last) = (self.count as usize).checked_sub(1) else { return };
         for rows in &mut self.rows {

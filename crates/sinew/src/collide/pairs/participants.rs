@@ -1,4 +1,4 @@
-//! Who takes part, where each was when it was looked at, and how far it may go before it must be looked at again.
+//! The particles that take part, their positions when the neighbour list was built, and their margins (skin).
 
 use glam::{DVec3, Vec3, Vec4};
 
@@ -6,49 +6,49 @@ use super::super::filter::ContactFilter;
 use super::super::nearby::Nearby;
 use crate::particles::Particles;
 
-/// Those that take part, in the order of their rows.
+/// The participants, in the order of their rows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Participants {
     /// Their rows, ascending.
     pub(super) rows: Vec<u32>,
-    /// Of each its body.
+    /// Body of each.
     pub(super) body: Vec<u32>,
-    /// Metres.
+    /// Radius of each, metres.
     pub(super) radius: Vec<f32>,
-    /// In the rest shape of its body, metres; NaN where there is none. Empty if nobody has any.
+    /// Position of each in the rest shape of its body, metres; NaN where there is none. Empty if no particle has one.
     pub(super) rest: Vec<Vec3>,
-    /// `[x y z m]`: where it was when it was looked at, metres from its own origin, and its margin: how far from there it stays within what was
-    /// found.
+    /// `[x y z m]`: position when the neighbour list was built, metres from its own origin, and margin: the list stays complete as long as the particle is
+    /// within this distance of that position, metres.
     pub(super) home: Vec<Vec4>,
-    /// Whether nothing moves it.
+    /// Whether it has infinite mass.
     pub(super) pinned: Vec<bool>,
-    /// What `home` is relative to, metres.
+    /// The origin that `home` is relative to, metres.
     pub(super) origin: Vec<Vec3>,
-    /// Where it was then from the origin of the first, metres; NaN for who takes no part this time.
+    /// The same position relative to the origin of the first participant, metres; NaN for a particle that takes no part this time.
     pub(super) place: Vec<DVec3>,
-    /// How it got there in this substep, less what all did, metres; empty where that is within the margins of all.
+    /// Its displacement in this substep relative to the mean, metres; empty where no displacement exceeds the margin.
     pub(super) path: Vec<Vec3>,
-    /// Consecutive ones of one body: where they end, and whose they are.
+    /// Runs of consecutive participants of one body: end and body of each.
     pub(super) runs: Vec<(usize, u32)>,
-    /// Whether nobody goes farther in a step than its margin may be.
+    /// Whether no particle moves further in a step than the greatest allowed margin.
     pub(super) calm: bool,
-    /// Whether somebody was too fast for what was found to last longer than this substep.
+    /// Whether a particle was too fast for the neighbour list to last longer than this substep.
     pub(super) expired: bool,
     /// Length of the step, seconds.
     dt: f32,
 }
 
-/// The margin as a share of the radius: at least, and at most.
+/// The margin as a share of the radius: minimum and maximum.
 ///
-/// A wider one finds more pairs to be asked in vain in each substep, a narrower one is outrun sooner, and looking again costs as much as some five
-/// substeps of asking. What lies still is asked most.
+/// A wider one adds pairs that are tested in vain in each substep; a narrower one is exceeded sooner, and a rebuild costs as much as testing in about five
+/// substeps. The minimum applies to particles at rest, which are the most frequent case.
 const MARGIN: [f32; 2] = [0.15, 0.4];
 
-/// Squares of more are no `f32`, metres.
+/// Squares of larger coordinates overflow `f32`, metres.
 const FAR: f64 = 1e15;
 
 impl Participants {
-    /// Takes who takes part in a step of `dt` seconds, of the bodies that are near others, and keeps its memory.
+    /// Collects the participants of a step of `dt` seconds from the bodies that are near others.
     pub(super) fn take(
         &mut self,
         particles: &Particles,
@@ -68,7 +68,7 @@ impl Participants {
         let columns = particles.body.iter().zip(&particles.radius);
         for (row, (&body, &radius)) in columns.enumerate() {
             let loose = !solid.get(row).copied().unwrap_or(false);
-            // A radius of no number takes no part, either.
+            // False for a NaN radius, too.
             if !(nearby.to_particles().has_particle(row, body) && loose && radius > 0.0) {
                 continue;
             }
@@ -86,12 +86,12 @@ impl Participants {
         }
     }
 
-    /// The highest row of all. There is one.
+    /// The highest row; there is at least one participant.
     pub(super) fn last(&self) -> usize {
         self.rows.last().map_or(usize::MAX, |&row| row as usize)
     }
 
-    /// Notes where everybody is; `within` a substep, also how they got there.
+    /// Records positions and computes margins; `within` a substep, also displacements.
     pub(super) fn place(&mut self, particles: &Particles, within: bool) {
         self.home.clear();
         self.pinned.clear();
@@ -121,14 +121,14 @@ impl Participants {
         }
     }
 
-    /// How far from where it is the margin of each may reach, metres, before it must be asked again who is about: as far again, where nobody is so fast that this
-    /// would not last for another step.
+    /// Distance from its recorded position that the margin of each may reach before candidates must be found again, metres: twice the margin, or the margin
+    /// alone where a particle is so fast that the candidates would not last for another step anyway.
     pub(super) fn allowances(&self) -> impl Iterator<Item = f32> {
         let share = if self.calm && !self.expired { 2.0 } else { 1.0 };
         self.home.iter().map(move |home| share * home.w)
     }
 
-    /// Widens the margin of each to where it was when the substep began.
+    /// Widens the margin of each to its displacement in this substep.
     fn follow(&mut self, particles: &Particles) {
         let path = |&row: &u32| {
             let i = row as usize;
@@ -143,7 +143,7 @@ impl Participants {
         for (row, home) in self.rows.iter().zip(&mut self.home) {
             let path = path(row) - mean;
             self.path.push(path);
-            // A little more, so that rounding does not ask for another look at once.
+            // Slightly more, so that rounding does not trigger another rebuild at once.
             let length = path.length() * 1.001;
             if length > home.w {
                 home.w = length;
@@ -155,16 +155,16 @@ impl Participants {
         }
     }
 
-    /// `p_i - p_j` when they were looked at, metres, with the digits of their own origins.
+    /// `p_i - p_j` when the list was built, metres, at the precision of their own origins.
     #[inline(always)]
     pub(super) fn separation(&self, i: usize, j: usize) -> Vec3 {
         (self.home[i] - self.home[j]).truncate() + (self.origin[i] - self.origin[j])
     }
 
-    /// The distance that two may not come below, metres; `None` if they may touch.
+    /// The least allowed distance of a pair, metres; `None` if the two may not touch.
     ///
-    /// Two of one body may be as near as they are in its rest shape: mesh neighbours closer than their radii are held by their rods. Two that are at
-    /// one place there (a seam) never touch.
+    /// Two particles of one body may be as close as they are in its rest shape: mesh neighbours closer than their radii are kept apart by their rods. Two that
+    /// coincide in the rest shape (a seam) never touch.
     #[inline(always)]
     pub(super) fn reach(&self, filter: &ContactFilter, i: usize, j: usize) -> Option<f32> {
         let apart = self.radius[i] + self.radius[j];

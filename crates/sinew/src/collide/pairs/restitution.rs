@@ -1,11 +1,10 @@
-//! After the velocities are derived: what two that touched part with; and what is reported.
+//! Restitution and kinetic friction of the pairs that touched, after velocities have been derived; and contact events.
 //!
-//! Two particles that touched get the relative speed along the normal that `collide/restitution` asks for, by an impulse along the normal, equal and
-//! opposite. Where they had overlapped when the substep began, positions leave them a speed that is much too high: without the inelastic case a heap
-//! would boil.
+//! Pairs that touched get the relative normal velocity of `collide/restitution`, by equal and opposite impulses along the normal. Where a pair overlapped at
+//! the start of the substep, the position solve leaves it a velocity that is much too fast: without the inelastic case a heap would boil.
 //!
-//! Friction in positions holds what sticks (`solve`). What slides loses speed here, which also calms what the overlaps of other pairs set in motion: with
-//! friction in positions alone 500 balls kept boiling at 20 mm/s.
+//! The position solve removes slip that is within the friction limit (`solve`). A pair that slips loses velocity here. In a heap that damps what the overlaps
+//! of other pairs set in motion: with friction in positions alone 500 balls kept boiling at 20 mm/s.
 
 use glam::{Vec3, Vec4};
 
@@ -17,29 +16,29 @@ use super::neighbour_list::PairBlock;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
-/// A block in which some touched.
+/// A block of pairs of which some touched.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Touched {
-    /// From the second to the first; zero where they did not.
+    /// Unit normal from the second to the first; zero in lanes that did not touch.
     pub(super) normal: [[f32; LANES]; 3],
-    /// How fast they parted along it, m/s; negative where they came nearer.
+    /// Relative normal velocity that led to the contact, m/s; negative when approaching.
     pub(super) parting: [f32; LANES],
     /// Inverse masses, 1/kg.
     pub(super) weights: [[f32; LANES]; 2],
-    /// First `μ` times the overlap, metres: how much sliding it may take. In the end the impulse along the normal beside what the overlap took, N·s.
+    /// First the friction limit `μ` times the overlap, metres; after the kernel the normal impulse in addition to that of the overlap, N·s.
     pub(super) impulse: [f32; LANES],
-    /// Its number.
+    /// Index of its pair block.
     pub(super) block: u32,
 }
 
 kernel!(
-    /// The impulses of all that touched.
+    /// Solves the velocities of all blocks that touched.
     pub(super) fn bounce_pairs<L: Lanes>(
         touched: &mut [Touched],
         blocks: &[PairBlock],
         velocity: &mut [Vec4],
-        // What is slower than this does not bounce, m/s.
+        // Approach speed below which nothing bounces, m/s.
         least: f32,
         // Length of the substep, seconds.
         h: f32,
@@ -69,27 +68,27 @@ kernel!(
     }
 );
 
-/// Two that met, and were treated by themselves or are to be reported.
+/// A contact that was solved by itself or is to be reported.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PairHit {
     rows: [u32; 2],
     bodies: [u32; 2],
     /// Unit vector from the second to the first.
     normal: Vec3,
-    /// How fast they came nearer, m/s.
+    /// Approach speed, m/s.
     approach: f32,
     restitution: f32,
-    /// What the overlap alone took, N·s.
+    /// Impulse, N·s: at first that of the overlap alone.
     impulse: f32,
-    /// Which of those that touched it is, and its lane there, unless it was treated by itself.
+    /// Its index in the touched blocks and its lane, unless it was solved by itself.
     place: Option<(usize, usize)>,
-    /// Half way between the two, metres.
+    /// Midpoint of the two, metres.
     point: Vec3,
     pub(super) reported: bool,
 }
 
 impl PairHit {
-    /// Two that were pushed apart by `overlap` metres in a substep of `h` seconds, and whose velocities are still those that led to it.
+    /// A contact whose overlap of `overlap` metres was corrected in a substep of `h` seconds. The velocities must still be those that led to it.
     pub(super) fn new(
         particles: &Particles,
         filter: &ContactFilter,
@@ -116,8 +115,7 @@ impl PairHit {
         }
     }
 
-    /// Gives the two the velocity that they part with, unless they got it with others of a block; what came slower than `least`, m/s, does not
-    /// bounce.
+    /// Applies restitution to the pair, unless its block did. Approach at up to `least`, m/s, does not bounce.
     pub(super) fn bounce(&mut self, particles: &mut Particles, touched: &[Touched], least: f32) {
         if let Some((number, lane)) = self.place {
             self.impulse += touched[number].impulse[lane];
@@ -134,7 +132,7 @@ impl PairHit {
         particles.velocity[b] -= (impulse * w_b).extend(0.0);
     }
 
-    /// Reports it.
+    /// Adds it to the contact events.
     pub(super) fn report(&self, impacts: &mut Impacts) {
         let participants = self.bodies.map(ContactParticipant::Body);
         impacts.add(participants, self.point, self.normal, self.impulse, false);

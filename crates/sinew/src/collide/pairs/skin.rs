@@ -1,13 +1,14 @@
-//! Skin of the neighbour list: whether a participant has gone further than its margin, so that the list must be built again.
+//! Skin check of the neighbour list: whether a participant has moved further than its margin, so that the list must be rebuilt.
 //!
-//! What all do alike does not count: a heap in free fall has the same neighbours as one at rest. There is a common displacement `Δ` with `‖q_i -
-//! x_i - Δ‖ ≤ m_i` for all if there is one with `|q_i - x_i - Δ| ≤ m_i/√3` along each axis, and that is so if the greatest of `q_i - x_i - m_i/√3` is
-//! not above the least of `q_i - x_i + m_i/√3`. One pass, no mean, and one fast particle does not make the others look fast.
+//! A common displacement does not count: a heap in free fall has the same neighbours as one at rest. There is a common displacement `Δ` with `‖q_i - x_i - Δ‖ ≤
+//! m_i` for all if there is one with `|q_i - x_i - Δ| ≤ m_i/√3` along each axis, which is so if the greatest of `q_i - x_i - m_i/√3` is not above the least of
+//! `q_i - x_i + m_i/√3`. This takes one pass and no mean, and one fast particle does not make the others look fast.
 //!
-//! Where there is none by that, one `Δ` is tried as it is, the middle of what is left along each axis: what goes straight on along an axis has all of its margin to go,
-//! and not `m_i/√3`. One particle of five thousand that had moved by its margin, as foreseen, had everybody looked for again in each step.
+//! Where that test finds none, one `Δ`, the middle of the remaining interval along each axis, is tested exactly: a particle that moves straight along an axis
+//! may use all of its margin, and not `m_i/√3`. Without it, one particle of five thousand that had moved by its margin, as foreseen, had the list rebuilt in
+//! each step.
 //!
-//! Nor does what a body does counts that is on its own: two that fly past each other need no looking until the boxes about them meet.
+//! Nor does the displacement of a body by itself count: two bodies that fly past each other need no rebuild until their bounds overlap.
 
 use glam::{DVec3, Vec3, Vec4};
 
@@ -15,38 +16,38 @@ use super::participants::Participants;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
-/// Scratch of asking.
+/// Scratch of the skin check.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SkinCheck {
-    /// The box about each run of members when they were looked at, with their radii and margins, metres from the first's origin.
+    /// Bounds of each run of participants when the list was built, with their radii and margins, metres from the origin of the first.
     boxes: Vec<[DVec3; 2]>,
-    /// What each run has done since: bounds of its displacement, metres.
+    /// For each run the common displacements since then that its participants allow, metres.
     displacement_bounds: Vec<DisplacementBounds>,
-    /// The same when it was last asked.
+    /// The same at the previous check.
     before: Vec<DisplacementBounds>,
 }
 
-/// What displacements there are that nobody of some members is further than its slack from.
+/// The displacements from which no participant of a set deviates by more than its margin, as bounds on each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct DisplacementBounds {
     low: Vec3,
     high: Vec3,
 }
 
-/// Above so many runs of one body each pair of them is not worth being asked.
+/// Above this many runs, testing each pair of them does not pay.
 const RUNS: usize = 48;
 
-/// 1/√3, less a little for rounding.
+/// 1/√3, rounded down.
 const AXIS: f32 = 0.577;
 
-/// What is left of a margin for rounding.
+/// Reduction of a margin against rounding.
 const ROUNDED: f32 = 0.999;
 
-/// Which share of its radius a particle may move by in a substep before pairs are asked for the way that they came.
+/// Share of its radius that a particle may move by in a substep before pairs are tested along their paths.
 const FAST: f32 = 0.25;
 
 impl SkinCheck {
-    /// Takes where everybody is now.
+    /// Starts from the present positions.
     pub(super) fn begin(&mut self, participants: &Participants) {
         self.boxes.clear();
         self.displacement_bounds.clear();
@@ -59,7 +60,7 @@ impl SkinCheck {
             for i in first..end {
                 let about = f64::from(participants.radius[i] + participants.home[i].w);
                 let place = participants.place[i];
-                // One that takes no part is in no box.
+                // A particle that takes no part is in no box.
                 if place.x.is_finite() {
                     (low, high) = (low.min(place - about), high.max(place + about));
                 }
@@ -70,7 +71,8 @@ impl SkinCheck {
         }
     }
 
-    /// Whether somebody may have come near whom it was not near; and whether somebody moves so far in this substep that it may pass through another.
+    /// Whether a pair that is not listed may have come within its margins; and whether a particle moves so far in this substep that it may pass through
+    /// another.
     pub(super) fn check(
         &mut self,
         participants: &Participants,
@@ -96,7 +98,7 @@ impl SkinCheck {
             && any_is_beyond(participants, particles, all.middle())
     }
 
-    /// Whether the boxes about two runs that went different ways have met.
+    /// Whether the swept bounds of two runs with different displacements overlap.
     fn any_overlap(&self) -> bool {
         if self.boxes.len() != self.displacement_bounds.len()
             || self.before.len() != self.displacement_bounds.len()
@@ -128,12 +130,12 @@ impl SkinCheck {
 }
 
 kernel!(
-    /// What the participants of each run have done since they were looked at. Returns how all of them got from the second of two columns to the
-    /// first in this substep, within a share of their radii.
+    /// The allowed common displacements of each run since the list was built. Returns those of all participants from the second of two columns to the first in
+    /// this substep, with a share of their radii as the margin.
     fn bounds_of_runs<L: Lanes>(
         participants: &Participants,
         columns: [&[Vec4]; 2],
-        // Where each ends.
+        // End and body of each.
         runs: &[(usize, u32)],
         to: &mut Vec<DisplacementBounds>,
     ) -> DisplacementBounds {
@@ -159,7 +161,7 @@ kernel!(
     }
 );
 
-/// What is in eight of some rows from one on, as [`eight_of`] has them. They ascend, so mostly they follow each other.
+/// Gathers eight rows, as [`eight_of`] selects them. Rows ascend, so mostly they are contiguous.
 #[inline(always)]
 fn read<L: Lanes>(column: &[Vec4], rows: &[u32], at: usize) -> [L; 4] {
     match rows[at..].first_chunk::<LANES>() {
@@ -170,7 +172,7 @@ fn read<L: Lanes>(column: &[Vec4], rows: &[u32], at: usize) -> [L; 4] {
     }
 }
 
-/// Eight of a column from one on, or those that are left of it, and the last of them again.
+/// Eight elements from `at` on, or the remaining ones padded with the last.
 #[inline(always)]
 fn eight_of<T: Copy>(column: &[T], at: usize) -> [T; LANES] {
     let left = &column[at..];
@@ -197,7 +199,7 @@ impl<L: Lanes> WideBounds<L> {
         }
     }
 
-    /// Leaves those that one which went `way` is within `slack` of. One that is nowhere does not count.
+    /// Intersects with the displacements within `slack` of `way`. NaN has no effect.
     #[inline(always)]
     fn add(&mut self, way: Vector<L>, slack: L) {
         let slack = slack * L::splat(AXIS);
@@ -208,7 +210,7 @@ impl<L: Lanes> WideBounds<L> {
         self.high = Vector::new(high.x.min(h.x), high.y.min(h.y), high.z.min(h.z));
     }
 
-    /// Those of all lanes.
+    /// The intersection over all lanes.
     #[inline(always)]
     fn of_all(&self) -> DisplacementBounds {
         let mut bounds = DisplacementBounds::ANY;
@@ -225,7 +227,7 @@ impl<L: Lanes> WideBounds<L> {
     }
 }
 
-/// Whether somebody has gone further than its margin, beside what all did.
+/// Whether a participant has moved further than its margin, relative to a common displacement.
 fn any_is_beyond(participants: &Participants, particles: &Particles, common: Vec3) -> bool {
     let beyond = |(&row, home): (&u32, &Vec4)| {
         let own = (particles.position[row as usize] - *home).truncate() - common;
@@ -239,7 +241,7 @@ impl DisplacementBounds {
     const ANY: Self = Self { low: Vec3::NEG_INFINITY, high: Vec3::INFINITY };
     const STILL: Self = Self { low: Vec3::ZERO, high: Vec3::ZERO };
 
-    /// Leaves those of both.
+    /// Intersects with another set.
     fn intersect(&mut self, other: &Self) {
         self.low = self.low.max(other.low);
         self.high = self.high.min(other.high);
@@ -249,10 +251,10 @@ impl DisplacementBounds {
         !self.low.cmple(self.high).all()
     }
 
-    /// One of them.
+    /// The centre.
     fn middle(&self) -> Vec3 {
         let middle = self.low * 0.5 + self.high * 0.5;
-        // Of members that are all nowhere there is none.
+        // Not finite if all participants are NaN.
         if middle.is_finite() { middle } else { Vec3::ZERO }
     }
 }

@@ -1,15 +1,15 @@
-//! The blocks, eight pairs at a time: each pair that overlaps is pushed apart, and held back from sliding.
+//! Position solve of the blocks, eight pairs at a time: each pair that overlaps is pushed apart, with static friction.
 //!
-//! With `d = p_a - p_b`, `n = d/‖d‖`, the least distance `r` and inverse masses `w`, the overlap `δ = r - ‖d‖` is taken away as any distance is
-//! (physics.md C1, C10):
+//! With `d = p_a - p_b`, `n = d/‖d‖`, the least allowed distance `r` and inverse masses `w`, the overlap `δ = r - ‖d‖` is corrected like any distance
+//! constraint (physics.md C1, C10):
 //!
 //! ```text
 //! p_a += w_a/(w_a + w_b) δ n        p_b -= w_b/(w_a + w_b) δ n
 //! ```
 //!
-//! which moves neither the barycentre nor turns anything about it. Since the substep began the two have slid past each other by `t = D - (D·n) n`,
-//! where `D` is the change of `d`; where that is no more than friction holds, `‖t‖ ≤ μ δ` (F8), all of it is taken back by the same weights, and
-//! nothing slides. Otherwise it slides, and `restitution` takes from its velocity what friction may.
+//! which keeps the barycentre and causes no rotation about it. Since the start of the substep the two have slipped by `t = D - (D·n) n`, where `D` is the
+//! change of `d`. Within the friction limit, `‖t‖ ≤ μ δ` (F8), all of it is corrected with the same weights (sticking). Beyond it the pair slips, and
+//! `restitution` reduces the slip velocity by what friction allows.
 
 use glam::Vec3;
 
@@ -20,12 +20,12 @@ use super::swept::{COINCIDENT, SweptPair, TimeOfImpact};
 use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::particles::Particles;
 
-/// One sweep over all blocks; what comes of it is the greatest overlap that it met, metres.
+/// One sweep over all blocks. Its output is the greatest overlap found, metres.
 pub(super) struct PairSweep<'a> {
     pub(super) neighbours: &'a NeighbourList,
     pub(super) filter: &'a ContactFilter,
     pub(super) particles: &'a mut Particles,
-    /// Whether somebody is so fast that pairs must be asked for the way that they came.
+    /// Whether a particle is so fast that pairs must be tested along their paths.
     pub(super) fast: bool,
     /// Length of the substep, seconds.
     pub(super) h: f32,
@@ -34,7 +34,7 @@ pub(super) struct PairSweep<'a> {
     pub(super) times_of_impact: &'a mut Vec<TimeOfImpact>,
 }
 
-/// The share of the least distance that a pair may move by, each against the other, before the way that it came counts.
+/// Share of the least distance that the relative displacement of a pair may have before its path is tested.
 const HALF: f32 = 0.5;
 
 impl Work for PairSweep<'_> {
@@ -62,13 +62,13 @@ impl Work for PairSweep<'_> {
     }
 }
 
-/// What a block came to.
+/// The result of a block.
 struct BlockOverlap<L> {
-    /// Metres; zero where there is none.
+    /// Metres; zero in lanes without one.
     overlap: L,
-    /// Which overlapped, and are done.
+    /// Bit mask of the lanes that overlapped and are solved.
     hit: u32,
-    /// Which are to be treated one by one.
+    /// Bit mask of the lanes left to the scalar path.
     rare: u32,
     normal: Vector<L>,
 }
@@ -128,7 +128,7 @@ impl PairSweep<'_> {
         BlockOverlap { overlap: hit.and(overlap), hit: hit.bits(), rare, normal: n }
     }
 
-    /// What `d` was when the substep began.
+    /// `d` at the start of the substep.
     #[inline(always)]
     fn began<L: Lanes>(&self, block: &PairBlock, offset: Vector<L>) -> Vector<L> {
         let (a, _) = Vector::of(L::rows(&self.particles.start, &block.rows[0]));
@@ -144,7 +144,7 @@ impl PairSweep<'_> {
         a - b
     }
 
-    /// Notes those that are to be reported.
+    /// Records the contacts that are to be reported.
     #[inline(always)]
     fn note<L: Lanes>(&mut self, block: &PairBlock, which: u32, overlap: L, normal: Vector<L>) {
         let overlaps = overlap.array();
@@ -164,7 +164,7 @@ impl PairSweep<'_> {
         self.hits.push(hit);
     }
 
-    /// One by one, and returns the greatest overlap, metres.
+    /// Solves pairs one by one; returns the greatest overlap, metres.
     #[inline(never)]
     fn treat(&mut self, block: &PairBlock, which: u32) -> f32 {
         let mut worst = 0.0_f32;

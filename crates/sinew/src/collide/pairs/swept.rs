@@ -1,34 +1,34 @@
-//! One pair at a time: those that are fast, and those that are at one place.
+//! Scalar solve of one pair at a time: fast pairs and coincident ones.
 //!
 //! # Fast pairs
 //!
-//! With `s` the separation when the substep began and `D` its change, the separation goes along `s + τ D`, `τ` from 0 to 1. Three cases:
+//! With `s` the separation at the start of the substep and `D` its change, the separation moves along `s + τ D`, `τ` from 0 to 1. There are three cases:
 //!
-//! - it began apart, `‖s‖ ≥ r`: if `‖s + τ D‖ = r` has a root in there, that is where the two first touch, and `n = (s + τ D)/r` is the normal;
-//! - it began with an overlap, and comes nearer: `n = s/‖s‖`, so that it cannot get out at the other side;
-//! - it moves apart all the time, or passes by: what counts is where it ends, as for slow ones.
+//! - it starts apart, `‖s‖ ≥ r`: if `‖s + τ D‖ = r` has a root in that interval, it is the time of impact, and `n = (s + τ D)/r` is the normal;
+//! - it starts with an overlap and approaches: `n = s/‖s‖`, so that the particles cannot leave on the other side;
+//! - it separates all the time, or misses: the separation at the end counts, as for slow pairs.
 //!
-//! In the first two it is held on its side of the plane `n · d = r`, as of a wall through the point where they touched. So it is never nearer than
-//! `r`, and has lost nothing of its way along the wall but what friction takes.
+//! In the first two cases the pair is kept on its side of the plane `n · d = r`, as if by a wall through the point of impact. So it is never closer than `r`,
+//! and keeps its motion along the wall except for friction.
 
 use glam::{Vec3, Vec4};
 
 use super::super::friction::friction;
 use crate::particles::Particles;
 
-/// Two that may touch.
+/// A pair that may touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SweptPair {
     pub(super) rows: [u32; 2],
-    /// What is to be added to the difference of their positions, metres.
+    /// Added to the difference of the two positions for their different origins, metres.
     pub(super) offset: Vec3,
-    /// Least distance, metres.
+    /// Least allowed distance, metres.
     pub(super) reach: f32,
     /// Coefficient of friction.
     pub(super) friction: f32,
 }
 
-/// A fast pair that was stopped, and the normal that it was stopped along.
+/// A fast pair that was stopped, and the normal at its time of impact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TimeOfImpact {
     pub(super) pair: SweptPair,
@@ -39,8 +39,8 @@ pub(super) struct TimeOfImpact {
 pub(super) const COINCIDENT: f32 = 1e-6;
 
 impl SweptPair {
-    /// Pushes it apart if it must be. Returns the normal, from the second to the first, the overlap along it in metres, and whether it was stopped on
-    /// its way.
+    /// Pushes the pair apart if it must be. Returns the normal, from the second to the first, the overlap along it in metres, and whether the pair was stopped
+    /// at its time of impact.
     pub(super) fn treat(&self, particles: &mut Particles) -> Option<(Vec3, f32, bool)> {
         let ends = self.separation(&particles.position);
         let began = self.separation(&particles.start);
@@ -67,7 +67,7 @@ impl SweptPair {
         (a - b) + self.offset
     }
 
-    /// The normal where it first touches on its way, if it comes nearer and does.
+    /// The normal at the time of impact, if the pair approaches and touches.
     fn first_touch(&self, began: Vec3, moved: Vec3) -> Option<Vec3> {
         let (length, nearing) = (moved.length_squared(), began.dot(moved));
         if nearing >= 0.0 || length < 0.25 * self.reach * self.reach {
@@ -81,13 +81,13 @@ impl SweptPair {
         if root < 0.0 {
             return None;
         }
-        // The lesser root in the form that does not subtract what is nearly equal.
+        // The smaller root, in the form without cancellation.
         let time = outside / (root.sqrt() - nearing);
         (time <= 1.0).then(|| self.direction(began + moved * time))
     }
 
-    /// A unit vector along a separation. Two at one place go apart along x, y or z, as the sum of their rows leaves 0, 1 or 2 when divided by three,
-    /// the one with the lower row upwards.
+    /// Unit vector along a separation. Coincident particles are separated along x, y or z, as the sum of their rows is 0, 1 or 2 modulo three, the one with the
+    /// lower row upwards.
     fn direction(&self, apart: Vec3) -> Vec3 {
         let length = apart.length();
         if length > COINCIDENT * self.reach {
@@ -100,7 +100,7 @@ impl SweptPair {
 }
 
 impl TimeOfImpact {
-    /// Puts it back on its side, if others have pushed it through.
+    /// Moves the pair back to its side of the plane, if other contacts have pushed it through.
     pub(super) fn hold(&self, particles: &mut Particles) {
         let short = self.pair.reach - self.normal.dot(self.pair.separation(&particles.position));
         if short > 0.0 {
@@ -109,11 +109,11 @@ impl TimeOfImpact {
     }
 }
 
-/// The places of two, to be changed: `[x y z w]`.
+/// Separates a pair by `apart`, by inverse masses (the `w` of `[x y z w]`).
 fn shift(position: &mut [Vec4], rows: [u32; 2], apart: Vec3) {
     let [a, b] = rows.map(|row| row as usize);
     let (w_a, w_b) = (position[a].w, position[b].w);
-    // Two that nothing moves are no pair.
+    // A pair of two pinned particles is never listed.
     let each = apart / (w_a + w_b);
     position[a] += (each * w_a).extend(0.0);
     position[b] -= (each * w_b).extend(0.0);

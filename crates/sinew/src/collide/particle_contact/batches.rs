@@ -1,9 +1,8 @@
-//! The rows of an island against the surfaces that they may touch, in batches of eight: a cloth on a ball asks ten thousand times a substep whether it
-//! touches, and mostly it does not.
+//! Narrow phase in batches of eight rows: a cloth on a ball needs ten thousand tests a substep, most of which find no contact.
 //!
-//! A contact moves its own row and nothing else, so rows may go side by side, to the same bits as one after the other; what one row may touch goes in its
-//! turn, round by round. Where a shape has a [closed form](ClosedForm), eight rows are asked at a time, and only those that touch are resolved one by one,
-//! by the same code as any other contact; so are rows that came from behind.
+//! A contact moves only its own row, so rows may be solved side by side and give the same bits as one after the other. The candidates of one row are solved in
+//! sequence: round `n` holds the `n`th candidate of each row. Where a shape has a [closed form](ClosedForm), eight rows are tested at a time, and only those
+//! that touch are resolved one by one, by the same code as any other contact. Rows that came from behind the surface take the scalar path.
 
 use core::ops::Range;
 
@@ -17,41 +16,41 @@ use crate::islands::Islands;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 use crate::particles::{Particles, Places};
 
-/// Those of all islands, for one step. Scratch.
+/// Batches of all islands, for one step. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CandidateBatches {
-    /// Those of each island in `runs`; `None` of one whose rows go one by one.
+    /// Range in `runs` of each island; `None` where its rows are solved one by one.
     islands: Vec<Option<Range<u32>>>,
     runs: Vec<SurfaceRun>,
     batches: Vec<CandidateBatch>,
-    /// Surface, row and candidate of each row in a round. Memory.
+    /// Surface, row and candidate of each row in a round; scratch.
     round: Vec<(u32, u32, u32)>,
 }
 
-/// Batches of one surface, which may go in any order.
+/// Batches of one surface, which may be solved in any order.
 #[derive(Clone, Debug)]
 struct SurfaceRun {
     surface: u32,
     batches: Range<u32>,
 }
 
-/// As many rows as there are lanes, the last one in all that are left over.
+/// One row a lane; unused lanes repeat the last row.
 #[derive(Clone, Copy, Debug)]
 struct CandidateBatch {
     rows: [u32; LANES],
-    /// The candidate of each.
+    /// Candidate of each row.
     candidates: [u32; LANES],
-    /// Metres.
+    /// Radius of each row, metres.
     radius: [f32; LANES],
-    /// How many rows there are.
+    /// Number of distinct rows.
     count: u32,
 }
 
-/// Of fewer rows, most lanes would be empty.
+/// Below this number of rows most lanes would be empty.
 const FEWEST: usize = LANES / 2;
 
 impl CandidateBatches {
-    /// Forgets all of them.
+    /// Clears all batches.
     pub(super) fn clear(&mut self) {
         self.islands.clear();
         self.runs.clear();
@@ -60,7 +59,7 @@ impl CandidateBatches {
 }
 
 impl ParticleContacts {
-    /// Makes batches of what each island may touch, when that is known.
+    /// Builds the batches of each island, once candidates and reaches are known.
     pub(super) fn make_batches(&mut self, particles: &Particles, islands: &Islands) {
         let Self { first, candidates, reaches, touching, batches: all, .. } = self;
         all.clear();
@@ -96,13 +95,13 @@ impl ParticleContacts {
         }
     }
 
-    /// Whether the rows of island `number` go in batches.
+    /// Whether the rows of island `number` are solved in batches.
     pub(super) fn has_batches(&self, number: usize) -> bool {
         self.batches.islands.get(number).is_some_and(Option::is_some)
     }
 
-    /// Puts the rows of island `number`, none of which has gone further than was foreseen, outside of the surfaces near them; returns how far out the
-    /// farthest was, metres.
+    /// Projects the rows of island `number` out of the surfaces near them; returns the greatest depth, metres. None of the rows may have moved further than the
+    /// broad phase allowed for.
     pub(super) fn leave_in_batches(
         &self,
         places: &mut Places,
@@ -165,14 +164,14 @@ fn batch_of(some: &[(u32, u32, u32)], particles: &Particles) -> CandidateBatch {
     batch
 }
 
-/// Batches against one surface; the deepest comes of it, metres.
+/// Batches against one surface; the output is the greatest depth, metres.
 struct TouchSurface<'a> {
     contacts: &'a ParticleContacts,
     places: Places<'a>,
     normal_impulses: NormalImpulses<'a>,
     batches: &'a [CandidateBatch],
     surface: (u32, ClosedForm),
-    /// Where it is when the interval begins and when it ends, seen from the origin of all rows.
+    /// Poses of the surface at the start and the end of the interval, relative to the origin of all rows.
     frames: [Frame; 2],
     interval: InstantInterval,
 }
@@ -194,7 +193,7 @@ impl Work for TouchSurface<'_> {
             let to = is.local(&L::rows(places.position, &rows));
             let near = form.nearest(to);
             let found = near.touch(from, L::load(&batch.radius));
-            // From behind, or out of what it was in before: one by one.
+            // Rows that came from behind the surface, or overlapped it before, are solved one by one.
             let deep = L::splat(contacts.recover_in(interval)).lt(found.depth).and(found.touching);
             let behind = !found.in_front.bits() | deep.bits();
             let mut left = (found.touching.bits() | behind) & ((1 << batch.count) - 1);
@@ -226,7 +225,7 @@ impl Work for TouchSurface<'_> {
     }
 }
 
-/// A [`Frame`] in lanes.
+/// A [`Frame`] broadcast to all lanes.
 struct LocalFrame<L> {
     axes: [Vector<L>; 3],
     translation: Vector<L>,
@@ -242,7 +241,7 @@ impl<L: Lanes> LocalFrame<L> {
         }
     }
 
-    /// As [`Frame::local`] has it.
+    /// See [`Frame::local`].
     #[inline(always)]
     fn local(&self, columns: &[L; 4]) -> Vector<L> {
         let direction = Vector::of(*columns).0 - self.translation;

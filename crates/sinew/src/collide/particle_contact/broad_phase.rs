@@ -1,4 +1,4 @@
-//! Which rows may touch which surfaces in a step.
+//! Broad phase: the surfaces that each row may touch in a step.
 
 use glam::Vec3;
 
@@ -9,17 +9,17 @@ use super::surface::SurfaceForm;
 use super::{NormalImpulse, ParticleContacts, SurfaceCandidate};
 use crate::particles::Particles;
 
-/// Memory of sorting candidates by row.
+/// Scratch of sorting candidates by row.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CandidateSort {
     /// Row and candidate, surface by surface.
     found: Vec<(u32, SurfaceCandidate)>,
-    /// Island by island, its box and its margin.
+    /// Swept bounds of each island.
     pub(super) islands: Vec<(Vec3, Vec3)>,
 }
 
 impl ParticleContacts {
-    /// Finds them for a step, and starts a press for each.
+    /// Finds the candidates of a step, and resets an accumulated impulse for each.
     pub(super) fn broad_phase(
         &mut self,
         particles: &Particles,
@@ -54,7 +54,7 @@ impl ParticleContacts {
         for (number, surface) in self.surfaces.iter().enumerate() {
             let (mut low, mut high) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
             if let SurfaceForm::Shape(shape) = &surface.form {
-                // A box around all places that it has in the step. Between two of them it is as good as straight.
+                // A box about all poses in the step; between two of them the motion is nearly straight.
                 (low, high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
                 let instants = if surface.moves { steps } else { 1 };
                 for frame in
@@ -94,14 +94,14 @@ impl ParticleContacts {
         self.sort_by_row(particles.len());
     }
 
-    /// Notes where each row is and how far it may go, and the box of each island.
+    /// Records the position of each row and how far it may move, and the swept bounds of each island.
     fn see(&mut self, particles: &Particles, world: &World) {
         let islands = world.islands;
         self.last_seen.resize(particles.len(), glam::Vec4::ZERO);
         self.sort.islands.clear();
         for island in &islands.list {
             let rows = || islands.members[island.members.clone()].iter().map(|&row| row as usize);
-            // What is solid all over is nowhere.
+            // An island whose rows all belong to body colliders gets an empty box.
             if rows().all(|row| self.solid.get(row).is_some_and(|&solid| solid)) {
                 self.sort.islands.push((Vec3::INFINITY, Vec3::NEG_INFINITY));
                 continue;
@@ -122,7 +122,7 @@ impl ParticleContacts {
         }
     }
 
-    /// Puts the candidates in order of their rows, and of surfaces within a row: counted, then dealt out.
+    /// Counting sort of the candidates by row, stable in the order of surfaces.
     fn sort_by_row(&mut self, rows: usize) {
         let Self { first, candidates, sort: CandidateSort { found, .. }, .. } = self;
         first.resize(rows + 1, 0);
@@ -133,7 +133,7 @@ impl ParticleContacts {
             first[row + 1] += first[row];
         }
         candidates.resize(found.len(), SurfaceCandidate::default());
-        // Each row's place moves on as it fills, and ends where the next one's began.
+        // The entry of each row advances as it fills, and ends where that of the next row began.
         for &(row, candidate) in found.iter() {
             let place = &mut first[row as usize];
             candidates[*place as usize] = candidate;

@@ -1,7 +1,7 @@
-//! What is inside of something when a step begins: spawned there, led there by a pin, or covered by what moved.
+//! Rows that overlap something at the start of a step: spawned inside of it, moved there by a pin, or covered by a moving collider.
 //!
-//! How far a particle is put out in a substep is how fast it leaves, by the length of that: 40 cm at once are 240 m/s. What it approached by in the substep is
-//! stopped exactly; of what it was in before, it is put out at a bounded speed, and at the end of the step it has no more of that than it began with.
+//! A particle that is moved out by a length in a substep leaves with the velocity length / h: 40 cm at once are 240 m/s. So the approach of the substep is
+//! corrected in full, an overlap from before at a bounded speed, and at the end of the step the velocity gained in that way is removed.
 
 use glam::Vec3;
 
@@ -9,32 +9,32 @@ use super::super::recovery::{in_substep, recovery};
 use super::{ParticleContact, ParticleContacts};
 use crate::particles::{Particles, Places};
 
-/// How much overlap at the beginning of a step may turn into speed, in the same way: what presses on particles leaves as much.
+/// The overlap at the start of a step that may become velocity: a multiple of g h², and a speed in m/s times h. What rests on particles causes as much.
 const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
 
-/// A row that is inside of something when a step begins.
+/// A row that overlaps something at the start of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InsideRow {
     row: u32,
     /// Unit vector out of it.
     normal: Vec3,
-    /// How fast it was on its way out, m/s.
+    /// Its velocity along the normal at that time, m/s, 0 if it moved inwards.
     leaving: f32,
 }
 
 impl ParticleContacts {
-    /// How much overlap is recovered in each substep, metres: for substeps of `h` seconds under gravity of `g` m/s².
+    /// Sets the depenetration limits for substeps of `h` seconds under gravity of `g` m/s².
     pub(super) fn set_recovery(&mut self, h: f32, g: f32) {
         self.recover = recovery(h, g);
         self.max_depenetration = in_substep(MAX_DEPENETRATION, h, g);
     }
 
-    /// How much of an overlap is recovered in a substep, metres.
+    /// Maximum depenetration in a substep, metres.
     pub(crate) fn recover(&self) -> f32 {
         self.recover
     }
 
-    /// Notes which rows are inside of something.
+    /// Records the rows that overlap something at the start of the step.
     pub(crate) fn note_inside(&mut self, particles: &mut Particles) {
         let mut inside = core::mem::take(&mut self.inside);
         inside.clear();
@@ -53,7 +53,7 @@ impl ParticleContacts {
         self.inside = inside;
     }
 
-    /// What a row is in when a step begins.
+    /// The overlaps of a row at the start of a step.
     fn overlaps(&self, places: &Places, row: u32) -> impl Iterator<Item = ParticleContact> {
         let bounds = self.bounds.of(self.classes.of(row));
         let bounds = bounds.corrections(places, row).filter_map(ParticleContact::along);
@@ -65,7 +65,7 @@ impl ParticleContacts {
         bounds.chain(surfaces)
     }
 
-    /// Takes off the speed that rows have come out with of what they were in when the step began.
+    /// Removes the velocity that rows gained from the recovery of overlaps from before the step.
     pub(crate) fn take_off_recovery(&self, particles: &mut Particles) {
         for &InsideRow { row, normal, leaving } in &self.inside {
             let velocity = &mut particles.velocity[row as usize];

@@ -1,12 +1,12 @@
 //! Particle contacts: single particles against planes, boxes and colliders.
 //!
-//! Each particle is a sphere of its radius. In a substep it goes from where it was to where it was predicted and its constraints moved it; seen from
-//! a collider, which may itself move, that is a way from one point to another ([`Shape::touch`]). Where it overlaps at the end of the way, or passed
-//! through, it is put just outside, on the side that it came from, and the friction that goes with it takes its share of the sliding. Nothing gets
-//! through, however fast and however thin the shape is.
+//! Each particle is a sphere of its radius. In a substep it moves from its start position to the one that was predicted and corrected by constraints. In the
+//! frame of a collider, which may itself move, that is a segment from one point to another ([`Shape::touch`]). Where the particle overlaps at the end of the
+//! segment, or passed through the shape, it is placed just outside, on the side that it came from, and friction reduces its slip. Nothing gets through, however
+//! fast the particle and however thin the shape.
 //!
-//! Which particles may come near which collider is found once a step (`broad_phase`), with a margin of what the fastest of an island may cover. What
-//! has gone further all the same, flung by something, is tried against every collider.
+//! The broad phase runs once a step (`broad_phase`), with a margin for the distance that the fastest particle of an island may cover. A particle that
+//! nevertheless moves further, flung by something, is tested against every collider.
 
 mod batches;
 mod broad_phase;
@@ -35,60 +35,61 @@ use batches::CandidateBatches;
 use inside::InsideRow;
 use surface::{ContactSurface, SurfaceForm};
 
-/// Everything that single particles touch, for one step. Scratch.
+/// Everything that single particles collide with in one step. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ParticleContacts {
     classes: BodyClasses,
     bounds: Bounds,
     surfaces: Vec<ContactSurface>,
-    /// What becomes of the materials of each surface and each class of bodies, surface by surface; `None` where the one is no surface to the other.
+    /// Combined material of each surface and each body class, surface by surface; `None` where the class does not collide with the surface, or collides with it
+    /// as a plain bound.
     materials: Vec<Option<CombinedMaterial>>,
-    /// Where each surface is when each substep begins, at so many instants in it, and when the last one ends: all surfaces of one instant one after the
-    /// other.
+    /// Pose of each surface at the start of each substep, at `instants` instants in it, and at the end of the last one: all surfaces of one instant in
+    /// sequence.
     frames: Vec<Frame>,
-    /// Instants in a substep: the most microsteps that any island takes.
+    /// Instants per substep: the greatest number of microsteps of any island.
     instants: u32,
-    /// The first candidate of each row, and their number; empty where there are no surfaces.
+    /// Index of the first candidate of each row, followed by the number of candidates; empty where there are no surfaces.
     first: Vec<u32>,
     candidates: Vec<SurfaceCandidate>,
-    /// Where each row was when it was looked for, from its origin, and the square of how far it may go from there, m².
+    /// `[x y z d²]`: position of each row when the broad phase ran, from its origin, and the square of the distance that it may move from there, m².
     last_seen: Vec<Vec4>,
-    /// Whether a row does not collide by itself: it belongs to a solid, which does in its place, or its body touches nothing. May be shorter than the
-    /// rows.
+    /// Whether a row does not collide as a particle: it belongs to a body collider, which collides in its place, or contacts of its body are disabled. May be
+    /// shorter than the rows.
     solid: Vec<bool>,
-    /// Whether contacts of each body are to be reported; empty if none's are.
+    /// Whether contacts of each body are to be reported; empty if those of none are.
     reported: Vec<bool>,
-    /// Where the rows of each island that may touch anything are in the list of those, which is island by island.
+    /// For each island the range in `touching` of its rows that may touch anything.
     reaches: Vec<core::ops::Range<usize>>,
     touching: Vec<u32>,
-    /// Whether each row may come to a plane or a box that holds every particle; true of all in a world in 2D.
+    /// Whether each row may touch a plane or a box that is a plain bound; true for all rows of a 2D world.
     bounded: Vec<bool>,
     batches: CandidateBatches,
-    /// How much of an overlap is recovered in a substep, and how much of one may turn into speed, metres.
+    /// Maximum depenetration in a substep, and the overlap at the start of a step above which what is recovered must not become velocity, metres.
     recover: f32,
     max_depenetration: f32,
-    /// Rows that were inside of something when the step began.
+    /// Rows that overlapped something at the start of the step.
     inside: Vec<InsideRow>,
     sort: broad_phase::CandidateSort,
 }
 
-/// From which of the instants of a step to which others surfaces move meanwhile.
+/// The instants of a step between which surfaces move in a microstep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct InstantInterval {
     begin: u32,
     end: u32,
 }
 
-/// What bodies in lanes may touch.
+/// What the bodies of an instance batch may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BatchContacts<'a> {
-    /// All of them, side by side.
+    /// Planes, solved in lanes.
     pub(crate) planes: &'a [Plane],
-    /// Whether there are surfaces besides, which each row touches by itself.
+    /// Whether there are other surfaces as well, which are solved row by row.
     pub(crate) surfaces: bool,
 }
 
-/// A surface that a row may touch in this step.
+/// A surface that a row may touch in this step, with the combined material of the two.
 #[derive(Clone, Copy, Debug, Default)]
 struct SurfaceCandidate {
     surface: u32,
@@ -98,7 +99,7 @@ struct SurfaceCandidate {
 }
 
 impl ParticleContacts {
-    /// Begins a step: takes what is valid, and finds what each row may touch, but for those that do not collide by themselves. Keeps its memory.
+    /// Begins a step: takes the valid surfaces and finds the candidates of each row, except rows that do not collide as particles.
     pub(crate) fn begin(
         &mut self,
         particles: &Particles,
@@ -127,30 +128,30 @@ impl ParticleContacts {
         self.broad_phase(particles, world, normal_impulses);
     }
 
-    /// From when to when a microstep of a substep goes, of which there are so many.
+    /// The instants of microstep `microstep` of `of` in a substep.
     pub(crate) fn interval(&self, substep: u32, microstep: u32, of: u32) -> InstantInterval {
         let (begin, each) = (substep * self.instants, self.instants / of);
         InstantInterval { begin: begin + microstep * each, end: begin + (microstep + 1) * each }
     }
 
-    /// How much of an overlap is recovered meanwhile, metres: at one speed, however a substep is divided.
+    /// Maximum depenetration in an interval, metres: the same speed however a substep is divided.
     fn recover_in(&self, interval: InstantInterval) -> f32 {
         self.recover * ((interval.end - interval.begin) as f32 / self.instants as f32)
     }
 
-    /// Whether there is nothing to touch.
+    /// Whether there is nothing to collide with.
     pub(crate) fn is_empty(&self) -> bool {
         self.bounds.is_empty() && self.surfaces.is_empty()
     }
 
-    /// Whether all particles are held in a plane: the world is in 2D.
+    /// Whether the world is 2D: a plane constraint holds all particles.
     pub(crate) fn holds_in_plane(&self) -> bool {
         self.bounds.has_plane_constraint()
     }
 
-    /// What these rows may touch by themselves, if bodies in lanes can be put out of it. Those of solids touch nothing.
+    /// What these rows may touch as particles, if the batch solve supports it; `None` otherwise. Rows of body colliders touch nothing.
     pub(crate) fn of_batch(&self, rows: core::ops::Range<u32>) -> Option<BatchContacts<'_>> {
-        // What is beyond the list is not of a solid.
+        // Rows beyond the end of the list belong to no body collider.
         let listed = &self.solid[(rows.start as usize).min(self.solid.len())..];
         let listed = &listed[..rows.len().min(listed.len())];
         let solid = listed.iter().filter(|&&solid| solid).count();
@@ -165,19 +166,19 @@ impl ParticleContacts {
         nowhere.then_some(BatchContacts { planes: &[], surfaces: false })
     }
 
-    /// What becomes of the materials of a surface and of a class of bodies; `None` where it is no surface to those.
+    /// Combined material of a surface and a body class; `None` where the surface does not apply to the class.
     #[inline]
     fn material(&self, surface: usize, class: usize) -> Option<&CombinedMaterial> {
         self.materials.get(surface * self.classes.all().len() + class)?.as_ref()
     }
 
-    /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
+    /// Applies the drag of planes to the rows that touch them, before a substep of `h` seconds is predicted.
     pub(crate) fn drag(&self, particles: &mut Particles, h: f32) {
         self.bounds.drag(particles, &self.solid, h);
     }
 
-    /// Puts a row on the right side of everything, once, with friction; returns how far out it was, metres. One without
-    /// `bounds` is far from all planes and boxes that hold it.
+    /// Projects a row out of everything once, with friction; returns the greatest depth, metres. `bounds` is `None` for a row that is far from all plain
+    /// bounds.
     #[inline]
     fn project(
         &self,
@@ -194,7 +195,7 @@ impl ParticleContacts {
         worst.max(self.project_into_plane(places, row))
     }
 
-    /// Puts a row on the right side of the planes and boxes that hold it; returns how far out it was, metres.
+    /// Projects a row out of its plain bounds; returns the greatest depth, metres.
     #[inline]
     fn project_to_bounds(
         &self,
@@ -209,7 +210,7 @@ impl ParticleContacts {
         bounds.project(places, row, self.recover_in(interval))
     }
 
-    /// Puts a row into the plane of a world in 2D; returns how far off it was, metres.
+    /// Projects a row into the plane of a 2D world; returns its distance from it, metres.
     #[inline]
     fn project_into_plane(&self, places: &mut Places, row: u32) -> f32 {
         if places.position[places.at(row)].w == 0.0 {
@@ -218,12 +219,12 @@ impl ParticleContacts {
         self.bounds.project_to_plane(places, row)
     }
 
-    /// As [`Bounds::flatten`] has it.
+    /// See [`Bounds::flatten`].
     pub(super) fn flatten(&self, particles: &mut Particles, moving: bool) {
         self.bounds.flatten(particles, moving);
     }
 
-    /// How far out a row is at the end of a step, metres, moving nothing.
+    /// Depth of a row at the end of a step, metres. Moves nothing.
     #[inline]
     fn error(&self, places: &Places, row: u32, bounds: Option<&ClassBounds>) -> f32 {
         if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
@@ -248,7 +249,7 @@ impl ParticleContacts {
         worst
     }
 
-    /// The presses of the rows before one, and the others.
+    /// Splits the impulses into those of the rows before `row` and the others.
     pub(crate) fn split<'a>(
         &self,
         normal_impulses: NormalImpulses<'a>,
@@ -258,7 +259,7 @@ impl ParticleContacts {
         normal_impulses.split_at(number)
     }
 
-    /// Numbers of the candidates of a row.
+    /// Indices of the candidates of a row.
     #[inline]
     fn of(&self, row: u32) -> core::ops::Range<u32> {
         let row = row as usize;
@@ -270,7 +271,7 @@ impl ParticleContacts {
         self.solid.get(row as usize).is_some_and(|&solid| solid)
     }
 
-    /// Puts a row outside of the surfaces near it; returns how far out it was, metres.
+    /// Projects a row out of the surfaces near it; returns the greatest depth, metres.
     #[inline]
     pub(super) fn project_to_surfaces(
         &self,
@@ -293,7 +294,7 @@ impl ParticleContacts {
         worst
     }
 
-    /// Puts a row outside of the surface of one of its candidates; returns how far out it was, metres.
+    /// Projects a row out of the surface of one of its candidates; returns its depth, metres.
     #[inline(never)]
     fn project_candidate(
         &self,
@@ -307,7 +308,7 @@ impl ParticleContacts {
         self.take_contact(places, normal_impulses, (row, number), &contact)
     }
 
-    /// Notes a contact of a candidate and resolves it; returns how far out the row was, metres.
+    /// Records a contact of a candidate and resolves it; returns the depth, metres.
     #[inline]
     fn take_contact(
         &self,
@@ -325,7 +326,7 @@ impl ParticleContacts {
         contact.depth
     }
 
-    /// The same of any surface, for what was flung further than was foreseen.
+    /// As [`project_to_surfaces`](Self::project_to_surfaces), against all surfaces: for a row that moved further than the broad phase allowed for.
     #[cold]
     fn project_to_all_surfaces(
         &self,
@@ -345,7 +346,7 @@ impl ParticleContacts {
         worst
     }
 
-    /// How a row touches a surface in a substep, if it does.
+    /// The contact of a row with a surface in a substep, if they touch.
     #[inline]
     fn contact(
         &self,
@@ -378,7 +379,7 @@ impl ParticleContacts {
         }
     }
 
-    /// Of a correction of a row that went from one place to another.
+    /// The contact for a correction of a row that moved from `start` to `q`.
     fn along(
         &self,
         correction: Vec3,
@@ -389,31 +390,31 @@ impl ParticleContacts {
         ParticleContact::along(recovered_way(correction, moved, self.recover_in(interval)))
     }
 
-    /// Where a surface is when an interval begins and when it ends, seen from an origin of rows, which keeps the digits far out.
+    /// Poses of a surface at the start and end of an interval relative to an origin of rows, which keeps precision far from the world origin.
     #[inline]
     fn frames_of(&self, number: usize, interval: InstantInterval, origin: Vec3) -> (Frame, Frame) {
         let frame = |instant: u32| &self.frames[instant as usize * self.surfaces.len() + number];
         let seen = |instant: u32| frame(instant).seen_from(origin);
         let is = seen(interval.end);
-        // Most stand still, and then there is but one frame, and nothing is carried.
+        // Most surfaces are static: then there is only one pose, and nothing is carried along.
         let was = if self.surfaces[number].moves { seen(interval.begin) } else { is };
         (was, is)
     }
 }
 
-/// A particle that is where it may not be.
+/// A contact of a particle with a surface.
 #[derive(Clone, Copy, Debug)]
 struct ParticleContact {
     /// Unit vector to the allowed side.
     normal: Vec3,
-    /// How far in it is, metres.
+    /// Penetration depth, metres.
     depth: f32,
-    /// How far the surface has gone there since the substep began, metres.
+    /// Displacement of the surface at the contact since the start of the substep, metres.
     carried: Vec3,
 }
 
 impl ParticleContact {
-    /// Of what touched a shape when it was at `to`, in coordinates of its own, while that went from the first frame to the second.
+    /// The contact of a particle at `to`, in the frame of the shape, which moved from the first pose to the second.
     #[inline]
     fn of(touched: &ShapeTouch, to: Vec3, [was, is]: &[Frame; 2], moves: bool) -> Self {
         let mut carried = Vec3::ZERO;
@@ -424,13 +425,13 @@ impl ParticleContact {
         Self { normal: is.turn(touched.normal), depth: touched.depth, carried }
     }
 
-    /// Of a correction of something that stands still.
+    /// The contact for a correction by something static.
     fn along(correction: Vec3) -> Option<Self> {
         let depth = correction.length();
         (depth > 0.0).then(|| Self { normal: correction / depth, depth, carried: Vec3::ZERO })
     }
 
-    /// Puts a row outside, with the friction that goes with it.
+    /// Projects a row out, with friction.
     #[inline]
     fn resolve(&self, places: &mut Places, row: u32, coefficient: f32) {
         let i = places.at(row);

@@ -1,38 +1,38 @@
-//! What a contact has done so far: what bouncing and the report need to know of it.
+//! Accumulated result of a contact, for restitution and contact events.
 
 use glam::Vec3;
 
 use super::ParticleContact;
 use crate::particles::Places;
 
-/// One candidate's contact.
+/// Accumulated contact of one candidate.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct NormalImpulse {
     /// Unit vector to the allowed side, of the last projection.
     pub(super) normal: Vec3,
-    /// How far it was put out in this substep, metres; 0 where it did not touch.
+    /// Accumulated depth in this substep, metres; 0 where it did not touch.
     pub(super) depth: f32,
-    /// Velocity of the surface there, m/s; times the length of a substep until that is known.
+    /// Displacement of the surface at the contact in this substep, metres; divided by the length of the substep, its velocity.
     pub(super) carried: Vec3,
-    /// Speed towards the allowed side that the row came with into this substep, less that of the surface, m/s.
+    /// Velocity of the row along the normal at the start of this substep, m/s; negative when approaching.
     pub(super) approach: f32,
-    /// The impulse so far in the step, N·s: mass times how far it was put out, by the length of the substep.
+    /// Accumulated impulse in the step, N·s: in each substep mass times depth / h.
     pub(super) sum: f32,
 }
 
-/// Those of consecutive candidates, to be written by whoever solves their rows.
+/// Contacts of consecutive candidates, to be written while their rows are solved.
 pub(crate) struct NormalImpulses<'a> {
     first: u32,
     all: &'a mut [NormalImpulse],
 }
 
 impl<'a> NormalImpulses<'a> {
-    /// All of a world.
+    /// All contacts of a world.
     pub(crate) fn all(all: &'a mut [NormalImpulse]) -> Self {
         Self { first: 0, all }
     }
 
-    /// Those before the candidate of a number, and the others.
+    /// Splits off the contacts before a candidate.
     pub(super) fn split_at(self, number: u32) -> (Self, Self) {
         let count = (number.saturating_sub(self.first) as usize).min(self.all.len());
         let (own, rest) = self.all.split_at_mut(count);
@@ -42,12 +42,12 @@ impl<'a> NormalImpulses<'a> {
         )
     }
 
-    /// The same, lent on.
+    /// Reborrows.
     pub(crate) fn lend(&mut self) -> NormalImpulses<'_> {
         NormalImpulses { first: self.first, all: self.all }
     }
 
-    /// That of a candidate.
+    /// The contact of a candidate.
     #[inline]
     pub(super) fn at(&mut self, number: u32) -> &mut NormalImpulse {
         &mut self.all[(number - self.first) as usize]
@@ -55,12 +55,12 @@ impl<'a> NormalImpulses<'a> {
 }
 
 impl NormalImpulse {
-    /// Takes note of a contact that is about to be resolved.
+    /// Records a contact that is about to be resolved.
     #[inline]
     pub(super) fn take(&mut self, places: &Places, row: u32, contact: &ParticleContact) {
         let i = places.at(row);
         if self.depth == 0.0 {
-            // Before velocities are derived, the column holds what led into the substep's prediction.
+            // Until velocities are derived, the column holds those that led into the prediction of the substep.
             self.approach = places.velocity[i].truncate().dot(contact.normal);
         }
         self.normal = contact.normal;

@@ -1,4 +1,4 @@
-//! Which rows of an island may touch anything in a step: what is out of reach of all there is costs nothing but a look at how far it went.
+//! The rows of an island that may touch anything in a step: rows out of reach cost only the check of how far they have moved.
 
 use glam::{Vec3, Vec4};
 
@@ -9,7 +9,7 @@ use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::{Particles, Places};
 
 impl ParticleContacts {
-    /// Puts all rows of island `number` on the right side of everything, once, with friction; returns how far out the farthest was, metres.
+    /// Projects all rows of island `number` out of everything once, with friction; returns the greatest depth, metres.
     #[inline(never)]
     pub(crate) fn project_island(
         &self,
@@ -27,7 +27,7 @@ impl ParticleContacts {
             });
             return depths.fold(0.0, f32::max);
         }
-        // Rows know nothing of each other: all of them first out of what bounds them, and then out of the rest, is each of them out of one after the other.
+        // Rows do not interact, so projecting all of them out of the plain bounds first and then out of the surfaces gives the same result as row by row.
         let mut worst = 0.0_f32;
         for &row in near {
             if let Some(bounds) = self.bounds_of(row, strays, common) {
@@ -51,7 +51,7 @@ impl ParticleContacts {
         worst
     }
 
-    /// Puts some rows on the right side of everything, wherever they have come to.
+    /// Projects these rows out of everything, wherever they have moved to.
     pub(crate) fn project_rows(
         &self,
         places: &mut Places,
@@ -69,14 +69,14 @@ impl ParticleContacts {
         }
     }
 
-    /// How far out the farthest of the rows of an island is at the end of a step, metres, moving nothing.
+    /// The greatest depth of the rows of an island at the end of a step, metres. Moves nothing.
     pub(crate) fn island_error(
         &self,
         places: &Places,
         (number, rows): (usize, &[u32]),
         instructions: InstructionSet,
     ) -> f32 {
-        // Whose particles touch nothing by themselves.
+        // Particles of body colliders do not collide themselves.
         if rows.iter().all(|&row| self.is_solid(row)) {
             return 0.0;
         }
@@ -89,12 +89,12 @@ impl ParticleContacts {
         errors.fold(0.0, f32::max)
     }
 
-    /// What bounds all rows alike, if they are of one class.
+    /// The plain bounds of all rows, if there is only one body class.
     fn common_bounds(&self) -> Option<&ClassBounds> {
         self.classes.of_everyone().map(|class| self.bounds.of(class))
     }
 
-    /// What bounds a row; `None` of one that is far from all there is.
+    /// The plain bounds of a row; `None` for a row that is far from all of them.
     #[inline]
     fn bounds_of<'a>(
         &'a self,
@@ -108,7 +108,7 @@ impl ParticleContacts {
         Some(common.unwrap_or_else(|| self.bounds.of(self.classes.of(row))))
     }
 
-    /// Those of the rows of an island that may touch something now, and whether one has gone further than was looked: then that is any of them.
+    /// The rows of an island that may touch something now, and whether one has moved further than the broad phase allowed for: then all rows are returned.
     pub(super) fn in_reach<'a>(
         &'a self,
         places: &Places,
@@ -124,7 +124,7 @@ impl ParticleContacts {
         }
     }
 
-    /// Whether one of some rows has gone further than was looked.
+    /// Whether a row of these has moved further than the broad phase allowed for.
     fn any_exceeds_skin(
         &self,
         places: &Places,
@@ -135,13 +135,13 @@ impl ParticleContacts {
         if (last - first) as usize + 1 != rows.len() {
             return rows.iter().any(|&row| self.exceeds_skin(places, row));
         }
-        // Mostly they stand one after the other: all of them are looked at, which takes less than to ask after each whether to go on.
+        // Rows are mostly contiguous: then all are checked, which takes less time than to branch after each.
         let now = &places.position[places.at(first)..][..rows.len()];
         let seen = &self.last_seen[first as usize..][..rows.len()];
         any_beyond(now, seen, instructions)
     }
 
-    /// Whether a row has gone further than was looked.
+    /// Whether a row has moved further than the broad phase allowed for.
     #[inline]
     pub(super) fn exceeds_skin(&self, places: &Places, row: u32) -> bool {
         is_beyond(places.position[places.at(row)], self.last_seen[row as usize])
@@ -156,18 +156,17 @@ impl ParticleContacts {
         }
     }
 
-    /// Those of the rows of an island that may touch something, while none has gone further than was looked; `None` where nobody looked.
+    /// The rows of an island that may touch something as long as none has moved further than the broad phase allowed for; `None` where no broad phase ran.
     pub(crate) fn touching(&self, number: usize) -> Option<&[u32]> {
         self.reaches.get(number).map(|reach| &self.touching[reach.clone()])
     }
 
-    /// Where each row was when it was looked for, from its origin, and the square of how far it may go from there, m².
+    /// `[x y z d²]`: position of each row when the broad phase ran, from its origin, and the square of the distance that it may move from there, m².
     pub(crate) fn last_seen(&self) -> &[glam::Vec4] {
         &self.last_seen
     }
 
-    /// Puts a row that touches surfaces by itself outside of those, as [`project_island`](Self::project_island) does; returns how far out it was,
-    /// metres.
+    /// Projects a row out of its surfaces, as [`project_island`](Self::project_island) does; returns the greatest depth, metres.
     pub(crate) fn project_row(
         &self,
         places: &mut Places,
@@ -181,7 +180,7 @@ impl ParticleContacts {
         self.project_to_surfaces(places, normal_impulses, row, interval)
     }
 
-    /// Finds them, when the boxes of the islands and the candidates of the rows are known.
+    /// Finds the rows in reach, once the bounds of the islands and the candidates of the rows are known.
     pub(super) fn find_reaches(&mut self, particles: &Particles, islands: &Islands) {
         let Self { first, last_seen, reaches, touching, bounded, bounds, sort, .. } = self;
         reaches.clear();
@@ -210,14 +209,14 @@ impl ParticleContacts {
     }
 }
 
-/// Whether a place is farther from where it was seen than was foreseen.
+/// Whether a position is further from that of the broad phase than it allowed for.
 #[inline(always)]
 fn is_beyond(now: Vec4, seen: Vec4) -> bool {
     (now - seen).truncate().length_squared() > seen.w
 }
 
 kernel!(
-    /// Whether any of some places [is](is_beyond).
+    /// Whether any of these positions [is](is_beyond).
     fn any_beyond<L: Lanes>(now: &[Vec4], seen: &[Vec4]) -> bool {
         let (eights, others) = now.as_chunks::<LANES>();
         let (eights_seen, others_seen) = seen.as_chunks::<LANES>();
@@ -232,16 +231,16 @@ kernel!(
     }
 );
 
-/// What a coordinate of a box may be off by, as a share of it: it is a sum of two roundings.
+/// Rounding of a coordinate of a box, relative: it is a sum of two rounded values.
 const ROUNDED: f32 = 1e-6;
 
 impl super::Bounds {
-    /// Whether a box in the world is so far inside of all of them that nothing in it touches any.
+    /// Whether a box in the world is so far inside of all bounds that nothing in it touches one.
     fn hold(&self, low: Vec3, high: Vec3) -> bool {
         if self.has_plane_constraint() {
             return false;
         }
-        // A box of nothing at all.
+        // An empty box.
         if low.cmpgt(high).any() {
             return true;
         }

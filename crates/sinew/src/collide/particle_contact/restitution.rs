@@ -1,4 +1,4 @@
-//! After the velocities are derived: restitution as an impulse, the lectures' drags, and what is to be reported.
+//! After the velocities are derived: restitution, drag of surfaces, and contact events.
 
 use super::super::impact::{ContactParticipant, Impacts};
 use super::super::restitution::{is_elastic, rebound, threshold};
@@ -8,18 +8,18 @@ use crate::lanes::Number;
 use crate::particles::{NO_BODY, Particles, Places};
 
 impl ParticleContacts {
-    /// Whether anything is left to do when the velocities are derived.
+    /// Whether there may be velocities to solve after they are derived.
     #[inline]
     pub(crate) fn bounces(&self) -> bool {
         !self.candidates.is_empty()
     }
 
-    /// Gives rows that touched something in the substep of `h` seconds the velocity that they bounce off with, and takes off what drags ask.
+    /// Applies restitution and drag to rows that touched something in the substep of `h` seconds.
     ///
-    /// Positions know nothing of elasticity: whatever was put on a surface leaves it with the speed that it lacked to get there. So where the speed
-    /// of approach `a` before the substep was above `2gh`, which gravity alone gives to what lies still, the velocity along the normal becomes `-e
-    /// a`. Taken before the last bit of the way, `a` is what the particle had half a substep earlier, and never more than it has at the surface: `e =
-    /// 1` gains nothing.
+    /// The position solve has no restitution: a particle that was projected onto a surface leaves it with the velocity of the correction. So where the approach
+    /// speed `a` before the substep was above `2gh`, twice what gravity adds to resting contacts in a substep, the normal velocity becomes `e a` away from the
+    /// surface. Taken before the last part of the path, `a` is the speed that the particle had half a substep earlier, and never more than at the surface: `e =
+    /// 1` gains no energy.
     pub(crate) fn bounce(
         &self,
         places: &mut Places,
@@ -58,7 +58,7 @@ impl ParticleContacts {
         }
     }
 
-    /// Tells what has touched what in a step, where somebody asked.
+    /// Reports the contacts of a step whose body or surface has events enabled.
     pub(crate) fn report(
         &self,
         particles: &Particles,

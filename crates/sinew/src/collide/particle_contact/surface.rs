@@ -1,5 +1,5 @@
-//! What a particle may touch and has to be looked for: colliders, and those planes and boxes that do more than to hold it. What does not is a plain
-//! bound. Whether something is the one or the other is decided for each class of bodies by itself, so that nobody's path depends on what others ask for.
+//! Contact surfaces: colliders, and planes and boxes with more than friction (restitution, drag, events), which take part in the broad phase. Planes and boxes
+//! without are plain bounds. Each body class is classified separately, so that the trajectory of a body does not depend on the settings of others.
 
 use super::super::body_classes::{BodyClass, BodyClasses};
 use super::super::bounds::{Bounds, PlaneOrBox};
@@ -14,17 +14,17 @@ use super::ParticleContact;
 use crate::constraints::{InsideBox, PlanarDrag, Plane};
 use crate::particles::Places;
 
-/// One of them.
+/// A contact surface.
 #[derive(Clone, Debug)]
 pub(super) struct ContactSurface {
     pub(super) form: SurfaceForm,
     start: Frame,
-    /// Where it goes during the step; the same if it does not.
+    /// Pose at the end of the step; equal to `start` if it does not move.
     end: Frame,
-    /// Whether it goes anywhere during the step.
+    /// Whether it moves during the step.
     pub(super) moves: bool,
     pub(super) material: Material,
-    /// Whether its own coefficients count alone, whatever touches it: so it is of planes and boxes.
+    /// Whether its own coefficients apply alone, as those of planes and boxes do, and not combined with those of the body.
     alone: bool,
     pub(super) layers: Layers,
     pub(super) sensor: bool,
@@ -32,7 +32,7 @@ pub(super) struct ContactSurface {
     pub(super) participant: ContactParticipant,
 }
 
-/// Its geometry.
+/// Geometry of a surface.
 #[derive(Clone, Debug)]
 pub(super) enum SurfaceForm {
     Plane(Plane),
@@ -40,8 +40,8 @@ pub(super) enum SurfaceForm {
     Shape(Shape),
 }
 
-/// Lists what is valid: what holds a class of bodies and does no more to it goes to the bounds, all else to the surfaces, with what becomes of the
-/// materials of each surface and each class, surface by surface; `None` where a class does not touch it, or not as a surface.
+/// Lists the valid surfaces. What only bounds a body class goes to `bounds`, everything else to `surfaces`, with the combined material of each surface and each
+/// class, surface by surface; `None` where a class does not collide with it, or collides with it as a plain bound.
 pub(super) fn list(
     world: &World,
     classes: &BodyClasses,
@@ -147,12 +147,12 @@ impl ContactSurface {
         }
     }
 
-    /// Whether a body may touch it, as far as layers do not decide.
+    /// Whether a body may touch it, apart from layers.
     pub(super) fn may_touch(&self, filter: &ContactFilter, body: u32) -> bool {
         !matches!(self.participant, ContactParticipant::Collider(number) if !filter.may_touch_collider(body, number))
     }
 
-    /// What becomes of it and of what touches it.
+    /// Combined material of this surface and another one.
     pub(super) fn combined_material(&self, other: &Material) -> CombinedMaterial {
         if self.alone {
             let Material { friction, restitution, .. } = self.material;
@@ -161,12 +161,12 @@ impl ContactSurface {
         self.material.against(other)
     }
 
-    /// Where it is after a share of the step.
+    /// Its pose at a fraction of the step.
     pub(super) fn frame_at(&self, share: f32) -> Frame {
         on_the_way(&self.start, &self.end, share)
     }
 
-    /// How a row is in it, with the surface at rest in a frame, if it is.
+    /// Overlap of a row with the surface at rest in a pose, if there is one.
     pub(super) fn overlap(
         &self,
         places: &Places,

@@ -1,4 +1,4 @@
-//! What is within reach in a step, and what is flung beyond that.
+//! The broad phase, particles flung beyond its margins, and batches against the scalar path.
 
 use glam::{Quat, Vec3};
 
@@ -11,7 +11,7 @@ use crate::{
     BodyContacts, Collider, Combine, Frame, Layers, Material, Plane, Shape, Simulation, Wind,
 };
 
-/// A cloth of 1 m × 1 m, hung by two corners 3 m above the ground there may be, in a wind.
+/// A cloth of 1 m × 1 m in a wind, hung by two corners 3 m above the ground, if there is any.
 fn hung() -> Simulation {
     let spec = ClothSpec::default();
     let mut cloth = cloth_grid(&spec).unwrap();
@@ -33,7 +33,7 @@ fn ball(at: Vec3) -> Collider {
     Collider::fixed(Shape::sphere(0.2).unwrap(), Frame { translation: at, ..Frame::IDENTITY })
 }
 
-/// Which rows of the cloth are asked for contacts, right after a step has begun.
+/// The rows of the cloth that are tested for contacts, at the start of a step.
 fn asked(world: &mut Simulation) -> Vec<u32> {
     world.begin_step(1.0 / 60.0).unwrap();
     let (contacts, plan) = (world.particle_contacts().clone(), world.plan().clone());
@@ -56,7 +56,7 @@ fn only_rows_that_may_touch_something_are_asked() {
     let near = asked(&mut world);
     assert!(!near.is_empty() && near.len() < 100, "{}", near.len());
     assert!(near.iter().all(|&row| row >= 10 * 21), "{near:?}");
-    // A ground right below it is for its lowest row, too.
+    // A ground just below it is near its lowest row, too.
     world.boundaries.planes.push(Plane::ground(2.495));
     let low = asked(&mut world);
     assert!(low.len() < 100 && (20 * 21..21 * 21).all(|row| low.contains(&row)), "{low:?}");
@@ -91,7 +91,7 @@ fn what_is_flung_out_of_reach_meets_what_is_there() {
         } else {
             world.boundaries.planes.push(Plane::ground(0.0));
         }
-        // Loose, so that nothing holds it back.
+        // Without its rods, so that nothing holds it back.
         let last = world.particles.len() - 1;
         world.distances_mut().retain(|d| d.a as usize != last && d.b as usize != last);
         let substeps = world.begin_step(1.0 / 60.0).unwrap();
@@ -109,7 +109,7 @@ fn what_is_flung_out_of_reach_meets_what_is_there() {
     }
 }
 
-/// Boxes of particles that fall side by side onto something level at a height of 0, each of its own material.
+/// Boxes of particles that fall side by side onto a level ground at a height of 0, each with its own contact settings.
 fn falling(contacts: impl Fn(u32) -> BodyContacts) -> Simulation {
     let mut world = Simulation::default();
     let cube = box_3d(&BoxSpec::default()).unwrap();
@@ -145,7 +145,7 @@ fn room() -> Collider {
     Collider::fixed(Shape::inside_box(size).unwrap(), Frame::at(Vec3::Y * 20.0))
 }
 
-/// Whether the boxes may go through a step eight at a time. All substeps may be taken at once in any case.
+/// Whether these boxes can be solved in instance batches. Temporal blocking of substeps must be possible in any case.
 fn plain(world: &mut Simulation, boxes: core::ops::Range<u32>) -> bool {
     world.begin_step(1.0 / 60.0).unwrap();
     assert!(world.is_undisturbed());
@@ -191,7 +191,7 @@ fn what_one_asks_for_changes_nobody_elses_way_nor_a_bit_of_him() {
         alike.colliders.push(collider.clone());
         let expected = run(&mut alike);
         for own in asks {
-            // The last eight ask for something of their own.
+            // The last eight have different settings.
             let mut world = falling(|i| if i < 16 { BodyContacts::default() } else { own });
             world.colliders.push(collider.clone());
             let half_space = collider.shape == Shape::half_space();
@@ -229,7 +229,7 @@ fn a_room_that_is_turned_moves_or_is_a_sensor_is_looked_for_and_does_what_it_sho
         world.colliders.push(collider.clone());
         for _ in 0..40 {
             world.step(1.0 / 60.0).unwrap();
-            // It goes no farther.
+            // It stops there.
             world.colliders[0].start = world.colliders[0].end;
         }
         let low = (0..world.particles.len()).map(|i| world.particles.position(i).y);
@@ -238,7 +238,7 @@ fn a_room_that_is_turned_moves_or_is_a_sensor_is_looked_for_and_does_what_it_sho
     }
 }
 
-/// It was tried against everything, whatever its layers, with the friction of the other one alone.
+/// A particle flung out of reach used to be tested against everything, whatever its layers, with the friction of the collider alone.
 #[test]
 fn what_is_flung_out_of_reach_keeps_its_layers() {
     for layers in [Layers::new(2, 2), Layers::default()] {
@@ -249,7 +249,7 @@ fn what_is_flung_out_of_reach_keeps_its_layers() {
             world.contacts.push(BodyContacts::default());
         }
         world.contacts[0].layers = layers;
-        // One that is near, and one in the way.
+        // One that is near, and one in its path.
         let meets = Layers::new(3, 3);
         world.colliders.push(Collider { layers: meets, ..ball(Vec3::Y * 0.5) });
         let wall = Shape::cuboid(Vec3::new(0.2, 10.0, 10.0)).unwrap();
@@ -270,7 +270,7 @@ fn what_is_flung_out_of_reach_keeps_its_layers() {
     }
 }
 
-/// Shapes of every kind that batches take and that they do not, some turned, some that move, one a sensor, some over each other.
+/// Shapes of every kind, with and without a closed form; some turned, some moving, one a sensor, some overlapping.
 fn obstacles() -> Vec<Collider> {
     let turned = |at: Vec3| Frame::new(at, Quat::from_xyzw(0.3, -0.2, 0.5, 1.0));
     let moving = |shape: Shape, at: Vec3| {
@@ -311,7 +311,7 @@ fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
         world.colliders = obstacles();
         for row in 0..world.particles.len() {
             world.particles.set_position(row, place());
-            // Fast ones are looked for from afar, and so none of them strays.
+            // Fast particles get a wide margin, so that none of them exceeds it.
             world.particles.set_velocity(row, place() * 300.0);
         }
         world.begin_step(1.0 / 60.0).unwrap();
@@ -319,7 +319,7 @@ fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
         let number = plan.islands.of[0] as usize;
         let rows = &plan.islands.members[plan.islands.list[number].members.clone()];
         for row in 0..world.particles.len() {
-            // Some go a long way, through thin things, and most hardly anywhere.
+            // Some move far, through thin shapes, and most hardly at all.
             let to = place();
             let by = if row % 7 == 0 { to } else { to * 0.02 };
             if world.particles.position[row].w > 0.0 {
@@ -355,6 +355,6 @@ fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
             assert!(ends(true, set) == truth, "{set:?}, round {round}");
         }
     }
-    // Of what is inside when the substep begins only some is put out in it.
+    // Of an overlap from before the substep only a part is corrected in it.
     assert!(touched > 2000, "{touched} contacts were compared");
 }

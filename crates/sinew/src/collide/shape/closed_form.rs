@@ -1,4 +1,4 @@
-//! The shapes whose nearest point has a closed form, for kernels that ask for eight at a time: the same formulas as for one.
+//! Shapes whose nearest point has a closed form, for kernels that test eight points at a time with the same formulas as for one.
 
 use glam::Vec3;
 
@@ -8,7 +8,7 @@ use super::round::{Ball, Capsule, Cylinder};
 use super::{Form, Shape};
 use crate::lanes::{Number, Vector};
 
-/// One of them.
+/// A shape with a closed form.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum ClosedForm {
     HalfSpace,
@@ -19,7 +19,7 @@ pub(crate) enum ClosedForm {
 }
 
 impl Shape {
-    /// What it is, if it is one of them.
+    /// Its closed form, if it has one.
     pub(crate) fn closed_form(&self) -> Option<ClosedForm> {
         match &self.form {
             Form::HalfSpace => Some(ClosedForm::HalfSpace),
@@ -33,7 +33,7 @@ impl Shape {
 }
 
 impl ClosedForm {
-    /// The point of the surface that is nearest to one point, or to each of eight, in the shape's own coordinates.
+    /// The nearest surface point of one point, or of each of eight, in the frame of the shape.
     #[inline(always)]
     pub(crate) fn nearest<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
         match self {

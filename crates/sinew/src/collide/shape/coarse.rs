@@ -1,33 +1,33 @@
-//! Whether a mesh is anywhere near, at one look: how far it is from the middle of each cell of a coarse grid.
+//! A coarse distance grid of a mesh for early rejection: the signed distance at the centre of each cell.
 //!
-//! A distance changes by no more than the way one goes. So from that of a cell's middle follows how near the surface can be to any point at least and
-//! at most, and, if it is not nearer than the point is to the middle, on which side of it the point is.
+//! A distance function changes by no more than the distance moved. So the distance at the centre of a cell bounds the distance at any other point from below
+//! and above, and tells on which side the point is, unless the surface is nearer to the centre than the point.
 
 use glam::Vec3;
 
-/// Distances from a surface.
+/// Signed distances from a surface on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Coarse {
     low: Vec3,
-    /// Of a cell, metres.
+    /// Size of a cell, metres.
     size: Vec3,
     cells: [usize; 3],
-    /// From the middle of each cell, metres; negative inside. A finite number each.
+    /// At the centre of each cell, metres; negative inside. All are finite.
     distances: Vec<f32>,
 }
 
-/// Cells along the longest side at most: 4096 of them take 16 KiB, half of a core's first cache, and some ms to make.
+/// Maximum number of cells along the longest side: 4096 cells take 16 KiB, half of a core's L1 cache, and a few ms to compute.
 const MOST: f32 = 16.0;
 
 impl Coarse {
-    /// Measures a surface within a box. `distance(point, at_most)` is asked with what it cannot be above.
+    /// Samples a surface within a box. `distance(point, at_most)` is called with an upper bound of the distance.
     pub(super) fn new(
         (low, high): (Vec3, Vec3),
         triangles: usize,
         mut distance: impl FnMut(Vec3, f32) -> f32,
     ) -> Self {
         let extent = high - low;
-        // About as many cells as triangles: a grid finer than these tells nothing new.
+        // About as many cells as triangles: a finer grid tells nothing new.
         let along = libm::cbrtf(triangles as f32).clamp(4.0, MOST);
         let edge = extent.max_element() / along;
         let cells = extent.to_array().map(|side| (side / edge).ceil().clamp(1.0, MOST) as usize);
@@ -36,7 +36,7 @@ impl Coarse {
         let (mut last, mut at_most) = (low, f32::INFINITY);
         for i in 0..cells[0] * cells[1] * cells[2] {
             let middle = grid.middle(i);
-            // With some room for rounding.
+            // A little more, for rounding.
             let found = distance(middle, (at_most + (middle - last).length()) * 1.001);
             grid.distances.push(found);
             (last, at_most) = (middle, found.abs());
@@ -44,13 +44,13 @@ impl Coarse {
         grid
     }
 
-    /// The distance of the surface from some place near a point, metres, and how far that place is from the point.
+    /// The distance of the surface from the centre of the cell of a point, metres, and the distance of that centre from the point.
     #[inline]
     pub(super) fn near(&self, p: Vec3) -> (f32, f32) {
         let [nx, ny, nz] = self.cells;
         let along = |axis: usize, count: usize| {
             let share = (p[axis] - self.low[axis]) / self.size[axis];
-            // A flat mesh has cells without a height, and 0/0 becomes 0.
+            // A flat mesh has cells of no height, and 0/0 becomes 0.
             (share.max(0.0) as usize).min(count - 1)
         };
         let i = (along(2, nz) * ny + along(1, ny)) * nx + along(0, nx);

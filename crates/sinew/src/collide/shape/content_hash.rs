@@ -1,11 +1,11 @@
-//! A number made of what a shape is.
+//! Content hash of a shape.
 
 use glam::Vec3;
 
 use super::Form;
 use crate::hash::fnv;
 
-/// Of a form: of its kind and its numbers.
+/// Hash of the kind and the numbers of a form.
 pub(super) fn of(form: &Form) -> u64 {
     let alone = core::iter::empty();
     match form {

@@ -1,5 +1,5 @@
-//! The same shapes as `parry3d` has them, for the manifolds of two solids. Nothing of that library is seen outside of the crate; its vectors
-//! are those of another version of `glam`.
+//! Conversion to the shapes of `parry3d`, for contact manifolds of two body colliders. The library is not part of the public API; its vectors are those of
+//! another version of `glam`.
 
 use glam::Vec3;
 use parry3d::math::{Pose, Rotation, Vector};
@@ -12,11 +12,11 @@ use super::mesh::Mesh;
 use super::{Form, Shape};
 use crate::collide::frame::Frame;
 
-/// A shape of that library.
+/// A `parry3d` shape.
 pub(super) struct Twin(Box<dyn parry::Shape>);
 
 impl Shape {
-    /// The same shape as that library has it. A mesh and a landscape take their time when they are asked first.
+    /// The equivalent `parry3d` shape. Made on first use, which takes time for a mesh or a heightfield.
     pub(crate) fn parry(&self) -> &dyn parry::Shape {
         &*self.twin.get_or_init(|| Twin(twin(&self.form))).0
     }
@@ -25,7 +25,7 @@ impl Shape {
 fn twin(form: &Form) -> Box<dyn parry::Shape> {
     match form {
         Form::HalfSpace => Box::new(parry::HalfSpace::new(Vector::Y)),
-        // Asked wall by wall (`Obstacle::with`): that library has no such shape.
+        // Handled wall by wall (`Obstacle::with`): `parry3d` has no such shape.
         Form::InsideBox(_) => Box::new(parry::HalfSpace::new(Vector::Y)),
         Form::Ball(ball) => Box::new(parry::Ball::new(ball.radius)),
         Form::Capsule(c) => Box::new(parry::Capsule::new_y(c.half_height, c.radius)),
@@ -37,7 +37,7 @@ fn twin(form: &Form) -> Box<dyn parry::Shape> {
     }
 }
 
-/// The faces that there are; where the library finds them wanting, its own hull of the corners, and where that fails, the triangles.
+/// The polyhedron of the known faces; where `parry3d` rejects that, a mesh of its triangles.
 fn of_hull(hull: &ConvexHull) -> Box<dyn parry::Shape> {
     let points = vectors(&hull.points);
     if let Some(body) = parry::ConvexPolyhedron::from_convex_mesh(points.clone(), &hull.triangles) {
@@ -50,7 +50,7 @@ fn of_mesh(mesh: &Mesh) -> Box<dyn parry::Shape> {
     of_triangles(vectors(&mesh.vertices), mesh.triangles.clone(), mesh.is_solid())
 }
 
-/// Its pseudo-normals keep what slides over a mesh from stumbling over edges within it.
+/// Pseudo-normals (internal edges) keep a body that slides over the mesh from catching on edges within it.
 fn of_triangles(
     points: Vec<Vector>,
     triangles: Vec<[u32; 3]>,
@@ -63,12 +63,12 @@ fn of_triangles(
     };
     match parry::TriMesh::with_flags(points, triangles, flags) {
         Ok(mesh) => Box::new(mesh),
-        // Only without a triangle, which no shape of ours is.
+        // Fails only without triangles, which no mesh of ours is.
         Err(_) => Box::new(parry::Ball::new(0.0)),
     }
 }
 
-/// That library stores a grid by columns, and cuts a cell as we do.
+/// `parry3d` stores a grid by columns; the diagonals of the cells are the same.
 fn of_heights(heights: &Heights) -> Box<dyn parry::Shape> {
     let (columns, rows) = heights.grid();
     let by_columns = (0..columns * rows).map(|i| heights.height(i / rows, i % rows)).collect();
@@ -82,7 +82,7 @@ fn vectors(points: &[Vec3]) -> Vec<Vector> {
     points.iter().map(|&p| theirs(p)).collect()
 }
 
-/// A frame in the library's form. The quaternion of a rotation, by the largest of its four terms.
+/// A frame as a pose of `parry3d`. The quaternion is taken from the largest of its four terms.
 pub(crate) fn pose(frame: &Frame) -> Pose {
     let r = &frame.rotation;
     let [x, y, z] = [r.x_axis, r.y_axis, r.z_axis];

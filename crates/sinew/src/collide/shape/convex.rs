@@ -1,18 +1,18 @@
-//! A sphere against anything without dents: one rule for all such shapes, which each only tell where they are nearest and where a way leads in.
+//! A sphere against any convex shape: one rule for all, for which a shape only provides its nearest point and the entry of a segment.
 //!
 //! # The rule
 //!
-//! Let `c` be the point of the surface nearest to where the centre goes, and `n` the direction out of the surface there. The plane through `c` across
-//! `n` has the whole shape behind it. If the centre came from in front of that plane, then no part of its way up to the plane was in the shape, so it
-//! is on the side where it came from, and the nearest way out is the right one: along `n`, by the radius less the distance. That is nearly always so,
-//! and costs no more than the nearest point.
+//! Let `c` be the surface point nearest to the end of the centre's path, and `n` the outward normal there. The plane through `c` perpendicular to `n` has the
+//! whole shape behind it. If the path starts in front of that plane, then no part of it in front of the plane was in the shape, so the sphere is on the side
+//! that it came from, and the nearest way out is the right one: along `n`, by the radius minus the distance. This is nearly always the case, and costs no more
+//! than the nearest point.
 //!
-//! If it came from behind that plane, it may have gone through. Then the place where its way enters counts, with the direction `m` out of the surface
-//! there: the plane there has the shape behind it, and the start in front. If the sphere ended inside and `n` is within 60° of `m`, it has only gone
-//! round a bend, and goes out along `n`. Otherwise, as through a thin plate, it is put in front of the plane where it entered, which is where an
-//! impact without friction at that place would have kept it.
+//! If the path starts behind that plane, the sphere may have passed through the shape. Then the point where the path enters counts, with the outward normal `m`
+//! there: the plane there has the shape behind it and the start in front. If the sphere ended inside and `n` is within 60° of `m`, it only went round a bend,
+//! and leaves along `n`. Otherwise, as through a thin plate, it is placed in front of the plane where it entered, which is where a frictionless impact at that
+//! point would have kept it.
 //!
-//! One that started inside (constraints may press a particle in a little, and a shape may be put over it) belongs to the side that is nearest to the
+//! A sphere that started inside (constraints may push a particle in slightly, and a shape may be placed over it) belongs to the side that is nearest to the
 //! start.
 
 use glam::Vec3;
@@ -20,21 +20,21 @@ use glam::Vec3;
 use super::{Nearest, RayHit, ShapeTouch};
 use crate::lanes::{Number, Vector};
 
-/// A shape without dents.
+/// A convex shape.
 pub(super) trait Convex {
-    /// The point of the surface nearest to `p`; see [`Nearest`].
+    /// The surface point nearest to `p`; see [`Nearest`].
     fn nearest(&self, p: Vec3) -> Nearest;
 
-    /// Where the way from `from` along `way` enters, at most `most` times as long. `None` if it begins inside.
+    /// Where the segment from `from` along `way` enters, at a multiple of `way` of at most `most`. `None` if it starts inside.
     fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry>;
 
-    /// What [`Shape::touch`](super::Shape::touch) says.
+    /// See [`Shape::touch`](super::Shape::touch).
     #[inline(always)]
     fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         self.touch_near(self.nearest(to), from, to, radius)
     }
 
-    /// The same, given what is nearest to where the centre goes.
+    /// As [`touch`](Self::touch), given the surface point nearest to the end of the path.
     #[inline(always)]
     fn touch_near(&self, near: Nearest, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         if near.normal.dot(from - near.point) >= 0.0 {
@@ -43,7 +43,7 @@ pub(super) trait Convex {
         self.touch_from_behind(&near, from, to, radius)
     }
 
-    /// The rare half of the rule.
+    /// The rare case of the rule: the path starts behind the plane.
     #[cold]
     fn touch_from_behind(
         &self,
@@ -52,7 +52,7 @@ pub(super) trait Convex {
         to: Vec3,
         radius: f32,
     ) -> Option<ShapeTouch> {
-        // Where something is not a number, every comparison fails, and it comes to this.
+        // With NaN every comparison fails, and control reaches this point.
         if !(from.is_finite() && to.is_finite()) {
             return None;
         }
@@ -72,28 +72,28 @@ pub(super) trait Convex {
         ShapeTouch::new(normal, radius + offset - normal.dot(to))
     }
 
-    /// What [`Shape::cast_ray`](super::Shape::cast_ray) says.
+    /// See [`Shape::cast_ray`](super::Shape::cast_ray).
     fn cast(&self, origin: Vec3, direction: Vec3, max: f32) -> Option<RayHit> {
         let entry = self.enter(origin, direction, max)?;
         Some(RayHit { distance: entry.share, normal: entry.normal })
     }
 }
 
-/// Cosine of the angle between two places of a surface up to which one is still round the bend from the other: 60°.
+/// Cosine of the greatest angle between the normals of two surface points at which a path still counts as going round a bend: 60°.
 pub(super) const BEND: f32 = 0.5;
 
-/// Where a way enters a shape.
+/// Where a segment enters a shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
-    /// How many times the way's vector from its start.
+    /// Position along the segment, as a multiple of its vector.
     pub(super) share: f32,
-    /// Unit vector out of the surface.
+    /// Unit outward normal.
     pub(super) normal: Vec3,
-    /// How far the shape reaches along the normal, metres from the origin.
+    /// Extent of the shape along the normal, metres from the origin.
     pub(super) offset: f32,
 }
 
-/// What is nearest to one point, or to each of eight: see [`Nearest`].
+/// The nearest surface point of one point, or of each of eight: see [`Nearest`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearestOf<N> {
     pub(crate) point: Vector<N>,
@@ -102,8 +102,8 @@ pub(crate) struct NearestOf<N> {
 }
 
 impl<N: Number> NearestOf<N> {
-    /// The usual half of the rule, of spheres that came from `from` to the points in question: how far each must go along the normal, metres, where it
-    /// touches at all; and where it came from behind, which is for [`touch`](Convex::touch) to find out.
+    /// The common case of the rule, for spheres that came from `from` to the query points: the depth of each along its normal, metres, and whether it touches;
+    /// and whether it came from in front. Others must be tested by [`touch`](Convex::touch).
     #[inline(always)]
     pub(crate) fn touch(&self, from: Vector<N>, radius: N) -> Touches<N> {
         let depth = radius - self.distance;
@@ -113,14 +113,14 @@ impl<N: Number> NearestOf<N> {
     }
 }
 
-/// Which of eight spheres touch something.
+/// Contacts of eight spheres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touches<N> {
-    /// Metres.
+    /// Penetration depth, metres.
     pub(crate) depth: N,
-    /// A mask.
+    /// Mask of the spheres that touch.
     pub(crate) touching: N,
-    /// A mask: of others nothing is known yet.
+    /// Mask of the spheres that came from in front; for the others the result is not valid.
     pub(crate) in_front: N,
 }
 
@@ -132,7 +132,7 @@ impl From<NearestOf<f32>> for Nearest {
 }
 
 impl Nearest {
-    /// How a sphere with its centre at the point in question must go to be out.
+    /// The correction of a sphere that is centred at the query point.
     #[inline(always)]
     pub(super) fn out(&self, radius: f32) -> Option<ShapeTouch> {
         ShapeTouch::new(self.normal, radius - self.distance)

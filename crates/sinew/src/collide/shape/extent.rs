@@ -1,4 +1,4 @@
-//! The box around a shape, in its own coordinates and in those of the world.
+//! Axis-aligned bounding boxes of a shape, in its own frame and in the world.
 
 use glam::Vec3;
 
@@ -7,8 +7,8 @@ use super::{Form, Shape};
 use crate::collide::frame::Frame;
 
 impl Shape {
-    /// The lowest and the highest coordinates of the smallest box around it along its own axes, metres. A half space has no end but the one at the
-    /// top, and what is outside of a box has none.
+    /// The axis-aligned bounding box in its own frame: lowest and highest coordinates, metres. A half-space is bounded at y = 0 only, and the outside of a box
+    /// not at all.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let half = match &self.form {
             Form::HalfSpace => return (-Vec3::INFINITY, Vec3::INFINITY.with_y(0.0)),
@@ -24,7 +24,7 @@ impl Shape {
         (-half, half)
     }
 
-    /// A box along the world's axes around the shape where a frame puts it, metres; the smallest one for all but meshes and landscapes.
+    /// The axis-aligned bounding box in the world of the shape in pose `frame`, metres; the smallest one except for meshes and heightfields.
     pub fn bounds_in(&self, frame: &Frame) -> (Vec3, Vec3) {
         let up = frame.rotation.y_axis;
         let half = match &self.form {
@@ -38,7 +38,7 @@ impl Shape {
             Form::Ball(ball) => Vec3::splat(ball.radius),
             Form::Capsule(c) => up.abs() * c.half_height + Vec3::splat(c.radius),
             Form::Cylinder(c) => {
-                // Across a world axis a disc is as wide as its radius times the sine of the angle between the two axes.
+                // Along a world axis the extent of a disc is its radius times the sine of the angle between the two axes.
                 let sine = (Vec3::ONE - up * up).max(Vec3::ZERO).map(f32::sqrt);
                 up.abs() * c.half_height + sine * c.radius
             }
@@ -54,7 +54,7 @@ impl Shape {
         (frame.translation - half, frame.translation + half)
     }
 
-    /// Whether a point is inside of it or on its surface. A sheet has no inside.
+    /// Whether a point is inside of the shape or on its surface. A sheet has no inside.
     pub fn contains(&self, point: Vec3) -> bool {
         match &self.form {
             Form::HalfSpace => point.y <= 0.0,
@@ -64,13 +64,13 @@ impl Shape {
     }
 }
 
-/// The lowest and the highest coordinates of points; zeros if there are none.
+/// The bounding box of points; zeros if there are none.
 pub(super) fn around(points: &[Vec3]) -> (Vec3, Vec3) {
     let first = points.first().copied().unwrap_or(Vec3::ZERO);
     points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
 }
 
-/// Only across a world axis that its surface is exactly across does a half space have an end.
+/// A half-space is bounded only along a world axis that its surface is exactly perpendicular to.
 fn half_space(frame: &Frame) -> (Vec3, Vec3) {
     let (mut low, mut high) = (-Vec3::INFINITY, Vec3::INFINITY);
     let up = frame.rotation.y_axis;

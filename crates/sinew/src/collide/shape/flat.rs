@@ -1,4 +1,4 @@
-//! A box against points and ways, in closed form.
+//! A box: nearest point and ray entry in closed form.
 
 use glam::Vec3;
 
@@ -6,14 +6,14 @@ use super::Nearest;
 use super::convex::{Convex, Entry, NearestOf};
 use crate::lanes::{Number, Vector};
 
-/// A box about the origin.
+/// A box that is centred at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cuboid {
     pub(super) half_size: Vec3,
 }
 
 impl Cuboid {
-    /// Of one point, or of eight.
+    /// The nearest surface point of one point, or of each of eight.
     #[inline(always)]
     pub(super) fn nearest_of<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
         let half = Vector::<N>::splat(self.half_size);
@@ -23,7 +23,7 @@ impl Cuboid {
         let square = away.length_squared();
         let distance = square.sqrt();
         let outside = NearestOf { point, normal: away / distance, distance };
-        // Less than this is rounding of a place on the surface.
+        // Below this the point is on the surface, to rounding.
         let is_outside = N::splat(1e-30).lt(square);
         if is_outside.all() {
             return outside;
@@ -36,7 +36,7 @@ impl Cuboid {
         }
     }
 
-    /// The same of a point inside: out through the face with the least in the way.
+    /// The nearest surface point of a point inside: through the nearest face.
     #[inline(always)]
     fn nearest_within<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
         let (half, zero) = (Vector::<N>::splat(self.half_size), N::zero());

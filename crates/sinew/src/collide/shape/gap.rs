@@ -1,11 +1,12 @@
-//! How far two convex shapes are apart, and along which normal: the distance that a cast is made of.
+//! Distance and normal of two convex shapes, the basis of shape casts.
 //!
-//! The search is Gilbert's, Johnson's and Keerthi's (1988) for the point of the Minkowski difference that is nearest to the origin, in `f64` and without what
-//! is round: a sphere is a point and a capsule a segment, each with a radius. `parry3d` has the same search in `f32`, and ends it at a thousandth of the
-//! distance: its normals are some hundredths of a radian off where a character stands a centimetre above a floor, and what slides along them creeps.
+//! The search is that of Gilbert, Johnson and Keerthi (1988) for the point of the Minkowski difference that is nearest to the origin, in `f64` and without
+//! rounding radii: a sphere is a point and a capsule a segment, each with a radius. `parry3d` has the same search in `f32`, and terminates at a thousandth of
+//! the distance: its normals are off by a few hundredths of a radian where a character stands a centimetre above a floor, and whatever slides along them
+//! creeps.
 //!
-//! The distance that is handed out is the separation of the two along the normal, which is never more than their distance, however well the search went: what
-//! goes no farther than that along any way touches nothing.
+//! The distance that is returned is the separation of the two along the normal, which never exceeds their distance, however well the search converged: moving
+//! no farther than that in any direction touches nothing.
 
 use glam::{DMat3, DVec3, Vec3};
 use smallvec::SmallVec;
@@ -13,7 +14,7 @@ use smallvec::SmallVec;
 use super::{Kind, Shape};
 use crate::collide::frame::Frame;
 
-/// A convex shape: what is within a radius of its core. Coordinates of its own, metres.
+/// A convex shape as everything within a radius of its core. In its own frame, metres.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::collide) struct RoundedCore<'a> {
     core: Core<'a>,
@@ -23,9 +24,9 @@ pub(in crate::collide) struct RoundedCore<'a> {
 #[derive(Clone, Copy, Debug)]
 enum Core<'a> {
     Point,
-    /// Along y, to half its length on either side.
+    /// Along y; half of its length.
     Segment(f64),
-    /// Half its size.
+    /// Half of its size.
     Box(DVec3),
     Cylinder {
         radius: f64,
@@ -35,33 +36,33 @@ enum Core<'a> {
     Triangle([DVec3; 3]),
 }
 
-/// What is between two that are apart, in coordinates of the second one.
+/// The gap between two shapes that are apart, in the frame of the second one.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::collide) struct Gap {
-    /// Their separation along the normal, metres; negative where they overlap by less than their radii.
+    /// Separation along the normal, metres; negative where they overlap by less than their radii.
     pub(in crate::collide) distance: f64,
     /// Unit vector from the second to the first.
     pub(in crate::collide) normal: DVec3,
-    /// Where on the second one.
+    /// The nearest point on the second shape.
     pub(in crate::collide) point: DVec3,
-    /// How far their cores are apart, metres: of a small one the normal is not known better than the places are.
+    /// Distance of the cores, metres. Where it is small, the normal is only as accurate as positions are.
     pub(in crate::collide) cores: f64,
 }
 
-/// Where one is in the coordinates of another, in the digits that the difference has.
+/// Pose of one shape in the frame of another, at the precision of their difference.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::collide) struct Relative {
     rotation: DMat3,
     translation: DVec3,
 }
 
-/// Rounds of the search at most: between flat shapes it ends by itself, in less than ten.
+/// Maximum number of iterations: between polyhedra the search terminates by itself in fewer than ten.
 const ROUNDS: usize = 64;
-/// The square of a distance from which on cores are apart, m².
+/// Square of the distance above which cores count as apart, m².
 const APART: f64 = 1e-20;
 
 impl<'a> RoundedCore<'a> {
-    /// The same of a shape; `None` of half-spaces, meshes and landscapes.
+    /// The rounded core of a shape; `None` for half-spaces, inside boxes, meshes and heightfields.
     pub(in crate::collide) fn of(shape: &'a Shape) -> Option<Self> {
         let round = |core, radius: f32| Self { core, radius: f64::from(radius) };
         Some(match shape.kind() {
@@ -79,7 +80,7 @@ impl<'a> RoundedCore<'a> {
         })
     }
 
-    /// A ball about the origin.
+    /// A ball that is centred at the origin.
     pub(in crate::collide) fn ball(radius: f32) -> Self {
         Self { core: Core::Point, radius: f64::from(radius) }
     }
@@ -89,12 +90,12 @@ impl<'a> RoundedCore<'a> {
         Self { core: Core::Triangle(corners.map(Vec3::as_dvec3)), radius: 0.0 }
     }
 
-    /// The point of it that is farthest along a unit vector.
+    /// Its support point along a unit vector.
     pub(in crate::collide) fn farthest(&self, along: DVec3) -> DVec3 {
         self.support(along) + along * self.radius
     }
 
-    /// The point of the core that is farthest along a direction.
+    /// The support point of the core along a direction.
     fn support(&self, along: DVec3) -> DVec3 {
         match self.core {
             Core::Point => DVec3::ZERO,
@@ -113,7 +114,7 @@ impl<'a> RoundedCore<'a> {
         }
     }
 
-    /// How far it is above the plane `y = 0` of a half-space, and where it is nearest to that.
+    /// Its distance from the plane `y = 0` of a half-space, and the nearest point on that plane.
     pub(in crate::collide) fn above_plane(&self, seen: &Relative) -> Gap {
         let lowest = seen.point(self.support(seen.rotation.transpose() * -DVec3::Y));
         Gap {
@@ -124,10 +125,10 @@ impl<'a> RoundedCore<'a> {
         }
     }
 
-    /// What is between this one, seen from the other one, and that; `None` where their cores touch or overlap.
+    /// The gap between this shape, at pose `seen` in the frame of the other one, and that; `None` where their cores touch or overlap.
     pub(in crate::collide) fn gap(&self, seen: &Relative, other: &Self) -> Option<Gap> {
         let back = seen.rotation.transpose();
-        // Of the points of the difference the one that is least along a direction, and the point of the other one that belongs to it.
+        // Support point of the Minkowski difference against a direction, and the point of the other shape that belongs to it.
         let support = |v: DVec3| {
             let theirs = other.support(v);
             (seen.point(self.support(back * -v)) - theirs, theirs)
@@ -166,8 +167,9 @@ impl<'a> RoundedCore<'a> {
 }
 
 impl RoundedCore<'_> {
-    /// A way out of another one whose core this one's touches or overlaps, as a gap below zero: the least far along a normal of a triangle, an axis of this
-    /// one's, or away from the other's middle. That parts them, though there may be a shorter way. `None` if a number is not finite.
+    /// A separation from another shape whose core touches or overlaps that of this one, as a gap of negative distance: the shortest one along the normals of a
+    /// triangle, the axes of this shape, or the line from the centre of the other one. It separates the two, though there may be a shorter one. `None` if a
+    /// number is not finite.
     pub(in crate::collide) fn way_out(&self, seen: &Relative, other: &Self) -> Option<Gap> {
         let mut ways: SmallVec<[DVec3; 16]> = SmallVec::new();
         let mut middle = DVec3::ZERO;
@@ -195,7 +197,7 @@ impl RoundedCore<'_> {
 }
 
 impl Relative {
-    /// Where `one` is as seen from `other`.
+    /// Pose of `one` in the frame of `other`.
     pub(in crate::collide) fn new(one: &Frame, other: &Frame) -> Self {
         let back = other.rotation.as_dmat3().transpose();
         let between = one.translation.as_dvec3() - other.translation.as_dvec3();
@@ -221,8 +223,8 @@ fn farthest(points: impl IntoIterator<Item = DVec3>, along: DVec3) -> DVec3 {
     most.1
 }
 
-/// The point of a simplex that is nearest to the origin, with that of the second shape, and the simplex made of what it takes for that: of the newest point,
-/// and of the others as many as it lies between. `None` if the origin is within.
+/// Reduces a simplex to the smallest sub-simplex with the newest point that contains the point nearest to the origin. Returns that point, and the corresponding
+/// one of the second shape. `None` if the origin is inside.
 fn reduce(simplex: &mut Simplex) -> Option<(DVec3, DVec3)> {
     let newest = simplex.pop()?;
     let others = simplex.clone();
@@ -257,12 +259,12 @@ fn reduce(simplex: &mut Simplex) -> Option<(DVec3, DVec3)> {
         theirs += at.1 * share;
         simplex.push(at);
     }
-    // The newest is last again.
+    // Keeps the newest point last.
     simplex.reverse();
     Some((nearest, theirs))
 }
 
-/// Whether the origin is within four points: on the same side of each three of them as the fourth.
+/// Whether the origin is within a tetrahedron: for each face on the same side as the fourth point.
 fn encloses([a, b, c, d]: [DVec3; 4]) -> bool {
     let same_side = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| {
         let normal = (b - a).cross(c - a);
@@ -298,7 +300,7 @@ mod tests {
         })
     }
 
-    /// No direction separates two by more than what is found, and the point lies on the second one.
+    /// No direction separates the two by more than the gap found, and its point lies on the second shape.
     #[test]
     fn the_gap_is_the_greatest_separation_and_the_distance_to_every_point() {
         for (i, a) in shapes().iter().enumerate() {
@@ -334,7 +336,7 @@ mod tests {
         }
     }
 
-    /// `parry3d` is up to 4 hundredths of a radian off here.
+    /// `parry3d` is off by up to 4 hundredths of a radian here.
     #[test]
     fn the_normal_of_a_face_is_exact_however_near() {
         let (own, floor) = (Shape::cuboid(Vec3::new(0.5, 1.8, 0.4)).unwrap(), [40.0, 1.0, 40.0]);

@@ -1,6 +1,6 @@
-//! A landscape: heights over a grid, and the ground beneath them.
+//! Heightfield: heights over a grid, and the solid ground beneath them.
 //!
-//! The cells under a way are found by counting, not by searching. Below the surface it is solid, so a point's own height tells whether it is inside.
+//! The cells under a segment are found by index, without a search. It is solid below the surface, so the height of a point tells whether it is inside.
 
 use glam::Vec3;
 
@@ -11,27 +11,27 @@ use super::surface::{SphereSlide, Surface, Sweep, first_crossing, skin, slide};
 use super::triangle::{Close, Feature, Triangle};
 use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
 
-/// Heights over a grid about the origin.
+/// Heights over a grid that is centred at the origin.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Heights {
     columns: usize,
     rows: usize,
     /// Row by row, metres.
     heights: Vec<f32>,
-    /// Of the rectangle, metres; y is 1, for it is in the heights.
+    /// Size of the rectangle, metres; y is 1, since its scale is in the heights.
     size: Vec3,
     bounds: (Vec3, Vec3),
     skin: f32,
 }
 
-/// How far the ground goes on below the lowest point, as a share of the width: enough that nothing is pressed through by an impatient solver.
+/// Depth of the ground below the lowest point, as a share of the longer side: enough that a solver that has not converged pushes nothing through.
 const GROUND: f32 = 0.05;
 
-/// Pushes in a row for what began below the surface; the last of them is straight up.
+/// Maximum number of pushes for a sphere that began below the surface; the last one is straight up.
 const ROUNDS: usize = 4;
 
 impl Heights {
-    /// Checks the numbers.
+    /// Validates the numbers.
     pub(super) fn new(
         columns: usize,
         rows: usize,
@@ -41,7 +41,7 @@ impl Heights {
         if columns < 2 || rows < 2 {
             return Err(ShapeFault::Grid);
         }
-        // Triangles are numbered, two a cell.
+        // Triangles are indexed by `u32`, two a cell.
         if columns.checked_mul(rows) != Some(heights.len()) || heights.len() > (1 << 30) {
             return Err(ShapeFault::Heights);
         }
@@ -64,32 +64,32 @@ impl Heights {
         Ok(Self { columns, rows, heights, size, bounds, skin: skin(bounds) })
     }
 
-    /// The same in another size.
+    /// The same heightfield in another size.
     pub(super) fn scaled(&self, factor: Vec3) -> Result<Self, ShapeFault> {
         Self::new(self.columns, self.rows, &self.heights, self.size * factor)
     }
 
-    /// Columns and rows.
+    /// Number of columns and of rows.
     pub(super) fn grid(&self) -> (usize, usize) {
         (self.columns, self.rows)
     }
 
-    /// Of a point of the grid, metres.
+    /// Height of a grid point, metres.
     pub(super) fn height(&self, column: usize, row: usize) -> f32 {
         self.heights[row * self.columns + column]
     }
 
-    /// Of the rectangle along x and z, metres.
+    /// Size of the rectangle along x and z, metres.
     pub(super) fn size(&self) -> Vec3 {
         self.size
     }
 
-    /// The box around it, ground and all.
+    /// Bounding box, including the ground.
     pub(super) fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds
     }
 
-    /// A sphere against it; see [`Shape::touch`](super::Shape::touch).
+    /// See [`Shape::touch`](super::Shape::touch).
     pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let reach = radius.max(self.skin);
         let (low, high) = (from.min(to) - Vec3::splat(reach), from.max(to) + Vec3::splat(reach));
@@ -107,8 +107,8 @@ impl Heights {
         }
     }
 
-    /// What a slope has pushed sideways into the ground, through a side that is no triangle, goes up; if it then is beyond another slope, to its
-    /// start.
+    /// Where a slope has pushed the sphere sideways into the ground, through a side that has no triangles, lifts it; if it then is beyond another slope, moves
+    /// it back to its start.
     fn above(&self, from: Vec3, to: Vec3, reach: f32, touch: ShapeTouch) -> Option<ShapeTouch> {
         let shift = touch.normal * touch.depth;
         let sunk =
@@ -135,7 +135,7 @@ impl Heights {
     pub(super) fn nearest(&self, p: Vec3) -> Nearest {
         let (low, high) = self.bounds;
         let over = p.max(low).min(high).with_y(p.y);
-        // Straight below is a point of the surface; the nearest is no farther.
+        // The surface point straight below is an upper bound of the distance.
         let level = self.ground(over).map_or(high.y, |(triangle, _)| level(&triangle, over));
         let reach = ((p - over.with_y(level)).length() + self.skin) * 1.001;
         let mut best: Option<(u32, Close, Triangle)> = None;
@@ -148,7 +148,7 @@ impl Heights {
                 best = Some((i, close, *triangle));
             }
         });
-        // None only if the point is not finite.
+        // `None` only if the point is not finite.
         let Some((_, close, triangle)) = best else {
             return Nearest { point: p, normal: Vec3::Y, distance: f32::INFINITY };
         };
@@ -162,7 +162,7 @@ impl Heights {
         Nearest { point: close.point, normal, distance: sign * distance }
     }
 
-    /// Calls with the triangles within a box whose own boxes `keep` lets pass, by their lowest and highest coordinates.
+    /// Calls `call` with the triangles within a box whose own bounds (low, high) pass `keep`.
     pub(super) fn near(
         &self,
         (low, high): (Vec3, Vec3),
@@ -188,7 +188,7 @@ impl Heights {
         }
     }
 
-    /// What came through a side or the bottom goes back out there.
+    /// Moves a sphere that came through a side or the bottom back out there.
     fn wall(&self, from: Vec3, to: Vec3, reach: f32) -> Option<ShapeTouch> {
         let (low, high) = self.bounds;
         let inside = from.cmpgt(low).all() && from.with_y(low.y).cmplt(high).all();
@@ -206,7 +206,7 @@ impl Heights {
         if side { ShapeTouch::new(entry.normal, depth) } else { None }
     }
 
-    /// What is below the surface goes up, by the planes of what is above it.
+    /// Lifts a sphere from below the surface, by the planes of the triangles above it.
     fn lift(&self, to: Vec3, reach: f32) -> Option<ShapeTouch> {
         let (mut shift, mut single) = (Vec3::ZERO, None);
         for round in 0..ROUNDS {
@@ -218,17 +218,17 @@ impl Heights {
                 break;
             }
             single = if round == 0 { ShapeTouch::new(normal, depth) } else { None };
-            // A steep triangle is not worth the way over it.
+            // A steep triangle would lift it too far.
             let up = Vec3::Y * (depth / normal.y.max(0.1));
             shift += if round == ROUNDS - 1 { up } else { normal * depth };
         }
         single.or_else(|| ShapeTouch::between(Vec3::ZERO, shift))
     }
 
-    /// The triangle above or below a place, and its number; `None` beyond the rectangle.
+    /// The triangle above or below a point, and its index; `None` beyond the rectangle.
     fn ground(&self, p: Vec3) -> Option<(Triangle, u32)> {
         let [u, v] = [self.along(p.x, 0), self.along(p.z, 2)];
-        // The last point of a row is not to be lost to rounding.
+        // The last point of a row must not be lost to rounding.
         let over = |x: f32, size: f32| x.abs() <= 0.5 * size * (1.0 + 1e-6);
         if !(over(p.x, self.size.x) && over(p.z, self.size.z)) {
             return None;
@@ -239,20 +239,20 @@ impl Heights {
         Some((self.cell(column, row)[half], number as u32))
     }
 
-    /// A coordinate in cells.
+    /// A coordinate in units of cells.
     fn along(&self, x: f32, axis: usize) -> f32 {
         let cells = if axis == 0 { self.columns - 1 } else { self.rows - 1 };
         (x / self.size[axis] + 0.5) * cells as f32
     }
 
-    /// The two triangles of a cell: the one at its lowest x and z, and the other one.
+    /// The two triangles of a cell: first the one at its lowest x and z.
     fn cell(&self, column: usize, row: usize) -> [Triangle; 2] {
         let at = |i: usize, j: usize| self.point(column + i, row + j);
         let [a, b, c, d] = [at(0, 0), at(0, 1), at(1, 0), at(1, 1)];
         [Triangle::new([a, b, c]), Triangle::new([b, d, c])]
     }
 
-    /// A point of the grid, by the same numbers for all cells around it.
+    /// A grid point, computed in the same way for all cells around it.
     fn point(&self, column: usize, row: usize) -> Vec3 {
         let across =
             |i: usize, count: usize, size: f32| (i as f32 / (count - 1) as f32 - 0.5) * size;
@@ -273,7 +273,7 @@ impl Surface for Heights {
         };
         let (from, to) = (sweep.from, sweep.to);
         for column in cells(from.x.min(to.x), from.x.max(to.x), 0) {
-            // The piece of the way that is within reach of this column.
+            // The part of the segment that is within reach of this column.
             let (low, high) =
                 (self.point(column, 0).x - margin, self.point(column + 1, 0).x + margin);
             let way = to - from;
@@ -308,7 +308,7 @@ impl Surface for Heights {
     }
 }
 
-/// The height of a triangle's plane at a place, metres. Its normal never lies: the triangle has a width along x and z.
+/// Height of the plane of a triangle at a point, metres. The normal is never horizontal: the triangle has a width along x and z.
 fn level(triangle: &Triangle, p: Vec3) -> f32 {
     let (n, a) = (triangle.normal, triangle.corners[0]);
     let down = n.x * (p.x - a.x) + n.z * (p.z - a.z);

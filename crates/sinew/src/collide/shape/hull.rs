@@ -1,7 +1,7 @@
-//! A body without dents, given by its corners, against points and ways: by the planes of its faces, and exactly at its edges and corners.
+//! Convex hull: nearest point and ray entry by the planes of its faces, and exact at its edges and vertices.
 //!
-//! Inside, the nearest face is the one whose plane is least far in front. Outside, the nearest point is on one of the faces that are seen from there,
-//! and no nearer than their planes; so most of them are never looked at. A sphere that stays in front of a plane is told by that plane alone.
+//! Inside, the nearest face is the one whose plane is nearest. Outside, the nearest point is on one of the faces that the point is in front of, and no nearer
+//! than its plane, so most faces are never tested. For a sphere that stays in front of a plane, that plane alone decides.
 
 use glam::{DVec3, Vec3};
 
@@ -11,40 +11,40 @@ use super::triangle::{Feature, Triangle};
 use super::{Nearest, ShapeFault, ShapeTouch};
 use crate::convex_hull::{ConvexHullFault, convex_hull};
 
-/// Corners and faces.
+/// Vertices and faces.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ConvexHull {
-    /// Corners, metres.
+    /// Vertices, metres.
     pub(super) points: Vec<Vec3>,
-    /// As numbers of corners, counter-clockwise from outside; those of a face one after the other.
+    /// Vertex indices, counter-clockwise from outside; the triangles of a face are consecutive.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// The same in place.
+    /// The same triangles with coordinates.
     pieces: Vec<Triangle>,
     faces: Vec<Face>,
-    /// A distance that is rounding of coordinates, metres.
+    /// Rounding of coordinates, as a distance in metres.
     grain: f32,
 }
 
-/// A plane that has all corners behind it, and the triangles in it.
+/// A plane that has all vertices behind it, and the triangles in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Face {
     /// Outward unit vector.
     normal: Vec3,
-    /// How far the hull reaches along it, metres from the origin.
+    /// Extent of the hull along the normal, metres from the origin.
     offset: f32,
-    /// Its triangles.
+    /// Range of its triangles.
     first: u32,
     end: u32,
 }
 
-/// Two triangles are in one face if each corner is this near to the other's plane, as a share of the extent: rounding of coordinates, and some.
+/// Triangles belong to one face if all vertices are this close to its plane, as a share of the extent: somewhat more than the rounding of coordinates.
 const IN_PLANE: f64 = 1e-6;
 
-/// More triangles than this are not put together to faces, which takes the square of their number.
+/// Above this number triangles are not merged to faces, since that takes quadratic time.
 const MOST_TO_MERGE: usize = 4096;
 
 impl ConvexHull {
-    /// Checks the points and makes the faces.
+    /// Validates the points and computes the faces.
     pub(super) fn new(points: &[Vec3]) -> Result<Self, ShapeFault> {
         if let Some(point) = stray(points) {
             return Err(ShapeFault::Point(point));
@@ -59,7 +59,7 @@ impl ConvexHull {
         Self::of_triangles(corners, &triangles)
     }
 
-    /// Checks the size and makes the faces, where the corners and the triangles between them are known. The triangles of a hull make the same one again.
+    /// Validates the size and computes the faces from known vertices and triangles. The triangles of a hull result in the same hull again.
     pub(super) fn of_triangles(
         corners: Vec<Vec3>,
         triangles: &[[u32; 3]],
@@ -84,7 +84,7 @@ impl ConvexHull {
         Ok(hull)
     }
 
-    /// Puts triangles in a plane together. The largest come first, because theirs is the plane that is known best.
+    /// Merges coplanar triangles. The largest come first, because their planes are the most accurate.
     fn merged(points: Vec<Vec3>, triangles: &[[u32; 3]], near: f64) -> Self {
         let wide = |t: [u32; 3]| t.map(|i| points[i as usize].as_dvec3());
         let normal = |t: [u32; 3]| {
@@ -106,7 +106,7 @@ impl ConvexHull {
                 plane.2.push(i);
                 continue;
             }
-            // A sliver without an area belongs to no plane of its own; its edges are those of its neighbours.
+            // A sliver without an area has no plane of its own; its edges belong to its neighbours.
             if let Some(unit) = mine.try_normalize() {
                 planes.push((unit, unit.dot(corners[0]), vec![i]));
             }
@@ -124,12 +124,12 @@ impl ConvexHull {
         Self { points, triangles: sorted, pieces, faces, grain: near as f32 }
     }
 
-    /// The outward normals of its faces, and how far it reaches along each, metres from the origin.
+    /// The outward normals of its faces, and its extent along each, metres from the origin.
     pub(super) fn faces(&self) -> impl Iterator<Item = (Vec3, f32)> {
         self.faces.iter().map(|face| (face.normal, face.offset))
     }
 
-    /// Corners of the faces whose normals are as near to a unit direction as a cosine says; some of them several times.
+    /// Vertices of the faces whose normals are within an angle of a unit direction, given by its cosine; some of them several times.
     pub(super) fn corners_towards(
         &self,
         direction: Vec3,
@@ -141,7 +141,7 @@ impl ConvexHull {
         triangles.flatten().map(|&i| self.points[i as usize])
     }
 
-    /// A sphere against it; see [`Shape::touch`](super::Shape::touch).
+    /// See [`Shape::touch`](super::Shape::touch).
     pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let (mut front, mut best) = (0, f32::NEG_INFINITY);
         for (i, face) in self.faces.iter().enumerate() {
@@ -156,7 +156,7 @@ impl ConvexHull {
         self.touch_near(self.nearest_from(to, front, best), from, to, radius)
     }
 
-    /// The nearest point, given the face whose plane is farthest behind `p`, and how far.
+    /// The nearest point, given the face with the greatest signed distance of `p` from its plane, and that distance.
     fn nearest_from(&self, p: Vec3, front: usize, best: f32) -> Nearest {
         let face = &self.faces[front];
         let mut nearest =
@@ -164,7 +164,7 @@ impl ConvexHull {
         if best <= 0.0 {
             return nearest;
         }
-        // Above that face it is the nearest of all. If not, first its triangles count, then those of whatever could be nearer.
+        // If `p` is above that face, the nearest point is on it. If not, its triangles come first, then those of all faces that could be nearer.
         let mut least = f32::INFINITY;
         for i in std::iter::once(front).chain((0..self.faces.len()).filter(|&i| i != front)) {
             let face = &self.faces[i];
@@ -179,7 +179,7 @@ impl ConvexHull {
                 }
                 least = close.square;
                 let (point, away) = (close.point, least.sqrt());
-                // Near an edge the way there says where to go; above a face, or all but on it, its plane does with more digits.
+                // Near an edge the direction to the nearest point is the normal; above a face, or almost on it, that of its plane is more accurate.
                 if close.feature == Feature::Face || away <= self.grain {
                     let (normal, point) = (face.normal, p - face.normal * distance);
                     nearest = Nearest { point, normal, distance };

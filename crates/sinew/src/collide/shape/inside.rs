@@ -1,24 +1,24 @@
-//! What is solid outside of a box: a room without a door. Its surface is that of six half-spaces.
+//! The inverted box: solid outside of a box, a closed room. Its surface consists of six half-spaces.
 
 use glam::{Mat3, Vec3};
 
 use super::{Form, Nearest, RayHit, Shape, ShapeTouch};
 use crate::collide::frame::Frame;
 
-/// A box about the origin whose inside is empty, and all around it is solid.
+/// A box that is centred at the origin, empty inside and solid all around.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HollowBox {
     pub(super) half_size: Vec3,
 }
 
 impl Shape {
-    /// Where the half-spaces are that an endless shape is made of, in its own coordinates: itself of a half-space, six of the outside of a box, none of
-    /// anything else.
+    /// Poses of the half-spaces that an unbounded shape consists of, in its own frame: itself for a half-space, six for the outside of a box, none for any
+    /// other shape.
     pub(crate) fn half_spaces(&self) -> impl Iterator<Item = Frame> + use<> {
         let alone = matches!(self.form, Form::HalfSpace).then_some(Frame::IDENTITY);
         let walls = self.inside_half_size().into_iter().flat_map(|half| {
             let both = |axis: Vec3| [axis, -axis];
-            // A wall faces inward, away from where it is.
+            // A wall faces inward, from where it is towards the centre.
             Vec3::AXES.into_iter().flat_map(both).map(move |inward| {
                 let x = inward.any_orthonormal_vector();
                 let rotation = Mat3::from_cols(x, inward, x.cross(inward));
@@ -28,26 +28,26 @@ impl Shape {
         alone.into_iter().chain(walls)
     }
 
-    /// Half the size of a box that is empty inside, and solid all around it; of anything else none.
+    /// Half of the size of the box for the outside of a box; `None` for any other shape.
     pub(crate) fn inside_half_size(&self) -> Option<Vec3> {
         if let Form::InsideBox(room) = &self.form { Some(room.half_size) } else { None }
     }
 
-    /// Whether it has no end: solid below a plane, or all around a box.
+    /// Whether it is unbounded: a half-space or the outside of a box.
     pub(crate) fn is_endless(&self) -> bool {
         matches!(self.form, Form::HalfSpace | Form::InsideBox(_))
     }
 }
 
 impl HollowBox {
-    /// The clamp, coordinate by coordinate. Where the box is thinner than the sphere, the sphere is held in the middle.
+    /// Clamps each coordinate. Where the box is thinner than the sphere, the sphere is kept in the middle.
     #[inline]
     pub(super) fn touch(&self, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let most = (self.half_size - radius).max(Vec3::ZERO);
         ShapeTouch::between(to, to.max(-most).min(most))
     }
 
-    /// Where a ray that begins inside comes to a wall.
+    /// The hit of a ray that starts inside of the room.
     pub(super) fn cast(&self, origin: Vec3, direction: Vec3, max: f32) -> Option<RayHit> {
         if !origin.abs().cmple(self.half_size).all() {
             return None;
@@ -68,7 +68,7 @@ impl HollowBox {
         first.filter(|hit| hit.distance <= max)
     }
 
-    /// The nearest place on a wall, as of any solid: from inside of the room the distance is positive.
+    /// The nearest point on a wall. As for any solid, the distance is positive from the empty side, here inside of the room.
     pub(super) fn nearest(&self, p: Vec3) -> Nearest {
         let point = p.min(self.half_size).max(-self.half_size);
         let away = point - p;
@@ -108,7 +108,7 @@ mod tests {
         for _ in 0..2000 {
             let (from, to) = (dice.place(Vec3::new(1.0, 2.0, 3.0)), dice.place(Vec3::splat(4.0)));
             let radius = 0.3 * dice.share();
-            // Each wall in its turn.
+            // One wall after the other.
             let mut settled = to;
             for wall in &walls {
                 if let Some(touch) = floor.touch(wall.local(from), wall.local(settled), radius) {

@@ -1,9 +1,9 @@
-//! Triangles in any order: a sheet, or the skin of a solid with as many dents as it likes.
+//! Triangle mesh: a sheet, or the surface of a solid that need not be convex.
 //!
 //! # Inside and outside
 //!
-//! At a face its normal tells on which side a point is, at an edge the sum of the two faces', at a corner the sum of all faces' weighted by their
-//! angles there: the *pseudo-normals* of which Bærentzen and Aanæs (2005) proved it for every closed surface.
+//! The side of a point is determined at a face by its normal, at an edge by the sum of the normals of the two faces, at a vertex by the sum of the normals of
+//! all faces weighted by their angles there: these *pseudo-normals* are correct for every closed surface (Bærentzen and Aanæs 2005).
 
 use glam::Vec3;
 
@@ -17,34 +17,34 @@ use super::triangle::{Close, Feature, Triangle};
 use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
 use crate::same_place::first_in_place;
 
-/// Triangles, and what it takes to find them.
+/// Triangles with their acceleration structures.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Mesh {
-    /// Places of corners, each but once, metres.
+    /// Distinct vertex positions, metres.
     pub(super) vertices: Vec<Vec3>,
-    /// Those that have an area, in the order of the tree.
+    /// Triangles that have an area, in the order of the tree.
     pub(super) triangles: Vec<[u32; 3]>,
     pieces: Vec<Triangle>,
     tree: TriangleTree,
     coarse: Coarse,
     bounds: (Vec3, Vec3),
     skin: f32,
-    /// Empty for a sheet.
+    /// Pseudo-normals of each triangle; empty for a sheet.
     pseudo: Vec<Pseudo>,
 }
 
-/// What tells inside from outside at the edges and corners of a triangle; any length.
+/// Pseudo-normals of the edges and vertices of a triangle; not normalised.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Pseudo {
     edges: [Vec3; 3],
     corners: [Vec3; 3],
 }
 
-/// So many triangles can be numbered with room for the boxes around them.
+/// Maximum number of triangles and of vertices: indices must leave room for those of tree nodes.
 const MOST: usize = 1_000_000_000;
 
 impl Mesh {
-    /// Checks the numbers, leaves out what has no area, and finds out whether the rest is closed.
+    /// Validates the numbers, drops triangles without an area, and determines whether the rest is closed.
     pub(super) fn new(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, ShapeFault> {
         if triangles.len() > MOST || vertices.len() > MOST {
             return Err(ShapeFault::TooMany);
@@ -75,7 +75,7 @@ impl Mesh {
         let triangles: Vec<[u32; 3]> = order.iter().map(|&i| triangles[i as usize]).collect();
         let pieces: Vec<Triangle> = order.iter().map(|&i| pieces[i as usize]).collect();
         let pseudo = pseudo(vertices.len(), &triangles, &pieces);
-        // The mesh has to be there to be measured.
+        // The distances can be computed only once the mesh exists.
         let unmeasured = Coarse::new(bounds, 1, |_, _| 0.0);
         let count = pieces.len();
         let skin = skin(bounds);
@@ -85,7 +85,7 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// The box around it.
+    /// Bounding box.
     pub(super) fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds
     }
@@ -95,7 +95,7 @@ impl Mesh {
         !self.pseudo.is_empty()
     }
 
-    /// A sphere against it; see [`Shape::touch`](super::Shape::touch).
+    /// See [`Shape::touch`](super::Shape::touch).
     pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let reach = radius.max(self.skin);
         let (low, high) = (from.min(to) - Vec3::splat(reach), from.max(to) + Vec3::splat(reach));
@@ -123,7 +123,7 @@ impl Mesh {
 
     /// See [`Shape::cast_ray`](super::Shape::cast_ray).
     pub(super) fn cast(&self, origin: Vec3, direction: Vec3, max: f32) -> Option<RayHit> {
-        // No farther than the mesh is, so that the end of the way has as many digits as there are.
+        // No longer than the mesh is far, so that the end of the segment is as precise as possible.
         let (low, high) = self.bounds;
         let far = (origin - (low + high) * 0.5).length() + (high - low).length();
         let length = max.min(far);
@@ -132,7 +132,7 @@ impl Mesh {
         Some(RayHit { distance: crossing.share as f32 * length, normal })
     }
 
-    /// Calls with the triangles in boxes that `keep` lets pass, by their lowest and highest coordinates.
+    /// Calls `call` with the triangles whose bounds (low, high) pass `keep`, as must those of the nodes above.
     pub(super) fn near(&self, keep: &dyn Fn(Vec3, Vec3) -> bool, call: &mut dyn FnMut([Vec3; 3])) {
         let mut cursor = 0;
         while let Some(range) = self.tree.next(&mut cursor, keep) {
@@ -151,10 +151,10 @@ impl Mesh {
         self.signed(p, (distance.abs() + off) * 1.001)
     }
 
-    /// The nearest place, given what the distance is not above.
+    /// The nearest point, given an upper bound of the distance.
     fn signed(&self, p: Vec3, at_most: f32) -> Nearest {
         let mut best: Option<(usize, Close)> = None;
-        // A little more, so that a distance of exactly that much is found.
+        // A little more, so that a distance equal to the bound is found.
         let mut least = at_most * at_most * 1.001 + f32::MIN_POSITIVE;
         let mut cursor = 0;
         let away = |low: Vec3, high: Vec3| (p - p.min(high).max(low)).length_squared();
@@ -169,7 +169,7 @@ impl Mesh {
                 }
             }
         }
-        // None only if the point is not finite.
+        // `None` only if the point is not finite.
         let Some((i, close)) = best else {
             return Nearest { point: p, normal: Vec3::Y, distance: f32::INFINITY };
         };
@@ -224,12 +224,12 @@ impl Surface for Mesh {
             return !self.outside(*i as usize, close, p);
         }
         let (distance, off) = self.coarse.near(p);
-        // Where the grid is too coarse to tell, the triangles do.
+        // Where the grid is too coarse to decide, the triangles do.
         if distance.abs() > off { distance < 0.0 } else { self.nearest(p).distance < 0.0 }
     }
 }
 
-/// The same with each place once, in the order of the places' first appearance; and without triangles that have a place twice.
+/// Merges vertices at the same position, in the order of first appearance, and drops triangles that have a position twice.
 fn welded(vertices: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let first = first_in_place(vertices);
     let mut number = vec![u32::MAX; vertices.len()];
@@ -245,10 +245,9 @@ fn welded(vertices: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]
     (places, triangles.iter().map(|t| t.map(corner)).filter(distinct).collect())
 }
 
-/// What tells inside from outside, if every edge is that of two triangles that go along it in opposite directions and the volume is positive; else
-/// nothing.
+/// The pseudo-normals, if every edge belongs to two triangles with opposite directions and the volume is positive; empty otherwise.
 fn pseudo(vertices: usize, triangles: &[[u32; 3]], pieces: &[Triangle]) -> Vec<Pseudo> {
-    // Both ends as one number, the first one above.
+    // Both ends of an edge as one number, the first in the upper half.
     let joined = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
     let side = |t: &[u32; 3], k: usize| joined(t[k], t[(k + 1) % 3]);
     let mut sides: Vec<(u64, u32)> =
@@ -260,7 +259,7 @@ fn pseudo(vertices: usize, triangles: &[[u32; 3]], pieces: &[Triangle]) -> Vec<P
         sides.get(at).filter(|(other, _)| *other == back).map(|(_, i)| *i as usize)
     };
     let twice = sides.windows(2).any(|pair| pair[0].0 == pair[1].0);
-    // About a corner of its own, so that a small mesh far from the origin keeps its digits.
+    // Relative to a vertex, so that a small mesh far from the origin keeps its precision.
     let origin = pieces[0].corners[0].as_dvec3();
     let volume = |piece: &Triangle| {
         let [a, b, c] = piece.corners.map(|corner| corner.as_dvec3() - origin);

@@ -1,21 +1,21 @@
-//! Shapes: what can be solid. Made once, checked when they are made, and then asked in every substep whether a particle is in them.
+//! Collision shapes. A shape is validated when it is made, and tested against particles in every substep.
 //!
 //! | file | what it is |
 //! |---|---|
 //! | `fault` | why a shape is refused |
-//! | `convex` | a sphere against anything without dents: one rule for all of them, and how it follows |
-//! | `round`, `flat` | sphere, capsule and cylinder; box: nearest point and way in, in closed form |
-//! | `closed_form` | those whose nearest point has a closed form, eight at a time |
-//! | `inside` | what is solid outside of a box, and the half-spaces of what is endless |
-//! | `hull` | the same for what is given by its corners |
-//! | `triangle`, `surface` | a sphere against triangles: nearest point, crossing, and the same rule for what has dents |
-//! | `tree`, `coarse` | which triangles are near; whether any are |
-//! | `mesh`, `height` | triangles in any order; triangles over a grid |
-//! | `extent`, `scale` | the box around a shape; the same shape in another size |
-//! | `content_hash` | a number made of what a shape is |
-//! | `words` | a shape as plain words, to be stored |
-//! | `gap` | how far two convex shapes are apart |
-//! | `convert` | the shapes that `parry3d` knows, for what two solids do to each other |
+//! | `convex` | a sphere against any convex shape: one rule for all of them, with its derivation |
+//! | `round`, `flat` | sphere, capsule and cylinder; box: nearest point and ray entry in closed form |
+//! | `closed_form` | shapes whose nearest point has a closed form, eight points at a time |
+//! | `inside` | the inverted box (solid outside), and the half-spaces of unbounded shapes |
+//! | `hull` | convex hull: nearest point and ray entry |
+//! | `triangle`, `surface` | a sphere against triangles: nearest point, crossing, and the rule for non-convex shapes |
+//! | `tree`, `coarse` | bounding volume hierarchy; coarse distance grid |
+//! | `mesh`, `height` | triangle mesh; heightfield |
+//! | `extent`, `scale` | AABBs; scaling |
+//! | `content_hash` | hash of a shape |
+//! | `words` | serialisation as plain words |
+//! | `gap` | distance of two convex shapes |
+//! | `convert` | conversion to `parry3d` shapes, for contact manifolds |
 
 mod closed_form;
 mod coarse;
@@ -55,19 +55,19 @@ use inside::HollowBox;
 use mesh::Mesh;
 use round::{Ball, Capsule, Cylinder};
 
-/// A shape, in coordinates of its own, metres. Cheap to clone: what is large is shared.
+/// A collision shape in its own frame, in metres. Cheap to clone: large data is shared.
 ///
-/// Two are equal if they are of the same kind with the same numbers.
+/// Two shapes are equal if they are of the same kind with the same numbers.
 #[derive(Clone)]
 pub struct Shape {
     form: Form,
-    /// A number made of what it is: see [`content_hash`](Self::content_hash).
+    /// See [`content_hash`](Self::content_hash).
     content_hash: u64,
-    /// The same as `parry3d` has it; made when it is asked for first.
+    /// The equivalent shape of `parry3d`; made on first use.
     twin: Arc<OnceLock<convert::Twin>>,
 }
 
-/// What a shape is.
+/// The geometry of a shape.
 #[derive(Clone, Debug, PartialEq)]
 enum Form {
     HalfSpace,
@@ -81,65 +81,65 @@ enum Form {
     Heights(Arc<Heights>),
 }
 
-/// What a shape is, for those who have a way of their own with some of them. Lengths in metres.
+/// The kind of a shape with its dimensions, for algorithms with special cases. Lengths in metres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Kind<'a> {
     /// Solid below y = 0.
     HalfSpace,
-    /// Solid outside of a box about the origin.
+    /// Solid outside of a box that is centred at the origin.
     InsideBox,
-    /// About the origin.
+    /// Centred at the origin.
     Sphere { radius: f32 },
     /// Along y; the half height is that of the straight part.
     Capsule { radius: f32, half_height: f32 },
-    /// About the origin.
+    /// Centred at the origin.
     Box { half_size: Vec3 },
     /// Along y.
     Cylinder { radius: f32, half_height: f32 },
-    /// Its corners; there are no points inside.
+    /// Its vertices, none of which is in the interior.
     Hull(&'a [Vec3]),
-    /// Triangles.
+    /// A triangle mesh, closed or open.
     Mesh,
     /// Solid beneath a surface.
     HeightField,
 }
 
-/// What a sphere that goes somewhere has run into.
+/// Contact of a moving sphere with a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ShapeTouch {
-    /// Which way it must be moved: a unit vector.
+    /// Direction in which the sphere must be moved: a unit vector.
     pub(crate) normal: Vec3,
-    /// How far it must be moved, metres; greater than 0.
+    /// Distance by which it must be moved, metres; greater than 0.
     pub(crate) depth: f32,
 }
 
-/// Where a ray meets a shape.
+/// Where a ray hits a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// How far along the ray, metres.
+    /// Distance along the ray, metres.
     pub distance: f32,
-    /// Unit vector out of the surface there, against the ray.
+    /// Unit surface normal at the hit, against the ray.
     pub normal: Vec3,
 }
 
-/// The place on a shape's surface that is nearest to a point.
+/// The point on the surface of a shape that is nearest to a query point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// That place, metres.
+    /// That surface point, metres.
     pub point: Vec3,
-    /// Unit vector out of the surface there: towards the point if it is outside, away from it if it is inside.
+    /// Unit outward normal there: towards the query point if that is outside, away from it if it is inside.
     pub normal: Vec3,
-    /// How far away it is, metres; negative if the point is inside a solid.
+    /// Distance from the query point, metres; negative if that is inside a solid.
     pub distance: f32,
 }
 
 impl Shape {
-    /// All that is below y = 0: a floor without end.
+    /// An infinite floor: solid below y = 0.
     pub fn half_space() -> Self {
         Self::of(Form::HalfSpace)
     }
 
-    /// All that is outside of a box about the origin: a room without a door. The size is that of the box, metres.
+    /// A closed room: solid outside of a box that is centred at the origin. `size` is that of the box, metres.
     ///
     /// # Errors
     /// If a length is not between 1e-6 and 1e6 metres.
@@ -148,7 +148,7 @@ impl Shape {
         Ok(Self::of(Form::InsideBox(HollowBox { half_size: 0.5 * size })))
     }
 
-    /// A sphere about the origin.
+    /// A sphere that is centred at the origin, of a radius in metres.
     ///
     /// # Errors
     /// If the radius is not between 1e-6 and 1e6 metres.
@@ -157,7 +157,7 @@ impl Shape {
         Ok(Self::of(Form::Ball(Ball { radius })))
     }
 
-    /// A cylinder along y with half a sphere on either end. `length` is that of the cylinder, without the caps.
+    /// A capsule along y: a cylinder with a hemisphere on either end, of a radius in metres. `length` is that of the cylinder without the caps, metres.
     ///
     /// # Errors
     /// If one of them is not between 1e-6 and 1e6 metres.
@@ -167,7 +167,7 @@ impl Shape {
         Ok(Self::of(Form::Capsule(Capsule { radius, half_height: 0.5 * length })))
     }
 
-    /// A box about the origin, from the lengths of its edges.
+    /// A box that is centred at the origin, of edge lengths in metres.
     ///
     /// # Errors
     /// If one of them is not between 1e-6 and 1e6 metres.
@@ -176,7 +176,7 @@ impl Shape {
         Ok(Self::of(Form::Cuboid(Cuboid { half_size: 0.5 * size })))
     }
 
-    /// A cylinder along y, about the origin.
+    /// A cylinder along y that is centred at the origin, of a radius and a height in metres.
     ///
     /// # Errors
     /// If one of them is not between 1e-6 and 1e6 metres.
@@ -186,33 +186,33 @@ impl Shape {
         Ok(Self::of(Form::Cylinder(Cylinder { radius, half_height: 0.5 * height })))
     }
 
-    /// The smallest body without dents around points ([`convex_hull`](crate::recipes::convex_hull)).
+    /// The [convex hull](crate::recipes::convex_hull) of points, in metres.
     ///
     /// # Errors
-    /// If a point is not finite or farther than 1e6 metres from the origin, if they are fewer than four or more than 65 536, or if they lie in a
-    /// plane to a millionth of their extent.
+    /// If a point is not finite or farther than 1e6 metres from the origin, if there are fewer than four or more than 65 536 points, or if they lie in a plane
+    /// to a millionth of their extent.
     pub fn hull(points: &[Vec3]) -> Result<Self, ShapeFault> {
         Ok(Self::of(Form::Hull(Arc::new(ConvexHull::new(points)?))))
     }
 
-    /// Triangles. If they enclose a volume, each edge of two of them in opposite directions, counter-clockwise seen from outside, then what is inside
-    /// is solid. Otherwise they are a sheet, which nothing passes from either side. Corners in the very same place are one. Triangles without an area
-    /// are left out.
+    /// A triangle mesh, vertices in metres. If the triangles enclose a volume (each edge belongs to two triangles with opposite directions, counter-clockwise
+    /// seen from outside), it is solid inside. Otherwise they are a sheet, which nothing passes from either side. Vertices at exactly the same position are
+    /// merged. Triangles without an area are left out.
     ///
     /// # Errors
-    /// If a vertex is not finite or farther than 1e6 metres from the origin, if a triangle names one that is not there, or if no triangle has an
-    /// area.
+    /// If a vertex is not finite or farther than 1e6 metres from the origin, if a triangle refers to a missing vertex, if no triangle has an area, if the
+    /// extent of the mesh is not between 1e-6 and 1e6 metres, or if there are more than 1e9 triangles or vertices.
     pub fn mesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, ShapeFault> {
         Ok(Self::of(Form::Mesh(Arc::new(Mesh::new(&vertices, &triangles)?))))
     }
 
-    /// A landscape: `columns` heights along x in each of `rows` along z, row by row, over a rectangle of `size.x` by `size.z` metres about the
-    /// origin. Heights are in units of `size.y`. A cell is cut in two from its corner at +z to that at +x. It is solid from there down to a twentieth
-    /// of its width below its lowest point.
+    /// A heightfield: `columns` heights along x in each of `rows` along z, row by row, over a rectangle of `size.x` by `size.z` metres centred at the origin.
+    /// Heights are in units of `size.y` metres. A cell is divided by the diagonal from its corner at +z to that at +x. It is solid below the surface, down to 5
+    /// % of the longer side of the rectangle below its lowest point.
     ///
     /// # Errors
-    /// If there are fewer than two columns or rows, if the number of heights is not their product, if a height is not finite or farther than 1e6
-    /// metres from 0, or if the size is not between 1e-6 and 1e6 metres on every axis.
+    /// If there are fewer than two columns or rows, if the number of heights is not their product, if a height is not finite or farther than 1e6 metres from 0,
+    /// or if the size, or that of a cell, is not between 1e-6 and 1e6 metres on every axis.
     pub fn height_field(
         columns: usize,
         rows: usize,
@@ -222,9 +222,9 @@ impl Shape {
         Ok(Self::of(Form::Heights(Arc::new(Heights::new(columns, rows, heights, size)?))))
     }
 
-    /// A sphere whose centre goes from `from`, where a substep began, to `to`: `None` if it neither overlaps the shape there nor went through it on
-    /// the way. Otherwise how it must be moved from `to` to be just outside, on the side where it came from. One that began inside goes the nearest
-    /// way out. Lengths in metres, in the shape's own coordinates. What is not finite touches nothing.
+    /// Contact of a sphere whose centre moves from `from`, the start of a substep, to `to`. `None` if it neither overlaps the shape at `to` nor passed through
+    /// it on the way. Otherwise the correction from `to` to just outside, on the side that it came from. A sphere that began inside takes the shortest way out.
+    /// Lengths in metres, in the frame of the shape. What is not finite touches nothing.
     #[inline]
     pub(crate) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         match &self.form {
@@ -240,9 +240,10 @@ impl Shape {
         }
     }
 
-    /// Where a ray from `origin` along a unit vector meets the surface first, at most `max` metres away. From within a solid it meets nothing.
+    /// The first hit of a ray from `origin` along the unit vector `direction`, at most `max` metres away. A ray from within a solid does not hit the surface
+    /// where it leaves; on a mesh or heightfield that is not convex it may hit where it enters again.
     pub fn cast_ray(&self, origin: Vec3, direction: Vec3, max: f32) -> Option<RayHit> {
-        // Farther than this is nothing, and a way without end has no middle.
+        // Farther hits do not matter, and the midpoint of an infinite segment does not exist.
         let max = max.min(1e9);
         match &self.form {
             Form::HalfSpace => {
@@ -261,7 +262,7 @@ impl Shape {
         }
     }
 
-    /// The place on the surface that is nearest to a finite point. Where several are, one of them.
+    /// The point on the surface that is nearest to a finite point. Where there are several, one of them.
     pub fn nearest(&self, point: Vec3) -> Nearest {
         match &self.form {
             Form::HalfSpace => {
@@ -278,7 +279,7 @@ impl Shape {
         }
     }
 
-    /// Calls with the triangles within a box, metres, whose own boxes `keep` lets pass, by their lowest and highest coordinates; false for what is of none.
+    /// Calls `call` with the triangles within a box, in metres, whose own bounds (low, high) pass `keep`. Returns false for a shape without triangles.
     pub(super) fn triangles_near(
         &self,
         bounds: (Vec3, Vec3),
@@ -293,7 +294,7 @@ impl Shape {
         true
     }
 
-    /// What it is.
+    /// Its kind.
     pub(crate) fn kind(&self) -> Kind<'_> {
         match &self.form {
             Form::HalfSpace => Kind::HalfSpace,
@@ -312,14 +313,14 @@ impl Shape {
         }
     }
 
-    /// Of a hull, the outward normals of its faces, and how far it reaches along each, metres from its origin; of anything else none.
+    /// The faces of a hull: outward normal, and extent along it from the origin, metres. Empty for any other shape.
     pub(crate) fn faces(&self) -> impl Iterator<Item = (Vec3, f32)> {
         let hull = if let Form::Hull(hull) = &self.form { Some(hull) } else { None };
         hull.into_iter().flat_map(|hull| hull.faces())
     }
 
-    /// Of a hull, the corners of the faces whose normals are as near to a unit direction as a cosine says, some of them several times; of anything else
-    /// none.
+    /// The vertices of the hull faces whose normals are within an angle of a unit direction, given by its cosine; some of them several times. Empty for any
+    /// other shape.
     pub(crate) fn corners_towards(
         &self,
         direction: Vec3,
@@ -333,8 +334,8 @@ impl Shape {
         Self { content_hash: content_hash::of(&form), form, twin: Arc::default() }
     }
 
-    /// A number made of what it is, by which what is remembered of one shape is not taken for what is of another. All meshes have one number, and all
-    /// heightfields: of those nothing of the kind is remembered.
+    /// A hash of its kind and numbers, so that cached data of one shape is not used for another. All meshes have the same hash, and so do all heightfields: no
+    /// such data is cached for them.
     #[inline]
     pub(crate) fn content_hash(&self) -> u64 {
         self.content_hash
@@ -354,13 +355,13 @@ impl std::fmt::Debug for Shape {
 }
 
 impl ShapeTouch {
-    /// `None` if there is nothing to do, also where the numbers are not finite.
+    /// `None` if the depth is not positive or not finite.
     #[inline(always)]
     fn new(normal: Vec3, depth: f32) -> Option<Self> {
         (depth > 0.0 && depth < f32::INFINITY).then_some(Self { normal, depth })
     }
 
-    /// From where something is to where it must be.
+    /// The correction that moves `to` to `end`.
     fn between(to: Vec3, end: Vec3) -> Option<Self> {
         let way = end - to;
         let depth = way.length();

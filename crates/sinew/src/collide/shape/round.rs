@@ -1,4 +1,4 @@
-//! Sphere, capsule and cylinder against points and ways, in closed form.
+//! Sphere, capsule and cylinder: nearest point and ray entry in closed form.
 
 use glam::Vec3;
 
@@ -6,14 +6,14 @@ use super::Nearest;
 use super::convex::{Convex, Entry, NearestOf};
 use crate::lanes::{Number, Vector};
 
-/// A sphere about the origin.
+/// A sphere that is centred at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ball {
     pub(super) radius: f32,
 }
 
 impl Ball {
-    /// Of one point, or of eight.
+    /// The nearest surface point of one point, or of each of eight.
     #[inline(always)]
     pub(super) fn nearest_of<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
         let radius = N::splat(self.radius);
@@ -35,16 +35,16 @@ impl Convex for Ball {
     }
 }
 
-/// All that is within the radius of a piece of the y axis about the origin.
+/// Everything within a radius of a segment of the y axis that is centred at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Capsule {
     pub(super) radius: f32,
-    /// Half the length of that piece.
+    /// Half of the length of that segment.
     pub(super) half_height: f32,
 }
 
 impl Capsule {
-    /// Of one point, or of eight.
+    /// The nearest surface point of one point, or of each of eight.
     #[inline(always)]
     pub(super) fn nearest_of<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
         let (radius, half_height) = (N::splat(self.radius), N::splat(self.half_height));
@@ -65,7 +65,7 @@ impl Convex for Capsule {
         if self.nearest(from).distance < 0.0 {
             return None;
         }
-        // It is the two balls and the cylinder between them; the first of them that the way enters is where it enters the whole.
+        // The union of two balls and the cylinder between them: the first entry into one of them is the entry into the whole.
         let ends = [half_height, -half_height].map(|y| Vec3::Y * y);
         let caps = ends.map(|end| into_ball(from - end, way, radius, most));
         let side = into_ball(from.with_y(0.0), way.with_y(0.0), radius, most)
@@ -76,7 +76,7 @@ impl Convex for Capsule {
     }
 }
 
-/// A cylinder along y about the origin.
+/// A cylinder along y that is centred at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cylinder {
     pub(super) radius: f32,
@@ -84,7 +84,7 @@ pub(crate) struct Cylinder {
 }
 
 impl Cylinder {
-    /// Of one point, or of eight.
+    /// The nearest surface point of one point, or of each of eight.
     #[inline(always)]
     pub(super) fn nearest_of<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
         let (radius, half_height) = (N::splat(self.radius), N::splat(self.half_height));
@@ -93,7 +93,7 @@ impl Cylinder {
         let up = p.y.lt(zero).select(N::splat(-1.0), N::splat(1.0));
         let (beside, above) = (length - radius, up * p.y - half_height);
         let (side, end) = (outward * radius, up * half_height);
-        // The nearer of the side and of an end; where it is beyond both, the rim.
+        // The nearer of the side and an end; beyond both, the rim.
         let is_side = above.le(beside);
         let mut nearest = NearestOf {
             point: Vector::new(
@@ -147,7 +147,7 @@ impl Convex for Cylinder {
                 entry = Some(Entry { share, normal: Vec3::Y * up, offset: half_height });
             }
         }
-        // Where it entered last it must still be within the other two.
+        // At the latest of the entries the point must be within the others.
         let entry = entry.filter(|entry| entry.share <= most)?;
         let place = from + way * entry.share;
         let within = if entry.normal.y == 0.0 {
@@ -163,13 +163,13 @@ impl Convex for Cylinder {
 #[inline(always)]
 fn direction<N: Number>(v: Vector<N>, otherwise: Vector<N>) -> (Vector<N>, N) {
     let length = v.length();
-    // Squares of less have no digits left.
+    // Squares of smaller lengths have lost their precision.
     let none = length.le(N::splat(1e-18));
     (otherwise.or_else(none, v / length), none.select(N::zero(), length))
 }
 
-/// Where a way from outside enters a ball about the origin. Taken from the place where it passes nearest to the origin, because
-/// from afar the discriminant of the plain quadratic equation is all rounding.
+/// Where a segment from outside enters a ball that is centred at the origin. Computed from the point of closest approach, because from afar the discriminant of
+/// the plain quadratic equation is dominated by rounding.
 fn into_ball(from: Vec3, way: Vec3, radius: f32, most: f32) -> Option<f32> {
     let (square, toward) = (way.length_squared(), -from.dot(way));
     let comes = toward > 0.0 && square > 0.0 && from.length_squared() >= radius * radius;

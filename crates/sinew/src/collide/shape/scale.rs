@@ -1,4 +1,4 @@
-//! The same shape in another size.
+//! Scaling of shapes.
 
 use std::sync::Arc;
 
@@ -7,17 +7,17 @@ use glam::Vec3;
 use super::{Form, Shape, ShapeFault};
 use crate::collide::shape::height::Heights;
 
-/// Sides of the prism that stands for a cylinder that is no longer round, and of the rings of what is no longer a sphere: the true
-/// surface is at most 1 % of the width farther out.
+/// Sides of the prism that replaces a cylinder that is no longer circular, and of the rings that replace a scaled sphere: the true surface is at most 1 % of
+/// the width farther out.
 const SIDES: usize = 24;
 
 impl Shape {
-    /// The same shape in another size, by a positive factor along each of its own axes. A box, a hull, a mesh and a landscape take any; a half space
-    /// stays what it is. A sphere needs the same factor thrice, and so does a capsule; a cylinder needs the same along x and z. With other factors
-    /// they become a hull of 24 sides, whose corners are on the true surface.
+    /// The same shape scaled by a positive factor along each of its own axes. Boxes, hulls, meshes and heightfields take any factors; a half-space does not
+    /// change. A sphere or a capsule stays one if all three factors are equal, and a cylinder if those along x and z are. With other factors they become a hull
+    /// with 24 sides, whose vertices are on the true surface.
     ///
     /// # Errors
-    /// [`ShapeFault::Scale`] if a factor is NaN, infinite, zero or negative, and what the shape's constructor says of the result.
+    /// [`ShapeFault::Scale`] if a factor is NaN, infinite, zero or negative, or the error of the constructor for the result.
     pub fn scaled(&self, factor: Vec3) -> Result<Self, ShapeFault> {
         let positive = factor.is_finite() && factor.min_element() > 0.0;
         positive.then_some(()).ok_or(ShapeFault::Scale)?;
@@ -53,7 +53,7 @@ impl Shape {
     }
 }
 
-/// Points around the y axis.
+/// Points of a circle about the y axis.
 fn ring(radius: f32) -> [Vec3; SIDES] {
     std::array::from_fn(|i| {
         let angle = std::f64::consts::TAU * i as f64 / SIDES as f64;
@@ -61,7 +61,7 @@ fn ring(radius: f32) -> [Vec3; SIDES] {
     })
 }
 
-/// Points of a sphere, or of the caps of a capsule, in rings and at its poles.
+/// Points of a sphere, or of the caps of a capsule: rings and the two poles.
 fn rings(radius: f32, half_height: f32) -> Vec<Vec3> {
     let mut points = vec![Vec3::Y * (radius + half_height), Vec3::NEG_Y * (radius + half_height)];
     for latitude in 0..SIDES / 4 {

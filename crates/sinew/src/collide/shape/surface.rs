@@ -1,73 +1,73 @@
-//! A sphere against a surface of triangles, dents and all.
+//! A sphere against a surface of triangles, which need not be convex.
 //!
 //! # The rule
 //!
-//! Where the way of the centre crosses triangles, the first of them counts, and the centre is put in front of its plane, on the side where it came
-//! from; what it did along the plane stays. Where it crosses none, the nearest triangle within the radius pushes it straight away. Either may push it
-//! into another triangle, as in a valley, so the same is asked again about the way from the start to the new place, a few times; and if there is
-//! still one in between, the centre goes back to where its way met the first triangle, and if even that is beyond another, to where it started. There
-//! is no way through: what is left in the end is a place that a straight way leads to from the start without crossing.
+//! If the path of the centre crosses triangles, the first crossing counts: the centre is placed in front of that triangle's plane, on the side that it came
+//! from, and its motion along the plane is kept. If it crosses none, the nearest triangle within the radius pushes it straight away. Either may push it into
+//! another triangle, as in a valley, so the test is repeated for the path from the start to the new position, a few times. If there is still a triangle in
+//! between, the centre goes back to where its path met the first triangle, and if even that is beyond another one, to its start. Nothing can pass through: the
+//! result can always be reached from the start by a straight path without a crossing.
 //!
-//! A centre must not come to lie *in* a triangle, as one without a radius would: next time nobody could tell on which side it was. So it keeps off by
-//! a few steps of `f32` at least.
+//! A centre must not lie *in* a triangle, as that of a sphere without a radius would: its side could not be determined in the next substep. So it keeps a
+//! distance of at least a few steps of `f32`.
 
 use glam::Vec3;
 
 use super::ShapeTouch;
 use super::triangle::{Close, Crossing, Feature, Triangle};
 
-/// Triangles that can be looked up by where they are.
+/// Triangles with a spatial lookup.
 pub(super) trait Surface {
-    /// Calls with the number of each triangle that a way crosses or that is within reach of its end, and perhaps with others.
+    /// Calls `call` with the index of each triangle that a path crosses or that is within reach of its end, and possibly with others.
     fn visit(&self, sweep: &Sweep, call: &mut impl FnMut(u32, &Triangle));
 
-    /// Whether it holds back what comes from the front only.
+    /// Whether it stops only what comes from the front.
     fn front_only(&self) -> bool;
 
-    /// Whether a point is inside of what it encloses. `near` is the nearest triangle if there is one within reach.
+    /// Whether a point is inside of the volume that it encloses. `near` is the nearest triangle if there is one within reach.
     fn is_inside(&self, p: Vec3, near: Option<&(u32, Close, Triangle)>) -> bool;
 }
 
-/// A way, and all places within reach of its end.
+/// A path, and the ball within reach of its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sweep {
     pub(super) from: Vec3,
     pub(super) to: Vec3,
     pub(super) reach: f32,
-    /// More than rounding of coordinates takes.
+    /// A margin for the rounding of coordinates.
     room: f32,
-    /// The reach and that room.
+    /// The reach plus that margin.
     pub(super) margin: f32,
-    /// The box around the way, and some room.
+    /// Bounding box of the path, with a margin.
     low: Vec3,
     high: Vec3,
-    /// Of the way: its middle, and from there to its end.
+    /// Middle of the path, and the vector from there to its end.
     middle: Vec3,
     half: Vec3,
 }
 
-/// What became of a sphere.
+/// Result of a moving sphere against a surface.
 pub(super) enum SphereSlide {
-    /// Nothing is in its way.
+    /// Nothing is in its path.
     Clear,
-    /// It ended inside of what the surface encloses and crossed nothing, so it began there.
+    /// It ended inside of the enclosed volume and crossed nothing, so it began there.
     Inside,
-    /// How it must be moved from where it would have gone.
+    /// The correction of its end position.
     Moved(Option<ShapeTouch>),
 }
 
-/// Pushes in a row at most. A corner takes one for each wall; where three slopes meet at blunt angles they pass it on to each other for a while.
+/// Maximum number of pushes. A corner takes one for each wall; where three slopes meet at obtuse angles they push it to and fro for a while.
 const ROUNDS: usize = 8;
 
-/// Of the largest coordinate: what a centre keeps off a triangle at least. 32 steps of `f32`, which is more than the rounding of a step adds up to.
+/// Minimum distance of a centre from a triangle, as a share of the largest coordinate: 32 steps of `f32`, more than the accumulated rounding of a step.
 const SKIN: f32 = 4e-6;
 
-/// What a centre keeps off a surface within a box at least, metres.
+/// Minimum distance of a centre from a surface within a box, metres.
 pub(super) fn skin((low, high): (Vec3, Vec3)) -> f32 {
     low.abs().max(high.abs()).max_element() * SKIN
 }
 
-/// A sphere whose centre goes from one place to another.
+/// Slides a sphere whose centre moves from one point to another along the surface.
 pub(super) fn slide(surface: &impl Surface, from: Vec3, to: Vec3, reach: f32) -> SphereSlide {
     let mut shift = Vec3::ZERO;
     let mut single = None;
@@ -104,7 +104,7 @@ pub(super) fn slide(surface: &impl Surface, from: Vec3, to: Vec3, reach: f32) ->
     SphereSlide::Moved(single.or_else(|| ShapeTouch::between(Vec3::ZERO, shift)))
 }
 
-/// The first triangle that a way crosses, where it does; of several there, the first.
+/// The first triangle that a path crosses; of several at the same point, that with the lowest index.
 pub(super) fn first_crossing(
     surface: &impl Surface,
     from: Vec3,
@@ -115,7 +115,7 @@ pub(super) fn first_crossing(
 
 type Found = (Option<(Crossing, Triangle)>, Option<(u32, Close, Triangle)>);
 
-/// The first triangle that a way crosses, and the one nearest to its end within reach.
+/// The first triangle that a path crosses, and the one nearest to its end within reach.
 fn first_and_nearest(surface: &impl Surface, sweep: &Sweep) -> Found {
     let mut crossing: Option<(u32, Crossing, Triangle)> = None;
     let mut near: Option<(u32, Close, Triangle)> = None;
@@ -124,9 +124,9 @@ fn first_and_nearest(surface: &impl Surface, sweep: &Sweep) -> Found {
     surface.visit(sweep, &mut |number, triangle| {
         let (from, to) = (sweep.from - triangle.corners[0], sweep.to - triangle.corners[0]);
         let (before, after) = (triangle.normal.dot(from), triangle.normal.dot(to));
-        // What rounding takes grows with the distances that it is computed from.
+        // Rounding grows with the distances that are computed with.
         let room = sweep.room + from.abs().max(to.abs()).max_element() * 1e-6;
-        // By more than that on one side from start to end, it crosses nothing.
+        // A path that stays on one side by more than that crosses nothing.
         let aside = before * after > 0.0 && before.abs().min(after.abs()) > room;
         let found = if aside { None } else { triangle.crossing(sweep.from, sweep.to, front_only) };
         if let Some(found) = found {
@@ -137,7 +137,7 @@ fn first_and_nearest(surface: &impl Surface, sweep: &Sweep) -> Found {
                 crossing = Some((number, found, *triangle));
             }
         }
-        // What is farther from its plane is farther from it.
+        // The distance from its plane is a lower bound of the distance from a triangle.
         let most = near.as_ref().map_or(within, |(_, best, _)| best.square);
         let least = (after.abs() - room).max(0.0);
         if least * least > most {
@@ -154,19 +154,19 @@ fn first_and_nearest(surface: &impl Surface, sweep: &Sweep) -> Found {
     (crossing.map(|(_, crossing, triangle)| (crossing, triangle)), near)
 }
 
-/// Away from the nearest place of a triangle.
+/// The direction away from the nearest point of a triangle.
 fn direction(place: Vec3, from: Vec3, close: &Close, triangle: &Triangle, away: f32) -> Vec3 {
     let grain = place.abs().max_element() * f32::EPSILON;
     let side = |p: Vec3| triangle.normal.dot(p - triangle.corners[0]);
     if away > grain && close.feature != Feature::Face {
         return (place - close.point) / away;
     }
-    // On it, the start tells the side.
+    // On the triangle, the start determines the side.
     let height = if away > grain { side(place) } else { side(from) };
     if height < 0.0 { -triangle.normal } else { triangle.normal }
 }
 
-/// The shift, if it does not end beyond a triangle; else to where the first one was met; else back to the start.
+/// The shift, unless it ends beyond a triangle; else the one to where the first triangle was met; else the one back to the start.
 fn last_resort(
     surface: &impl Surface,
     from: Vec3,
@@ -182,17 +182,17 @@ fn last_resort(
 }
 
 impl Sweep {
-    /// The way between two places.
+    /// The path between two points.
     pub(super) fn new(from: Vec3, to: Vec3, reach: f32) -> Self {
-        // Rounding of coordinates must not part what touches.
+        // Rounding of coordinates must not separate what touches.
         let room = from.abs().max(to.abs()).max_element() * 1e-6;
         let (middle, half, margin) = ((from + to) * 0.5, (to - from) * 0.5, reach + room);
         let (low, high) = (from.min(to) - Vec3::splat(room), from.max(to) + Vec3::splat(room));
         Self { from, to, reach, room, margin, low, high, middle, half }
     }
 
-    /// Whether a box may be within reach of the end, or the way may meet it: whether no plane along two axes of the box, or along one of them and the
-    /// way, is between the two.
+    /// Whether a box may be within reach of the end, or the path may intersect it: a separating axis test with the axes of the box, and their cross products
+    /// with the path.
     #[inline(always)]
     pub(super) fn meets(&self, low: Vec3, high: Vec3) -> bool {
         let off = self.to - self.to.max(low).min(high);

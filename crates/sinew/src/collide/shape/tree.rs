@@ -1,7 +1,7 @@
-//! Which of many triangles are near: boxes in boxes, split at the middle one until few are left.
+//! Bounding volume hierarchy of triangles: AABBs, split at the median until few triangles are left.
 //!
-//! The boxes stand in the order in which they are asked, each with the number of the next one that is not within it; so to go through them takes no
-//! stack and no memory. What comes out never depends on how the boxes are split, because of two equally near triangles the first one counts.
+//! Nodes are stored in depth-first order, each with the index of the next node outside of its subtree, so that traversal needs no stack and no memory. Results
+//! do not depend on the order of traversal, because of two equally near triangles the one with the lower index counts.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use super::triangle::Triangle;
 
-/// Boxes around triangles.
+/// AABBs of triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct TriangleTree {
     boxes: Vec<Node>,
@@ -19,18 +19,18 @@ pub(super) struct TriangleTree {
 struct Node {
     low: Vec3,
     high: Vec3,
-    /// The box after all that are within this one.
+    /// The next node outside of this subtree.
     next: u32,
-    /// Its triangles, if there is no box within.
+    /// Range of its triangles; empty for an inner node.
     first: u32,
     end: u32,
 }
 
-/// Triangles in a box that is not split: to look at one costs about as much as at a box.
+/// Maximum number of triangles in a leaf: testing a triangle costs about as much as testing a box.
 const LEAF: usize = 4;
 
 impl TriangleTree {
-    /// Sorts triangles into boxes, and tells the order in which they then have to be.
+    /// Builds the tree, and returns the order that the triangles must be put in.
     pub(super) fn new(triangles: &[Triangle]) -> (Self, Vec<u32>) {
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
         let mut tree = Self::default();
@@ -38,8 +38,7 @@ impl TriangleTree {
         (tree, order)
     }
 
-    /// The triangles in the next smallest box that `keep` lets pass, by its lowest and highest coordinates, as all those around it. `cursor` begins
-    /// at 0.
+    /// The triangles of the next leaf whose bounds (low, high) pass `keep`, as do those of all nodes above. `cursor` starts at 0.
     #[inline]
     pub(super) fn next(
         &self,

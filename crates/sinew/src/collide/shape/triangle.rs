@@ -1,24 +1,24 @@
-//! A triangle against a point and against a way.
+//! A triangle: nearest point, and crossing of a segment.
 
 use glam::{DVec3, Vec3};
 
-/// Three corners, metres, and the unit vector that they are counter-clockwise about.
+/// Three vertices, metres, and the unit normal, about which they are counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Triangle {
     pub(super) corners: [Vec3; 3],
     pub(super) normal: Vec3,
 }
 
-/// What of a triangle is nearest to a point.
+/// The feature of a triangle that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Feature {
     Face,
-    /// From the corner of this number to the next.
+    /// From the vertex with this index to the next.
     Edge(u8),
     Corner(u8),
 }
 
-/// The nearest place of a triangle.
+/// The nearest point of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Close {
     pub(super) point: Vec3,
@@ -27,31 +27,31 @@ pub(super) struct Close {
     pub(super) square: f32,
 }
 
-/// Where a way goes through a triangle.
+/// Where a segment crosses a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
-    /// How far along the way, 0 to 1.
+    /// Position along the segment, 0 to 1.
     pub(super) share: f64,
-    /// Whether it comes from the side that the normal shows to.
+    /// Whether it comes from the side that the normal points to.
     pub(super) front: bool,
 }
 
 impl Triangle {
-    /// One with an area; without, its normal is zero.
+    /// A triangle; its normal is zero if it has no area.
     pub(super) fn new(corners: [Vec3; 3]) -> Self {
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
         Self { corners, normal }
     }
 
-    /// The smallest box around it.
+    /// Bounding box.
     pub(super) fn bounds(&self) -> (Vec3, Vec3) {
         let [a, b, c] = self.corners;
         (a.min(b).min(c), a.max(b).max(c))
     }
 
-    /// The place nearest to `p`, by the region of the plane that `p` is above (C. Ericson, *Real-Time Collision Detection*, 5.1.5): beyond a corner
-    /// if it is behind both edges from there; beside an edge if the barycentric coordinate across it is negative; else above the face.
+    /// The point nearest to `p`, by the region that the projection of `p` lies in (C. Ericson, *Real-Time Collision Detection*, 5.1.5): beyond a vertex if it
+    /// is behind both edges from there; beside an edge if the barycentric coordinate across it is negative; else above the face.
     #[inline]
     pub(super) fn closest(&self, p: Vec3) -> Close {
         let [a, b, c] = self.corners;
@@ -85,15 +85,16 @@ impl Triangle {
         if va <= 0.0 && along >= 0.0 && back >= 0.0 {
             return at(b + (c - b) * (along / (along + back)), Feature::Edge(1));
         }
-        // The plane has more digits than the barycentric coordinates.
+        // The plane is more accurate than the barycentric coordinates.
         let height = self.normal.dot(ap);
         Close { point: p - self.normal * height, feature: Feature::Face, square: height * height }
     }
 
-    /// Where the way between two places crosses it, from the front only or from either side. To end on it is to cross it, unless only fronts count.
+    /// Where the segment between two points crosses it, from the front only or from either side. A segment that ends on it crosses it, unless only the front
+    /// counts.
     ///
-    /// In `f64`, and by the volumes that the way spans with each edge: two triangles at an edge take the same volume with opposite signs, so that
-    /// there is no gap between them to slip through.
+    /// Computed in `f64` by the volumes that the segment spans with each edge: two triangles at a common edge compute the same volume with opposite signs, so
+    /// that there is no gap between them to slip through.
     pub(super) fn crossing(&self, from: Vec3, to: Vec3, front_only: bool) -> Option<Crossing> {
         let start = from.as_dvec3();
         let [a, b, c] = self.corners.map(|corner| corner.as_dvec3() - start);

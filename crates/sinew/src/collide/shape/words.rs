@@ -1,4 +1,5 @@
-//! A shape as plain words: what it was made of, from which the same is made again. What is only derived (trees, faces, shapes of `parry3d`) is left out.
+//! Serialisation of a shape as plain words: the numbers that it was made of, from which the same shape is made again. Derived data (trees, faces, `parry3d`
+//! shapes) is left out.
 
 use std::sync::Arc;
 
@@ -10,8 +11,8 @@ use super::{Cuboid, Form, Shape, ShapeFault};
 use crate::collide::words::{Reader, Write};
 
 impl Shape {
-    /// What it is, as words: for whoever stores shapes. [`from_words`](Self::from_words) makes an equal one of them, to the last bit. The words of one kind
-    /// of shape mean the same in every version that can read them.
+    /// The shape as words, for serialisation. [`from_words`](Self::from_words) restores an equal shape, exact to the bit. The words of a kind of shape mean the
+    /// same in every version that can read them.
     pub fn to_words(&self) -> Vec<u32> {
         let mut words = Vec::new();
         match &self.form {
@@ -58,8 +59,8 @@ impl Shape {
         words
     }
 
-    /// A shape from its [words](Self::to_words). `None` if they are not those of a shape: another kind, too few, too many, or numbers that the shape's
-    /// constructor refuses.
+    /// Restores a shape from its [words](Self::to_words). `None` if they are not those of a shape: an unknown kind, too few or too many words, or numbers that
+    /// the constructor refuses.
     pub fn from_words(words: &[u32]) -> Option<Self> {
         let mut reader = Reader(words);
         let shape = match reader.word()? {
@@ -107,7 +108,7 @@ fn corners(reader: &mut Reader) -> Option<[u32; 3]> {
     Some([reader.word()?, reader.word()?, reader.word()?])
 }
 
-/// A hull whose triangles are known: finding them again might put them in another order.
+/// A hull from known triangles: computing them again might change their order.
 fn hull(points: Vec<Vec3>, triangles: &[[u32; 3]]) -> Result<Shape, ShapeFault> {
     if let Some(point) = stray(&points) {
         return Err(ShapeFault::Point(point));
@@ -123,7 +124,7 @@ fn hull(points: Vec<Vec3>, triangles: &[[u32; 3]]) -> Result<Shape, ShapeFault> 
 mod tests {
     use super::*;
 
-    /// Points all around, some of them inside, none of them in any order.
+    /// Pseudo-random points in no particular order, some of them inside of the hull.
     fn scattered(count: u32, seed: u32) -> Vec<Vec3> {
         let mut state = seed.wrapping_mul(2_654_435_761).wrapping_add(1);
         let mut next = || {
@@ -141,7 +142,7 @@ mod tests {
             Shape::capsule(0.3, 0.7).unwrap(),
             Shape::cuboid(Vec3::new(0.1, 1e-6, 3.3)).unwrap(),
             Shape::cylinder(1.1, 0.013).unwrap(),
-            // Faces of many triangles in one plane, and corners that are twins.
+            // Faces of many coplanar triangles, and coincident vertices.
             Shape::cylinder(1.0, 1.0).unwrap().scaled(Vec3::new(1.0, 1.0, 2.0)).unwrap(),
             Shape::hull(
                 &[0, 1, 2, 3, 4, 5, 6, 7]
@@ -154,7 +155,7 @@ mod tests {
         for seed in 0..20 {
             let points = scattered(8 + 13 * seed, seed);
             shapes.push(Shape::hull(&points).unwrap());
-            // Triangles in any order, many with their middles in the same place along an axis.
+            // Triangles in no particular order, many with the same centre along an axis.
             let n = points.len() as u32;
             let sheet = (0..3 * n).map(|i| [i % n, (i * 7 + 1) % n, (i * 5 + 3 + i / n) % n]);
             shapes.push(Shape::mesh(points, sheet.collect()).unwrap());
@@ -185,7 +186,7 @@ mod tests {
         }
         assert_eq!(Shape::from_words(&[10]), None);
         assert_eq!(Shape::from_words(&[BALL, f32::NAN.to_bits()]), None);
-        // A length that no memory would hold, and a corner that is not there.
+        // A length that no memory would hold, and a missing vertex.
         assert_eq!(Shape::from_words(&[HULL, u32::MAX]), None);
         let mut corner = Shape::hull(&scattered(8, 1)).unwrap().to_words();
         *corner.last_mut().unwrap() = 8;

@@ -1,4 +1,4 @@
-//! Cloth on itself.
+//! Self-collision of cloth.
 
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ const DT: f32 = 1.0 / 60.0;
 const SIDE: usize = 64;
 const SPACING: f32 = 0.01;
 
-/// A sheet of 64 × 64 particles folded in the middle, the upper half `gap` above the lower one, and moving down at `speed`, m/s.
+/// A sheet of 64 × 64 particles folded in the middle, the upper half `gap` above the lower one and moving down at `speed`, m/s.
 fn folded(radius: f32, gap: f32, speed: f32) -> World {
     let mut world = World {
         contacts: vec![sociable(0.3, 0.0)],
@@ -20,10 +20,10 @@ fn folded(radius: f32, gap: f32, speed: f32) -> World {
     for i in 0..SIDE * SIDE {
         let (column, row) = ((i % SIDE) as f32, i / SIDE);
         let half = SIDE / 2;
-        // The fold runs along z; its arc is left out, and drawn in by the rods.
+        // The fold runs along z. Its arc is left out; the rods close it.
         let upper = row >= half;
         let along = if upper { SIDE - 1 - row } else { row } as f32 - half as f32;
-        // Half a cell askew, so that particles meet gaps, which is the worst case.
+        // Shifted by half a cell, so that particles face gaps, which is the worst case.
         let askew = if upper { Vec3::new(0.45, 0.0, 0.0) } else { Vec3::ZERO };
         let at = (Vec3::new(column, 0.0, along) + askew) * SPACING;
         let height = if upper { radius + gap } else { radius };
@@ -46,15 +46,15 @@ fn folded(radius: f32, gap: f32, speed: f32) -> World {
     world
 }
 
-/// The least distance of two that are not neighbours, as a share of the thickness and not above two, and how many of the upper half are lower than what
-/// is under them.
+/// The least distance of two particles that are not neighbours, as a share of the thickness and at most two, and how many particles of the upper half are below
+/// the lower half.
 fn layers(world: &World, radius: f32) -> (f32, usize) {
-    // Only what is within two thicknesses of each other matters: along x, those are few.
+    // Only pairs within two thicknesses matter; sorted along x, those are few.
     let reach = 4.0 * radius;
     let mut along: Vec<_> = (0..SIDE * SIDE).map(|i| (world.particles.position(i), i)).collect();
     along.sort_by(|one, other| one.0.x.total_cmp(&other.0.x));
     let mut least = reach;
-    // Of each, how far aside the nearest of the lower half is, and how much lower.
+    // For each particle, the lateral distance to the nearest one of the lower half, and how far it is below it.
     let mut under = vec![(f32::MAX, 0.0); SIDE * SIDE];
     let is_upper = |i: usize| i / SIDE >= SIDE / 2;
     for (n, &(p, i)) in along.iter().enumerate() {

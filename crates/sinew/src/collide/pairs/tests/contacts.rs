@@ -1,4 +1,4 @@
-//! What is found, against asking everyone for everyone.
+//! The neighbour list against a brute-force test of all pairs.
 
 use glam::Vec3;
 
@@ -7,7 +7,7 @@ use crate::collide::{BodyContacts, Layers};
 use crate::lanes::InstructionSet;
 use crate::particles::ParticleSeed;
 
-/// What must be found: rows of those that are nearer than radii and margins, each pair once.
+/// The expected pairs: rows of those that are closer than radii and margins, each pair once.
 fn by_asking_all(world: &World) -> Vec<[u32; 2]> {
     let participants = &world.pairs.participants;
     let count = participants.rows.len();

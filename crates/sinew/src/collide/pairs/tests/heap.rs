@@ -1,4 +1,4 @@
-//! Many at once: a heap of balls in a box, and a gas.
+//! Many particles at once: a heap of balls in a box, and a gas.
 
 use glam::Vec3;
 
@@ -26,7 +26,7 @@ pub(super) fn heap(count: usize, side: usize, friction: f32) -> World {
     world
 }
 
-/// The worst overlap of all, as a share of the radius, and the root mean square speed, m/s.
+/// The greatest overlap, as a share of the radius, and the root mean square speed, m/s.
 fn state(world: &World) -> (f32, f32) {
     let (mut worst, count) = (0.0_f32, world.particles.len());
     for i in 0..count {

@@ -1,4 +1,4 @@
-//! A small world with nothing in it but particles, rods and a box, and what pairs do in it.
+//! A small world with only particles, rods and a box, to test pairs in.
 
 mod cloth;
 mod contacts;
@@ -16,7 +16,7 @@ use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
 use crate::threads::ExecutionContext;
 
-/// Particles, and what is done with them in a step.
+/// Particles and all that acts on them in a step.
 #[derive(Clone, Default)]
 struct World {
     particles: Particles,
@@ -25,11 +25,11 @@ struct World {
     pairs: Pairs,
     filter: ContactFilter,
     gravity: Vec3,
-    /// Rows, and their distance, metres.
+    /// Rows of each rod, and its length, metres.
     rods: Vec<(u32, u32, f32)>,
-    /// Corners of a box that holds all, with a coefficient of friction.
+    /// Corners of a box that holds all particles, and its coefficient of friction.
     room: Option<(Vec3, Vec3, f32)>,
-    /// How often it looked.
+    /// Number of neighbour list builds.
     rebuilds: u32,
 }
 
@@ -48,7 +48,7 @@ impl World {
         self.find_beside(&[], dt);
     }
 
-    /// Without the rows that are marked.
+    /// Runs the broad phase without the rows that are marked.
     fn find_beside(&mut self, aside: &[bool], dt: f32) {
         let Self { particles, contacts, rest, pairs, filter, .. } = self;
         *filter = ContactFilter::untied(contacts);
@@ -56,7 +56,7 @@ impl World {
         pairs.broad_phase(particles, (filter, &nearby), rest, aside, dt);
     }
 
-    /// A step of `dt` seconds; returns the greatest overlap that was met, metres.
+    /// A step of `dt` seconds; returns the greatest overlap found, metres.
     fn step(&mut self, dt: f32) -> f32 {
         self.find(dt);
         let h = dt / SUBSTEPS as f32;
@@ -118,7 +118,7 @@ impl World {
     }
 }
 
-/// A body that touches itself and others.
+/// Contact settings of a body that collides with itself and with others.
 fn sociable(friction: f32, restitution: f32) -> BodyContacts {
     let material = Material { friction, restitution, ..Default::default() };
     BodyContacts { material, with_bodies: true, with_itself: true, ..Default::default() }
@@ -136,7 +136,7 @@ fn pull(particles: &mut Particles, a: usize, b: usize, length: f32) {
     }
 }
 
-/// Puts a particle into a box, with friction on its walls.
+/// Keeps a particle in a box, with friction on its walls.
 fn hold(particles: &mut Particles, i: usize, (low, high, friction): (Vec3, Vec3, f32)) {
     let (at, r) = (particles.position(i), particles.radius(i));
     let out = at.clamp(low + r, high - r) - at;
@@ -151,7 +151,7 @@ fn hold(particles: &mut Particles, i: usize, (low, high, friction): (Vec3, Vec3,
     particles.position[i] += (out + back).extend(0.0);
 }
 
-/// Numbers that are the same in every run.
+/// A pseudo-random sequence that is the same in every run.
 struct Random(u64);
 
 impl Random {

@@ -1,4 +1,4 @@
-//! What the result depends on: positions and the order of rows, and neither instructions, nor where in the world it is, nor who else is there.
+//! What the result depends on: positions and the order of rows, and neither the instruction set, nor the place in the world, nor unrelated particles.
 
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ use crate::particles::ParticleSeed;
 
 const DT: f32 = 1.0 / 60.0;
 
-/// A cluster of balls that fall together, with everything: friction, bounces, fast ones.
+/// A cluster of balls that fall together, with friction, bounces and fast particles.
 fn cluster(world: &mut World, at: Vec3, body: u32, row: impl Fn(usize) -> bool) -> Vec<usize> {
     let heap = heap(150, 5, 0.5);
     let mut rows = Vec::new();
@@ -22,7 +22,7 @@ fn cluster(world: &mut World, at: Vec3, body: u32, row: impl Fn(usize) -> bool) 
         seed.position += at;
         seed.radius = 0.0235;
         if row(i) {
-            // Somebody unrelated comes in between.
+            // An unrelated particle in between.
             world.push(
                 ParticleSeed::at(at * 3.0 + Vec3::X * (world.particles.len() - rows.len()) as f32)
                     .with_radius(0.02),
@@ -66,7 +66,7 @@ fn all_instructions_give_the_same_bits() {
 
 #[test]
 fn unrelated_ones_change_no_bit_wherever_their_rows_are() {
-    // The same ten of them, between, before and after the others.
+    // The same ten unrelated particles: between, before and after the others.
     let [one, two, three] =
         [|i: usize| i % 15 == 3, |i: usize| i < 10, |i: usize| i > 139].map(|which| {
             let mut world = contacts();
@@ -111,7 +111,7 @@ fn candidates_that_are_kept_give_the_bits_of_those_that_are_found_anew() {
         let seed = ParticleSeed::at(Vec3::X * (0.103 * i as f32)).with_radius(0.05);
         kept.push(seed.with_velocity(Vec3::X * speed), i % 2);
     }
-    // One that nobody meets goes as far as its candidates last in every fifth step.
+    // One particle, which touches nothing, moves by the limit of its candidates in every fifth step.
     let lone = ParticleSeed::at(Vec3::Y).with_radius(0.05);
     kept.push(lone.with_velocity(Vec3::Y * 0.1), 0);
     let mut anew = kept.clone();

@@ -1,4 +1,4 @@
-//! What two particles do to each other, against what mechanics says.
+//! Contacts of two particles against analytic mechanics.
 
 use glam::Vec3;
 
@@ -17,7 +17,7 @@ fn world(friction: f32, restitution: f32) -> World {
 
 #[test]
 fn two_at_a_hundred_metres_a_second_do_not_pass_through_each_other() {
-    // Each goes 17 cm a substep, and is 2 cm wide. They start at all shares of that apart.
+    // Each moves 17 cm a substep and is 2 cm wide. They start at all phases of that distance.
     for phase in 0..97 {
         let mut world = world(0.5, 0.0);
         let gap = 0.4 + phase as f32 * 0.0041;
@@ -41,7 +41,7 @@ fn a_fast_one_is_stopped_by_one_that_is_pinned_also_where_it_grazes_it() {
         let speed = 120.0 * side / 0.02;
         world.step(DT);
         let v = world.particles.velocity(1);
-        // What is left is the way along the wall where it touched, of which the last bit is curved.
+        // What is left is the motion along the wall at the point of impact, the last part of which is curved.
         assert!((v.length() - speed).abs() < 1.0 + 0.02 * speed, "{side}: {v} of {speed}");
         assert_eq!(world.particles.position(0), Vec3::ZERO);
         assert!(side > 0.0 || world.particles.position(1).x < -0.0199);
@@ -70,8 +70,8 @@ fn momentum_and_angular_momentum_are_kept_by_oblique_hits_of_unequal_masses() {
             size(l)
         );
         assert!(size(dp) < 1e-6 * size(p), "{dp:?} N·s");
-        // The normal is that at the substep's end, a little askew to that where they touched. Friction acts between the centres, not where the
-        // surfaces are, and takes as much turning as there is between the two: a particle has no spin to put it in.
+        // The normal is that at the end of the substep, slightly off the one at the impact. Friction acts between the centres and not at the surfaces, and
+        // removes as much angular momentum as there is between the two: a particle has no spin to receive it.
         let most = if friction > 0.0 { 0.2 } else { 0.1 };
         assert!(size(dl) < most * size(l), "{dl:?} N·m·s of {l:?}");
     }
@@ -99,7 +99,7 @@ fn a_ball_dropped_on_a_pinned_one_rises_to_its_share_of_the_height() {
         world.gravity = Vec3::Y * -9.81;
         world.push(ball(Vec3::ZERO, Vec3::ZERO).pinned(), 0);
         world.push(ball(Vec3::Y * 0.52, Vec3::ZERO), 1);
-        // It falls 0.319 s, and rises for that times e.
+        // It falls for 0.319 s, and rises for that time times e.
         let mut highest = 0.0_f32;
         for step in 0..60 {
             world.step(DT);
@@ -130,7 +130,7 @@ fn friction_stops_what_slides_over_a_row_of_pinned_ones() {
         world.particles.velocity(row)
     };
     let (smooth, rough) = (slide(0.0), slide(0.8));
-    // The row is bumpy, and each bump takes what is across it: (2/40)² of the energy.
+    // The row is bumpy, and each bump takes the normal component: (2/40)² of the energy.
     assert!(smooth.x > 0.2, "{smooth}");
     assert!(rough.length() < 1e-3, "{rough}");
 }
@@ -179,7 +179,7 @@ fn contacts_are_told_where_a_body_asks_for_it() {
     world.pairs.report(&mut impacts);
     let merged = impacts.merge();
     assert_eq!(merged.len(), 1);
-    // Together they go on at half the speed: 1 N·s changed hands.
+    // Afterwards both move at half the speed: 1 N·s was exchanged.
     assert!((merged[0].impulse - 1.0).abs() < 1e-3, "{merged:?}");
     assert!((merged[0].normal + Vec3::X).length() < 1e-4, "it pushes the first one back");
     assert!((merged[0].point.x + 0.01).abs() < 0.01, "{}", merged[0].point);

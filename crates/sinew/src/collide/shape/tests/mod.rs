@@ -1,4 +1,4 @@
-//! What shapes promise: each closed form against `parry3d`, nothing gets through however fast, what is refused, and how long it takes.
+//! Guarantees of shapes: each closed form against `parry3d`, no tunnelling at any speed, refused input, scaling and bounds.
 
 mod motion;
 mod refusals;
@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use super::Shape;
 
-/// Numbers that are the same on every machine.
+/// Pseudo-random numbers that are the same on every machine.
 pub(super) struct Dice(pub(super) u64);
 
 impl Dice {
@@ -20,14 +20,14 @@ impl Dice {
         (self.0 >> 40) as f32 / (1 << 24) as f32
     }
 
-    /// A place in a box about the origin.
+    /// A point in a box that is centred at the origin.
     pub(super) fn place(&mut self, half: Vec3) -> Vec3 {
         let mut x = || 2.0 * self.share() - 1.0;
         Vec3::new(x(), x(), x()) * half
     }
 }
 
-/// A ring with a dent all round: closed, and nothing like convex.
+/// A torus: closed and not convex.
 pub(super) fn torus(around: u32, across: u32) -> Shape {
     let turn = |i: u32, n: u32| std::f32::consts::TAU * (i % n) as f32 / n as f32;
     let mut vertices = Vec::new();
@@ -74,13 +74,13 @@ pub(super) fn hills() -> Shape {
     Shape::height_field(30, 20, &heights, Vec3::new(4.0, 0.3, 2.0)).unwrap()
 }
 
-/// Points all over an egg.
+/// Points on an ellipsoid.
 pub(super) fn egg(count: usize, half: Vec3) -> Vec<Vec3> {
     let mut dice = Dice(5);
     (0..count).map(|_| dice.place(Vec3::ONE).normalize() * half).collect()
 }
 
-/// One of each kind without dents, plump and thin, with the size of the thinnest side.
+/// Convex shapes of each kind, thick and thin, with their names.
 pub(super) fn convex() -> Vec<(&'static str, Shape)> {
     vec![
         ("sphere", Shape::sphere(0.7).unwrap()),

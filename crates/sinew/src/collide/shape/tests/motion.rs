@@ -1,11 +1,11 @@
-//! Nothing gets through, however fast it is.
+//! No tunnelling, at any speed.
 
 use glam::Vec3;
 
 use super::{Dice, convex, hills, torus, waves};
 use crate::collide::shape::Shape;
 
-/// Random ways from outside to anywhere; says how many were held back, and panics where one was let through or put in the wrong place.
+/// Moves spheres along random paths from outside to anywhere. Returns how many were stopped, and panics where one passed through or was placed wrongly.
 fn nothing_passes(name: &str, shape: &Shape, radius: f32, sheet: bool) -> usize {
     let (low, high) = shape.bounds();
     let size = (high - low).max_element();
@@ -25,7 +25,7 @@ fn nothing_passes(name: &str, shape: &Shape, radius: f32, sheet: bool) -> usize 
         let entry = shape.cast_ray(from, direction, length);
         let Some(touch) = shape.touch(from, to, radius) else {
             let end = shape.nearest(to).distance;
-            // A hair's breadth along an edge is not gone through.
+            // A hit at the very end, or grazing an edge, is not tunnelling.
             assert!(
                 entry.is_none_or(|hit| hit.distance > length - 1e-5) || grazes(shape, from, to),
                 "{name}: {from} to {to} went through at {entry:?}"
@@ -52,7 +52,7 @@ fn nothing_passes(name: &str, shape: &Shape, radius: f32, sheet: bool) -> usize 
     held
 }
 
-/// Whether a way is in a solid by less than rounding.
+/// Whether a path is in a solid by less than rounding.
 fn grazes(shape: &Shape, from: Vec3, to: Vec3) -> bool {
     let (low, high) = shape.bounds();
     let room = 1e-5 * (high - low).max_element();
@@ -91,7 +91,7 @@ fn a_half_space_has_no_other_side() {
 
 #[test]
 fn whoever_is_locked_into_a_room_of_sheets_stays_there() {
-    // The walls of a box face inward: no solid, but nothing passes.
+    // The walls of the box face inward: it is no solid, but nothing passes.
     let corner =
         |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
     let sides: [[u32; 4]; 6] =
@@ -150,7 +150,7 @@ fn what_rests_on_a_plate_is_not_pressed_through_by_a_little() {
         }),
     ];
     for (name, shape) in shapes {
-        // It is 1 mm in already, because something pulls at it, and then goes beyond the middle.
+        // It is already 1 mm deep, because something pulls at it, and then moves beyond the middle.
         let (from, to) = (Vec3::new(0.1, 0.009, 0.1), Vec3::new(0.1, -0.008, 0.1));
         let touch = shape.touch(from, to, 0.0).unwrap();
         assert!((touch.normal - Vec3::Y).length() < 1e-4, "{name}: {touch:?}");

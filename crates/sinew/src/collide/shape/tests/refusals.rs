@@ -1,4 +1,4 @@
-//! What is no shape is told so, and why.
+//! Input that is no valid shape is refused, with the reason.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! Shapes in other sizes, the boxes around them, and what is solid.
+//! Scaling, bounding boxes, and what is solid.
 
 use glam::{Mat3, Quat, Vec3};
 
@@ -20,7 +20,7 @@ fn a_shape_in_another_size_has_its_surface_where_it_then_is() {
             worst = worst.max(scaled.nearest(on * factor).distance.abs());
         }
         println!("{name}: scaled unevenly, off by {worst:.1e} m");
-        // Only what is no longer round is an approximation, of 24 sides.
+        // Only shapes that are no longer round are approximated, with 24 sides.
         let round =
             ["sphere", "capsule", "thin capsule", "cylinder", "disc", "wire"].contains(&name);
         assert!(worst < if round { 0.04 } else { 1e-5 }, "{name}: {worst}");
@@ -79,7 +79,7 @@ fn a_closed_mesh_is_solid_and_an_open_or_inverted_one_is_a_sheet() {
     assert!(!open.contains(Vec3::splat(0.1)));
     let inverted = out.iter().map(|&[a, b, c]| [a, c, b]).collect();
     assert!(!Shape::mesh(points.clone(), inverted).unwrap().contains(Vec3::splat(0.1)));
-    // As games store them: each triangle with corners of its own.
+    // As games store them: each triangle has vertices of its own.
     let apart: Vec<Vec3> = out.iter().flatten().map(|&i| points[i as usize]).collect();
     let split =
         Shape::mesh(apart, (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap();

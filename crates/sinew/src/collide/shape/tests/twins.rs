@@ -1,4 +1,4 @@
-//! Twins: the nearest point and the ray of each kind against those of `parry3d`.
+//! Nearest points and rays of each kind of shape against those of `parry3d`.
 
 use glam::Vec3;
 use parry3d::math::Vector;
@@ -12,7 +12,7 @@ fn vector(v: Vec3) -> Vector {
     Vector::new(v.x, v.y, v.z)
 }
 
-/// The greatest difference of distances over random points, and how many disagree about the inside.
+/// The greatest difference of distances over random points, and how many points differ in their side.
 fn distances(shape: &Shape, signed: bool) -> (f32, usize) {
     let mut dice = Dice(11);
     let (mut worst, mut sides) = (0.0_f32, 0);
@@ -22,7 +22,7 @@ fn distances(shape: &Shape, signed: bool) -> (f32, usize) {
         let twin = shape.parry().project_local_point(vector(p), false);
         let away = (twin.point - vector(p)).length();
         worst = worst.max((mine.distance.abs() - away).abs());
-        // On the surface either answer is right.
+        // On the surface either side is right.
         sides += usize::from(signed && away > 1e-5 && (mine.distance < 0.0) != twin.is_inside);
         assert!((mine.normal.length() - 1.0).abs() < 1e-5, "{} at {p}", mine.normal);
         let back = p - mine.normal * mine.distance;
@@ -31,7 +31,7 @@ fn distances(shape: &Shape, signed: bool) -> (f32, usize) {
     (worst, sides)
 }
 
-/// The greatest difference between a hull and the library's mesh of its triangles.
+/// The greatest difference between a hull and the `parry3d` mesh of its triangles.
 fn hull_as_triangles(shape: &Shape) -> f32 {
     let Form::Hull(hull) = &shape.form else { return 0.0 };
     let points = hull.points.iter().map(|p| vector(*p)).collect();
@@ -51,7 +51,7 @@ fn the_nearest_point_is_the_one_that_parry_finds() {
     for (name, shape) in convex() {
         let (worst, sides) = distances(&shape, true);
         println!("{name}: distances differ by {worst:.1e} m");
-        // The library finds its way to a hull by steps, and stops early; that of triangles does not.
+        // For a hull `parry3d` iterates, and stops early; for a mesh it does not.
         let (most, exact) = if let Kind::Hull(_) = shape.kind() {
             (2e-3, hull_as_triangles(&shape))
         } else {
@@ -93,7 +93,7 @@ fn rays_hit_where_those_of_parry_do() {
             let twin = shape.parry().cast_local_ray(&ray, 10.0, true);
             if let (Some(mine), Some(twin)) = (mine, twin) {
                 hits += 1;
-                // Along the surface a ray tells its distance badly.
+                // At grazing angles the distance along a ray is inaccurate.
                 worst = worst.max((mine.distance - twin).abs() * -mine.normal.dot(direction));
                 assert!(mine.normal.dot(direction) <= 1e-3, "{name}: out of the surface");
             }
@@ -102,7 +102,7 @@ fn rays_hit_where_those_of_parry_do() {
         println!(
             "{name}: {hits} hits, distances differ by {worst:.1e} m, {differ} hit or miss by a hair"
         );
-        // By steps, again.
+        // Iterative in `parry3d`.
         let stepped = ["cylinder", "disc", "wire", "hull", "flat hull", "tetrahedron"];
         let most = if stepped.contains(&name) { 5e-3 } else { 1e-5 };
         assert!(
