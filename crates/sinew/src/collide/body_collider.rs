@@ -10,7 +10,7 @@ use crate::particles::Particles;
 
 /// Two segments of one body collide only if their distance in the rest shape exceeds the sum of their radii by this share of it: segments that only just
 /// touch at rest would push each other apart for no reason.
-const CLEAR: f64 = 0.01;
+const REST_CLEARANCE: f64 = 0.01;
 
 /// A collision shape attached to a group of particles, which collide as one rigid shape.
 ///
@@ -86,8 +86,9 @@ impl BodyCollider {
 
     /// Whether two segments overlap in the rest shape of their body. False for body colliders that are not segments, and where a particle has no rest position.
     pub(in crate::collide) fn overlaps_at_rest(&self, other: &Self, particles: &Particles) -> bool {
-        let axis = |solid: &Self| {
-            let (&[a, b], Kind::Capsule { radius, .. }) = (&*solid.rows, solid.shape.kind()) else {
+        let axis = |collider: &Self| {
+            let (&[a, b], Kind::Capsule { radius, .. }) = (&*collider.rows, collider.shape.kind())
+            else {
                 return None;
             };
             let place = |row: u32| particles.rest.get(row as usize).filter(|at| at.is_finite());
@@ -96,6 +97,6 @@ impl BodyCollider {
         let (Some((one, radius)), Some((other, thick))) = (axis(self), axis(other)) else {
             return false;
         };
-        of_segments(one, other) < (radius + thick) * (1.0 + CLEAR)
+        of_segments(one, other) < (radius + thick) * (1.0 + REST_CLEARANCE)
     }
 }

@@ -81,14 +81,14 @@ pub(super) fn on_the_way(start: &Frame, end: &Frame, share: f32) -> Frame {
         return *end;
     }
     let translation = start.translation + (end.translation - start.translation) * share;
-    Frame { translation, rotation: between(&start.rotation, &end.rotation, share) }
+    Frame { translation, rotation: interpolate(&start.rotation, &end.rotation, share) }
 }
 
 /// The rotation at a fraction of the way from one rotation to another.
 ///
 /// `E Sᵀ` turns by `θ` about `n`, where `sinθ n` is half of its antisymmetric part and `1 + 2 cosθ` its trace. For a turn of π the antisymmetric part vanishes
 /// and gives no axis: the rotation then stays at the start and jumps at the end.
-fn between(start: &Mat3, end: &Mat3, share: f32) -> Mat3 {
+fn interpolate(start: &Mat3, end: &Mat3, share: f32) -> Mat3 {
     let turn = *end * start.transpose();
     let (x, y, z) = (turn.x_axis, turn.y_axis, turn.z_axis);
     let sine = Vec3::new(y.z - z.y, z.x - x.z, x.y - y.x) * 0.5;

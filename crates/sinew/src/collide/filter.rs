@@ -29,11 +29,11 @@ pub(crate) struct ContactFilter {
     /// Pairs of bodies joined by a constraint, the lower index first; sorted.
     joined: Vec<[u32; 2]>,
     /// Pairs of bodies to be ignored by request of the game, in the same form, of this step and of the one before; then pairs of a body and a collider.
-    apart: Vec<[u32; 2]>,
-    apart_before: Vec<[u32; 2]>,
-    ignored: Vec<[u32; 2]>,
+    ignored_bodies: Vec<[u32; 2]>,
+    ignored_bodies_before: Vec<[u32; 2]>,
+    ignored_colliders: Vec<[u32; 2]>,
     /// [Edits](Particles::edits) of the particles when `joined` was computed; `None` once constraints have changed since.
-    seen: Option<u64>,
+    joined_at: Option<u64>,
     /// How many updates found a change.
     changes: u64,
 }
@@ -47,7 +47,7 @@ impl ContactFilter {
 
     /// Makes the next [`update`](Self::update) recompute the joined bodies: constraints between bodies were added or removed.
     pub(crate) fn forget_joints(&mut self) {
-        self.seen = None;
+        self.joined_at = None;
     }
 
     /// Takes the settings, ignored pairs, islands and constraints of a step.
@@ -59,12 +59,12 @@ impl ContactFilter {
         islands: &Islands,
         (distances, constraints): (&[Distance], &[Constraint]),
     ) {
-        let mut changed = take(&mut self.bodies, contacts);
+        let mut changed = copy_if_changed(&mut self.bodies, contacts);
         self.revision = contacts.revision();
-        changed |= take(&mut self.islands, &islands.of);
-        if self.seen != Some(particles.edits()) || self.counts.len() != self.bodies.len() {
+        changed |= copy_if_changed(&mut self.islands, &islands.of);
+        if self.joined_at != Some(particles.edits()) || self.counts.len() != self.bodies.len() {
             changed = true;
-            self.seen = Some(particles.edits());
+            self.joined_at = Some(particles.edits());
             self.count_particles(particles);
             self.find_joints(particles, distances, constraints);
         }
@@ -118,12 +118,13 @@ impl ContactFilter {
     /// Whether a body may touch a collider, apart from layers.
     #[inline]
     pub(crate) fn may_touch_collider(&self, body: u32, collider: u32) -> bool {
-        self.ignored.is_empty() || self.ignored.binary_search(&[body, collider]).is_err()
+        self.ignored_colliders.is_empty()
+            || self.ignored_colliders.binary_search(&[body, collider]).is_err()
     }
 
     /// Whether a collider is ignored by some body, whatever its layers.
     pub(crate) fn ignores_collider(&self, collider: u32) -> bool {
-        self.ignored.iter().any(|pair| pair[1] == collider)
+        self.ignored_colliders.iter().any(|pair| pair[1] == collider)
     }
 
     /// Whether a constraint joins two bodies, or the game ignores the pair.
@@ -131,30 +132,30 @@ impl ContactFilter {
     fn are_joined(&self, a: u32, b: u32) -> bool {
         let pair = [a.min(b), a.max(b)];
         let among = |list: &[[u32; 2]]| !list.is_empty() && list.binary_search(&pair).is_ok();
-        among(&self.joined) || among(&self.apart)
+        among(&self.joined) || among(&self.ignored_bodies)
     }
 
     /// Takes the ignored pairs. Returns whether those of two bodies differ from the ones before.
     fn take_ignored(&mut self, ignored: &[[ContactParticipant; 2]]) -> bool {
-        let Self { apart, apart_before, ignored: with_colliders, .. } = self;
-        core::mem::swap(apart, apart_before);
-        apart.clear();
-        with_colliders.clear();
+        let Self { ignored_bodies, ignored_bodies_before, ignored_colliders, .. } = self;
+        core::mem::swap(ignored_bodies, ignored_bodies_before);
+        ignored_bodies.clear();
+        ignored_colliders.clear();
         for &pair in ignored {
             match pair {
                 [ContactParticipant::Body(a), ContactParticipant::Body(b)] => {
-                    apart.push([a.min(b), a.max(b)]);
+                    ignored_bodies.push([a.min(b), a.max(b)]);
                 }
                 [ContactParticipant::Body(body), ContactParticipant::Collider(collider)]
                 | [ContactParticipant::Collider(collider), ContactParticipant::Body(body)] => {
-                    with_colliders.push([body, collider]);
+                    ignored_colliders.push([body, collider]);
                 }
                 _ => {}
             }
         }
-        apart.sort_unstable();
-        with_colliders.sort_unstable();
-        apart != apart_before
+        ignored_bodies.sort_unstable();
+        ignored_colliders.sort_unstable();
+        ignored_bodies != ignored_bodies_before
     }
 
     fn count_particles(&mut self, particles: &Particles) {
@@ -199,7 +200,7 @@ impl ContactFilter {
 }
 
 /// Copies a list and returns whether it differed.
-fn take<T: Clone + PartialEq>(to: &mut Vec<T>, from: &[T]) -> bool {
+fn copy_if_changed<T: Clone + PartialEq>(to: &mut Vec<T>, from: &[T]) -> bool {
     let differs = to[..] != *from;
     if differs {
         to.clear();

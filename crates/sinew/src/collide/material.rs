@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn layers_must_mind_each_other() {
+    fn both_layers_must_include_each_other() {
         let (player, wall) = (Layers::new(1, 2), Layers::new(2, 1));
         assert!(player.meets(wall) && wall.meets(player));
         assert!(!player.meets(player));
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_numbers_are_told() {
+    fn invalid_numbers_are_detected() {
         assert!(Material::default().is_valid());
         for bad in [f32::NAN, -0.1, f32::INFINITY] {
             assert!(!Material::default().with_friction(bad).is_valid());

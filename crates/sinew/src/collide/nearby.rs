@@ -36,7 +36,7 @@ pub(crate) struct Nearby {
     /// For each body the greatest distance that its shapes reach beyond its particles, metres; may be missing for bodies without shapes.
     overhangs: Vec<f32>,
     /// Large bodies, each paired with a body that it is near; sorted.
-    met: Vec<[u32; 2]>,
+    large_pairs: Vec<[u32; 2]>,
     /// Strips of each body that a large one is near, and of the large ones.
     strips_of: Vec<StripsOf>,
     /// Boxes about consecutive particles of a body.
@@ -72,7 +72,7 @@ struct BodyExtent {
     /// The radius of its largest particle, metres.
     radius: f32,
     /// The greatest distance that a pin of it is moved by in this step, metres.
-    led: f32,
+    pin_motion: f32,
     /// Number of its particles.
     particles: u32,
     /// The greatest distance that its shapes reach beyond its particles, metres.
@@ -87,29 +87,29 @@ struct BodyExtent {
 struct StripsOf {
     strips: Range<u32>,
     size: u32,
-    seen: u32,
+    processed: u32,
 }
 
 /// Maximum number of strips of a body, and minimum number of particles of a strip.
-const STRIPS: u32 = 8;
-const STRIP: u32 = 4;
+const MAX_STRIPS: u32 = 8;
+const MIN_STRIP: u32 = 4;
 
 /// Up to this many particles of a body, all take part.
 const LARGE: u32 = 64;
 
 /// Above this many regions of a body all of its particles take part: testing each against so many boxes takes as long.
-const MOST_REGIONS: usize = 48;
+const MAX_REGIONS: usize = 48;
 
 /// Where more than one particle in this many is in a region, all of the body take part: the set of participants then changes less often, and neighbour lists
 /// last longer.
-const MANY: u32 = 2;
+const FULL_RATIO: u32 = 2;
 
 /// Factor on the speed of the fastest particle: what its neighbours fling can become faster than any of them was.
-pub(super) const HASTE: f32 = 1.5;
+pub(super) const SPEED_FACTOR: f32 = 1.5;
 
 /// How far a body may reach in a step of `dt` seconds beyond the radii of its particles, metres, if the fastest of them moves at `speed` m/s.
 pub(super) fn reach(speed: f32, gravity: f32, dt: f32) -> f32 {
-    HASTE * (speed + gravity * dt) * dt
+    SPEED_FACTOR * (speed + gravity * dt) * dt
 }
 
 impl Nearby {
@@ -169,7 +169,7 @@ impl Nearby {
         if !particles.body.iter().enumerate().any(is_free) {
             return;
         }
-        self.enclose(particles, world, aside);
+        self.measure(particles, world, aside);
         if !self.bodies.iter().any(|body| body.free) {
             return;
         }
@@ -192,8 +192,8 @@ impl Nearby {
                 self.shapes.add(one, bodies[one].free && bodies[other].has_shapes);
             }
         }
-        self.find_met(world);
-        if !self.met.is_empty() {
+        self.find_large_pairs(world);
+        if !self.large_pairs.is_empty() {
             self.find_strips(particles, world);
             self.find_regions(world);
             for participation in [&mut self.particles, &mut self.shapes] {
@@ -203,11 +203,11 @@ impl Nearby {
     }
 
     /// Lists large bodies with the bodies that they are near.
-    fn find_met(&mut self, world: &World) {
+    fn find_large_pairs(&mut self, world: &World) {
         let contacts = world.filter.bodies();
-        let Self { bodies, pairs, particles, shapes, met, .. } = self;
-        met.clear();
-        let is_beside = |body: u32| particles.has_beside(body) || shapes.has_beside(body);
+        let Self { bodies, pairs, particles, shapes, large_pairs, .. } = self;
+        large_pairs.clear();
+        let is_beside = |body: u32| particles.has_other(body) || shapes.has_other(body);
         let is_large = |body: usize| {
             bodies[body].particles > LARGE && bodies[body].free && is_beside(body as u32)
         };
@@ -216,27 +216,27 @@ impl Nearby {
         }
         let meet = |&&[a, b]: &&[u32; 2]| contacts[a as usize].meets(&contacts[b as usize]);
         let both_ways = pairs.iter().filter(meet).flat_map(|&[a, b]| [[a, b], [b, a]]);
-        met.extend(both_ways.filter(|&[body, other]| {
+        large_pairs.extend(both_ways.filter(|&[body, other]| {
             let other = &bodies[other as usize];
             is_large(body as usize) && (other.free || other.has_shapes)
         }));
-        met.sort_unstable();
+        large_pairs.sort_unstable();
     }
 
-    /// Bounds the strips of the bodies in `met`, and computes the mean velocity and spread of each.
+    /// Bounds the strips of the bodies in `large_pairs`, and computes the mean velocity and spread of each.
     fn find_strips(&mut self, particles: &Particles, world: &World) {
         let contacts = world.filter.bodies();
-        let Self { bodies, met, strips_of, strips: boxes, .. } = self;
+        let Self { bodies, large_pairs, strips_of, strips: boxes, .. } = self;
         boxes.clear();
         strips_of.clear();
         strips_of.resize(bodies.len(), StripsOf::default());
-        for &body in met.iter().flatten() {
+        for &body in large_pairs.iter().flatten() {
             let (extent, own) = (&mut bodies[body as usize], &mut strips_of[body as usize]);
             if own.size == 0 {
                 // Shapes and surfaces also collide between particles of different strips, so they are one strip.
                 let whole = extent.has_shapes || contacts[body as usize].surface;
-                let strips = if whole { 1 } else { STRIPS };
-                own.size = extent.particles.div_ceil(strips).max(STRIP);
+                let strips = if whole { 1 } else { MAX_STRIPS };
+                own.size = extent.particles.div_ceil(strips).max(MIN_STRIP);
                 extent.velocity /= extent.particles as f32;
                 let first = boxes.len() as u32;
                 let end = first + extent.particles.div_ceil(own.size);
@@ -253,9 +253,10 @@ impl Nearby {
                 continue;
             }
             let extent = &mut bodies[body as usize];
-            let (number, about) = (own.seen / own.size, particles.radius[row] + extent.overhang);
+            let (number, about) =
+                (own.processed / own.size, particles.radius[row] + extent.overhang);
             // The first particle of a strip belongs to the strip before, too: a rope may collide by the segment between the two.
-            let first = own.seen.is_multiple_of(own.size) && number > 0;
+            let first = own.processed.is_multiple_of(own.size) && number > 0;
             let strips = own.strips.start + number - u32::from(first)..=own.strips.start + number;
             for strip in strips {
                 let (low, high) = &mut boxes[strip as usize];
@@ -263,7 +264,7 @@ impl Nearby {
             }
             let apart = particles.velocity[row].truncate() - extent.velocity;
             extent.spread = extent.spread.max(apart.length());
-            own.seen += 1;
+            own.processed += 1;
         }
     }
 
@@ -271,11 +272,11 @@ impl Nearby {
     /// one, because a parachute and its ropes fall together.
     fn find_regions(&mut self, world: &World) {
         let contacts = world.filter.bodies();
-        let Self { particles, shapes, bodies, met, strips_of, strips, .. } = self;
-        for met in met.chunk_by(|one, other| one[0] == other[0]) {
-            let body = met[0][0] as usize;
+        let Self { particles, shapes, bodies, large_pairs, strips_of, strips, .. } = self;
+        for large_pairs in large_pairs.chunk_by(|one, other| one[0] == other[0]) {
+            let body = large_pairs[0][0] as usize;
             let extent = &bodies[body];
-            let others = || met.iter().map(|&[_, other]| other as usize);
+            let others = || large_pairs.iter().map(|&[_, other]| other as usize);
             let speed = |other: usize| {
                 let apart = bodies[other].velocity - extent.velocity;
                 apart.length() + bodies[other].spread
@@ -283,10 +284,10 @@ impl Nearby {
             // What is hit may become as fast as what hits it.
             let fastest = others().map(speed).fold(extent.spread, f32::max);
             let reach = |speed: f32| reach(speed, world.g(), world.dt);
-            let own = extent.led + extent.radius + extent.rounding() + reach(fastest);
+            let own = extent.pin_motion + extent.radius + extent.rounding() + reach(fastest);
             let regions = |other: usize| {
                 let theirs = &bodies[other];
-                let wide = own + theirs.led + theirs.rounding() + reach(speed(other));
+                let wide = own + theirs.pin_motion + theirs.rounding() + reach(speed(other));
                 let Range { start, end } = strips_of[other].strips.clone();
                 let boxes = &strips[start as usize..end as usize];
                 boxes.iter().map(move |&(low, high)| (low - wide, high + wide))
@@ -295,20 +296,20 @@ impl Nearby {
             let alone = !contacts[body].with_itself;
             if alone {
                 let others = others().filter(|&other| bodies[other].free);
-                particles.take_regions(body, others.flat_map(regions));
+                particles.set_regions(body, others.flat_map(regions));
             }
             if alone || !extent.has_shapes {
                 let others = others().filter(|&other| bodies[other].has_shapes);
-                shapes.take_regions(body, others.flat_map(regions));
+                shapes.set_regions(body, others.flat_map(regions));
             }
         }
     }
 
     /// Computes the bounds of each body that takes part, including the targets of its pins.
-    fn enclose(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
+    fn measure(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
         let contacts = world.filter.bodies();
         self.bodies.clear();
-        self.bodies.resize(contacts.len(), BodyExtent::NOWHERE);
+        self.bodies.resize(contacts.len(), BodyExtent::EMPTY);
         for (row, &body) in particles.body.iter().enumerate() {
             let Some(own) = contacts.get(body as usize) else { continue };
             let at = particles.origin[row] + particles.position[row].truncate();
@@ -337,7 +338,7 @@ impl Nearby {
                 let row = pin.particle as usize;
                 extent.add(pin.target, particles.radius[row]);
                 let at = particles.origin[row] + particles.position[row].truncate();
-                extent.led = extent.led.max((pin.target - at).length());
+                extent.pin_motion = extent.pin_motion.max((pin.target - at).length());
             }
         }
     }
@@ -356,13 +357,13 @@ impl Participation {
     }
 
     /// Sets the regions in which particles of a body take part.
-    fn take_regions(&mut self, body: usize, of_others: impl Iterator<Item = (Vec3, Vec3)>) {
+    fn set_regions(&mut self, body: usize, of_others: impl Iterator<Item = (Vec3, Vec3)>) {
         let Self { near, of_body, regions, .. } = self;
         let first = regions.len();
-        regions.extend(of_others.take(MOST_REGIONS + 1));
+        regions.extend(of_others.take(MAX_REGIONS + 1));
         let is_finite = |(low, high): &(Vec3, Vec3)| low.is_finite() && high.is_finite();
         // Where a speed is infinite or NaN, all particles take part.
-        if regions.len() - first > MOST_REGIONS || !regions[first..].iter().all(is_finite) {
+        if regions.len() - first > MAX_REGIONS || !regions[first..].iter().all(is_finite) {
             regions.truncate(first);
         }
         of_body.resize(near.len(), 0..0);
@@ -388,7 +389,7 @@ impl Participation {
         }
         let mut any = false;
         for ((own, extent), inside) in of_body.iter_mut().zip(bodies).zip(&*inside) {
-            if *inside * MANY > extent.particles {
+            if *inside * FULL_RATIO > extent.particles {
                 *own = 0..0;
             }
             any |= own.start < own.end;
@@ -408,7 +409,7 @@ impl Participation {
     }
 
     /// Whether some particles of a body may touch things of another body.
-    pub(super) fn has_beside(&self, body: u32) -> bool {
+    pub(super) fn has_other(&self, body: u32) -> bool {
         self.beside.get(body as usize).is_some_and(|&beside| beside)
     }
 
@@ -436,14 +437,14 @@ impl Participation {
 }
 
 impl BodyExtent {
-    const NOWHERE: Self = Self {
+    const EMPTY: Self = Self {
         low: Vec3::INFINITY,
         high: Vec3::NEG_INFINITY,
         fastest: 0.0,
         velocity: Vec3::ZERO,
         spread: 0.0,
         radius: 0.0,
-        led: 0.0,
+        pin_motion: 0.0,
         particles: 0,
         overhang: 0.0,
         free: false,
@@ -595,7 +596,7 @@ mod tests {
     }
 
     #[test]
-    fn what_goes_along_with_it_is_as_what_stands_beside_it() {
+    fn a_common_velocity_adds_no_participants() {
         let mut sheet = Sheet::new();
         sheet.add([Vec3::new(0.1, 0.08, 0.1)], Vec3::ZERO);
         for row in 0..sheet.particles.len() {
@@ -622,7 +623,7 @@ mod tests {
     /// A figure that ran into cloth had all triangles of the cloth tested in each substep, which took two thirds of the time, though triangles never touch a
     /// shape.
     #[test]
-    fn what_is_beside_a_shape_meets_no_particles() {
+    fn a_body_near_a_shape_is_not_near_particles() {
         let mut sheet = Sheet::new();
         sheet.add_crate(BoxLayout::Corners);
         let nearby = sheet.nearby();
@@ -648,7 +649,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_pin_is_led_to_takes_part_from_where_it_is() {
+    fn particles_along_the_motion_of_a_pin_take_part() {
         let mut sheet = Sheet::new();
         sheet.add([Vec3::new(0.0, 1.5, 0.0)], Vec3::ZERO);
         assert_eq!(sheet.taking_part().len(), 0);
@@ -673,7 +674,7 @@ mod tests {
         sheet.add([aslant(0.0), aslant(1.0)], Vec3::ZERO);
         assert_eq!(sheet.taking_part().len(), Sheet::SIDE * Sheet::SIDE);
         let mut sheet = Sheet::new();
-        for _ in 0..=MOST_REGIONS {
+        for _ in 0..=MAX_REGIONS {
             sheet.add([corner], Vec3::ZERO);
         }
         assert_eq!(sheet.taking_part().len(), Sheet::SIDE * Sheet::SIDE);

@@ -6,11 +6,11 @@ use glam::Vec3;
 use super::shape::{Shape, ShapeTouch};
 
 /// Limit of the depenetration in a substep: this multiple of g h² (what gravity adds to an overlap), plus this speed times h, m/s.
-const RECOVERED: (f32, f32) = (20.0, 2.0);
+const MAX_RECOVERY: (f32, f32) = (20.0, 2.0);
 
 /// Maximum depenetration of a particle in a substep of `h` seconds, metres; `g` is the magnitude of gravity, m/s².
 pub(crate) fn recovery(h: f32, g: f32) -> f32 {
-    in_substep(RECOVERED, h, g)
+    in_substep(MAX_RECOVERY, h, g)
 }
 
 /// A limit of depenetration, given as a multiple of g h² and a speed in m/s, for a substep of `h` seconds, metres.
@@ -27,13 +27,13 @@ pub(super) fn recovered(
     (from, to, radius): (Vec3, Vec3, f32),
     recover: f32,
 ) -> Option<ShapeTouch> {
-    let most = touched.normal.dot(from - to) + recover;
+    let allowed = touched.normal.dot(from - to) + recover;
     // On a curved surface the start may lie behind the tangent plane of this contact and yet outside the shape: then it was no overlap before, and all of it is
     // corrected.
-    if touched.depth <= recover.max(most) || !is_inside(shape, from, radius, recover) {
+    if touched.depth <= recover.max(allowed) || !is_inside(shape, from, radius, recover) {
         return Some(touched);
     }
-    (most > 0.0).then_some(ShapeTouch { depth: most, ..touched })
+    (allowed > 0.0).then_some(ShapeTouch { depth: allowed, ..touched })
 }
 
 #[cold]
@@ -48,6 +48,6 @@ pub(super) fn recovered_way(out: Vec3, moved: Vec3, recover: f32) -> Vec3 {
     if depth <= recover {
         return out;
     }
-    let most = recover - out.dot(moved) / depth;
-    if most < depth { out * (most.max(0.0) / depth) } else { out }
+    let allowed = recover - out.dot(moved) / depth;
+    if allowed < depth { out * (allowed.max(0.0) / depth) } else { out }
 }

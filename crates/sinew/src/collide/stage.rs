@@ -73,7 +73,7 @@ impl Contacts {
 
     /// Whether a body may touch particles of another body in this step.
     pub(crate) fn may_meet_others(&self, body: u32) -> bool {
-        self.nearby.to_particles().has_beside(body)
+        self.nearby.to_particles().has_other(body)
     }
 
     /// Whether a body may touch particles in this step, of another body or its own.

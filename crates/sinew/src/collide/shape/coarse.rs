@@ -7,7 +7,7 @@ use glam::Vec3;
 
 /// Signed distances from a surface on a grid.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Coarse {
+pub(super) struct DistanceGrid {
     low: Vec3,
     /// Size of a cell, metres.
     size: Vec3,
@@ -17,9 +17,9 @@ pub(super) struct Coarse {
 }
 
 /// Maximum number of cells along the longest side: 4096 cells take 16 KiB, half of a core's L1 cache, and a few ms to compute.
-const MOST: f32 = 16.0;
+const MAX_CELLS: f32 = 16.0;
 
-impl Coarse {
+impl DistanceGrid {
     /// Samples a surface within a box. `distance(point, at_most)` is called with an upper bound of the distance.
     pub(super) fn new(
         (low, high): (Vec3, Vec3),
@@ -28,9 +28,10 @@ impl Coarse {
     ) -> Self {
         let extent = high - low;
         // About as many cells as triangles: a finer grid tells nothing new.
-        let along = libm::cbrtf(triangles as f32).clamp(4.0, MOST);
+        let along = libm::cbrtf(triangles as f32).clamp(4.0, MAX_CELLS);
         let edge = extent.max_element() / along;
-        let cells = extent.to_array().map(|side| (side / edge).ceil().clamp(1.0, MOST) as usize);
+        let cells =
+            extent.to_array().map(|side| (side / edge).ceil().clamp(1.0, MAX_CELLS) as usize);
         let size = extent / Vec3::from_array(cells.map(|n| n as f32));
         let mut grid = Self { low, size, cells, distances: Vec::new() };
         let (mut last, mut at_most) = (low, f32::INFINITY);
@@ -46,7 +47,7 @@ impl Coarse {
 
     /// The distance of the surface from the centre of the cell of a point, metres, and the distance of that centre from the point.
     #[inline]
-    pub(super) fn near(&self, p: Vec3) -> (f32, f32) {
+    pub(super) fn sample(&self, p: Vec3) -> (f32, f32) {
         let [nx, ny, nz] = self.cells;
         let along = |axis: usize, count: usize| {
             let share = (p[axis] - self.low[axis]) / self.size[axis];

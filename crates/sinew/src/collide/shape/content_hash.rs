@@ -19,7 +19,7 @@ pub(super) fn of(form: &Form) -> u64 {
         Form::Hull(hull) => mixed(6, hull.points.iter().copied()),
         Form::Mesh(_) => mixed(7, alone),
         Form::Heights(_) => mixed(8, alone),
-        Form::InsideBox(room) => mixed(9, [room.half_size]),
+        Form::InsideBox(hollow) => mixed(9, [hollow.half_size]),
     }
 }
 
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shapes_have_one_number_if_they_are_alike_and_others_otherwise() {
+    fn equal_shapes_have_equal_hashes_and_others_do_not() {
         let corners = |x: f32| [Vec3::ZERO, Vec3::X * x, Vec3::Y, Vec3::Z];
         let all = [
             Shape::half_space(),

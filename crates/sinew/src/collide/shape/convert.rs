@@ -13,16 +13,16 @@ use super::{Form, Shape};
 use crate::collide::frame::Frame;
 
 /// A `parry3d` shape.
-pub(super) struct Twin(Box<dyn parry::Shape>);
+pub(super) struct ParryShape(Box<dyn parry::Shape>);
 
 impl Shape {
     /// The equivalent `parry3d` shape. Made on first use, which takes time for a mesh or a heightfield.
     pub(crate) fn parry(&self) -> &dyn parry::Shape {
-        &*self.twin.get_or_init(|| Twin(twin(&self.form))).0
+        &*self.parry_shape.get_or_init(|| ParryShape(build(&self.form))).0
     }
 }
 
-fn twin(form: &Form) -> Box<dyn parry::Shape> {
+fn build(form: &Form) -> Box<dyn parry::Shape> {
     match form {
         Form::HalfSpace => Box::new(parry::HalfSpace::new(Vector::Y)),
         // Handled wall by wall (`Obstacle::with`): `parry3d` has no such shape.

@@ -25,8 +25,8 @@ pub(super) trait Convex {
     /// The surface point nearest to `p`; see [`Nearest`].
     fn nearest(&self, p: Vec3) -> Nearest;
 
-    /// Where the segment from `from` along `way` enters, at a multiple of `way` of at most `most`. `None` if it starts inside.
-    fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry>;
+    /// Where the segment from `from` along `motion` enters, at a multiple of `motion` of at most `max`. `None` if it starts inside.
+    fn enter(&self, from: Vec3, motion: Vec3, max: f32) -> Option<Entry>;
 
     /// See [`Shape::touch`](super::Shape::touch).
     #[inline(always)]
@@ -38,7 +38,7 @@ pub(super) trait Convex {
     #[inline(always)]
     fn touch_near(&self, near: Nearest, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         if near.normal.dot(from - near.point) >= 0.0 {
-            return near.out(radius);
+            return near.push_out(radius);
         }
         self.touch_from_behind(&near, from, to, radius)
     }
@@ -59,15 +59,15 @@ pub(super) trait Convex {
         let (normal, offset, passed) = match self.enter(from, to - from, 1.0) {
             Some(entry) => (entry.normal, entry.offset, near.distance > 0.0),
             None => {
-                let home = self.nearest(from);
-                if home.distance > 0.0 && near.distance > 0.0 {
-                    return near.out(radius);
+                let at_start = self.nearest(from);
+                if at_start.distance > 0.0 && near.distance > 0.0 {
+                    return near.push_out(radius);
                 }
-                (home.normal, home.normal.dot(home.point), false)
+                (at_start.normal, at_start.normal.dot(at_start.point), false)
             }
         };
-        if !passed && near.normal.dot(normal) >= BEND {
-            return near.out(radius);
+        if !passed && near.normal.dot(normal) >= BEND_COSINE {
+            return near.push_out(radius);
         }
         ShapeTouch::new(normal, radius + offset - normal.dot(to))
     }
@@ -80,7 +80,7 @@ pub(super) trait Convex {
 }
 
 /// Cosine of the greatest angle between the normals of two surface points at which a path still counts as going round a bend: 60°.
-pub(super) const BEND: f32 = 0.5;
+pub(super) const BEND_COSINE: f32 = 0.5;
 
 /// Where a segment enters a shape.
 #[derive(Clone, Copy, Debug)]
@@ -134,7 +134,7 @@ impl From<NearestOf<f32>> for Nearest {
 impl Nearest {
     /// The correction of a sphere that is centred at the query point.
     #[inline(always)]
-    pub(super) fn out(&self, radius: f32) -> Option<ShapeTouch> {
+    pub(super) fn push_out(&self, radius: f32) -> Option<ShapeTouch> {
         ShapeTouch::new(self.normal, radius - self.distance)
     }
 }

@@ -66,6 +66,6 @@ pub(super) fn is_coordinate(x: f32) -> bool {
 }
 
 /// Index of the first point that is not finite or too far out.
-pub(super) fn stray(points: &[Vec3]) -> Option<usize> {
+pub(super) fn first_out_of_range(points: &[Vec3]) -> Option<usize> {
     points.iter().position(|p| !p.to_array().into_iter().all(is_coordinate))
 }

@@ -64,11 +64,11 @@ impl Convex for Cuboid {
         self.nearest_of(Vector::<f32>::splat(p)).into()
     }
 
-    fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry> {
+    fn enter(&self, from: Vec3, motion: Vec3, max: f32) -> Option<Entry> {
         let mut entry: Option<Entry> = None;
-        let mut exit = most;
+        let mut exit = max;
         for axis in 0..3 {
-            let (at, along, half) = (from[axis], way[axis], self.half_size[axis]);
+            let (at, along, half) = (from[axis], motion[axis], self.half_size[axis]);
             if at.abs() >= half {
                 let sign = if at < 0.0 { -1.0 } else { 1.0 };
                 let inward = along * sign < 0.0;

@@ -115,8 +115,8 @@ impl<'a> RoundedCore<'a> {
     }
 
     /// Its distance from the plane `y = 0` of a half-space, and the nearest point on that plane.
-    pub(in crate::collide) fn above_plane(&self, seen: &Relative) -> Gap {
-        let lowest = seen.point(self.support(seen.rotation.transpose() * -DVec3::Y));
+    pub(in crate::collide) fn above_plane(&self, pose: &Relative) -> Gap {
+        let lowest = pose.point(self.support(pose.rotation.transpose() * -DVec3::Y));
         Gap {
             distance: lowest.y - self.radius,
             normal: DVec3::Y,
@@ -125,16 +125,16 @@ impl<'a> RoundedCore<'a> {
         }
     }
 
-    /// The gap between this shape, at pose `seen` in the frame of the other one, and that; `None` where their cores touch or overlap.
-    pub(in crate::collide) fn gap(&self, seen: &Relative, other: &Self) -> Option<Gap> {
-        let back = seen.rotation.transpose();
+    /// The gap between this shape, at pose `pose` in the frame of the other one, and that; `None` where their cores touch or overlap.
+    pub(in crate::collide) fn gap(&self, pose: &Relative, other: &Self) -> Option<Gap> {
+        let back = pose.rotation.transpose();
         // Support point of the Minkowski difference against a direction, and the point of the other shape that belongs to it.
         let support = |v: DVec3| {
             let theirs = other.support(v);
-            (seen.point(self.support(back * -v)) - theirs, theirs)
+            (pose.point(self.support(back * -v)) - theirs, theirs)
         };
         let mut simplex: Simplex = SmallVec::new();
-        simplex.push(support(seen.translation));
+        simplex.push(support(pose.translation));
         let (mut v, mut point) = simplex[0];
         let mut separation = f64::NEG_INFINITY;
         for _ in 0..ROUNDS {
@@ -170,23 +170,31 @@ impl RoundedCore<'_> {
     /// A separation from another shape whose core touches or overlaps that of this one, as a gap of negative distance: the shortest one along the normals of a
     /// triangle, the axes of this shape, or the line from the centre of the other one. It separates the two, though there may be a shorter one. `None` if a
     /// number is not finite.
-    pub(in crate::collide) fn way_out(&self, seen: &Relative, other: &Self) -> Option<Gap> {
-        let mut ways: SmallVec<[DVec3; 16]> = SmallVec::new();
+    pub(in crate::collide) fn way_out(&self, pose: &Relative, other: &Self) -> Option<Gap> {
+        let mut directions: SmallVec<[DVec3; 16]> = SmallVec::new();
         let mut middle = DVec3::ZERO;
         if let Core::Triangle([a, b, c]) = other.core {
             let normal = (b - a).cross(c - a);
             let edges = [b - a, c - b, a - c].map(|edge| edge.cross(normal));
-            ways.extend([normal, -normal]);
-            ways.extend(edges);
+            directions.extend([normal, -normal]);
+            directions.extend(edges);
             middle = (a + b + c) / 3.0;
         }
-        let DMat3 { x_axis, y_axis, z_axis } = seen.rotation;
-        ways.extend([seen.translation - middle, x_axis, -x_axis, y_axis, -y_axis, z_axis, -z_axis]);
-        let back = seen.rotation.transpose();
+        let DMat3 { x_axis, y_axis, z_axis } = pose.rotation;
+        directions.extend([
+            pose.translation - middle,
+            x_axis,
+            -x_axis,
+            y_axis,
+            -y_axis,
+            z_axis,
+            -z_axis,
+        ]);
+        let back = pose.rotation.transpose();
         let mut best: Option<Gap> = None;
-        for normal in ways.into_iter().filter_map(DVec3::try_normalize) {
+        for normal in directions.into_iter().filter_map(DVec3::try_normalize) {
             let point = other.farthest(normal);
-            let separation = (seen.point(self.farthest(back * -normal)) - point).dot(normal);
+            let separation = (pose.point(self.farthest(back * -normal)) - point).dot(normal);
             let better = best.is_none_or(|best| separation > best.distance);
             if better && separation.is_finite() {
                 best = Some(Gap { distance: separation, normal, point, cores: 0.0 });
@@ -215,9 +223,9 @@ type Simplex = SmallVec<[(DVec3, DVec3); 4]>;
 fn farthest(points: impl IntoIterator<Item = DVec3>, along: DVec3) -> DVec3 {
     let mut most = (f64::NEG_INFINITY, DVec3::ZERO);
     for point in points {
-        let there = point.dot(along);
-        if there > most.0 {
-            most = (there, point);
+        let reach = point.dot(along);
+        if reach > most.0 {
+            most = (reach, point);
         }
     }
     most.1
@@ -234,7 +242,7 @@ fn reduce(simplex: &mut Simplex) -> Option<(DVec3, DVec3)> {
         return None;
     }
     let mut best = (newest.0.length_squared(), SmallVec::from_slice(&[(newest, 1.0)]));
-    let mut offer = |shares: &[((DVec3, DVec3), f64)]| {
+    let mut consider = |shares: &[((DVec3, DVec3), f64)]| {
         let inside = shares.iter().all(|(_, share)| *share > 0.0);
         let square = shares.iter().map(|(at, share)| at.0 * share).sum::<DVec3>().length_squared();
         if inside && square < best.0 {
@@ -244,12 +252,12 @@ fn reduce(simplex: &mut Simplex) -> Option<(DVec3, DVec3)> {
     for (i, &other) in others.iter().enumerate() {
         let (a, b) = (newest.0, other.0);
         let share = -a.dot(b - a) / (b - a).length_squared();
-        offer(&[(newest, 1.0 - share), (other, share)]);
+        consider(&[(newest, 1.0 - share), (other, share)]);
         for &third in &others[..i] {
             let c = third.0;
             let normal = (b - a).cross(c - a);
             let share = |p: DVec3, q: DVec3| p.cross(q).dot(normal) / normal.length_squared();
-            offer(&[(newest, share(b, c)), (other, share(c, a)), (third, share(a, b))]);
+            consider(&[(newest, share(b, c)), (other, share(c, a)), (third, share(a, b))]);
         }
     }
     simplex.clear();
@@ -308,10 +316,10 @@ mod tests {
                 let (own, other) = (RoundedCore::of(a).unwrap(), RoundedCore::of(b).unwrap());
                 let mut apart = 0;
                 for frame in frames() {
-                    let seen = Relative::new(&frame, &Frame::IDENTITY);
-                    let Some(gap) = own.gap(&seen, &other) else { continue };
+                    let pose = Relative::new(&frame, &Frame::IDENTITY);
+                    let Some(gap) = own.gap(&pose, &other) else { continue };
                     let separation = |n: DVec3| {
-                        let near = seen.point(own.support(seen.rotation.transpose() * -n));
+                        let near = pose.point(own.support(pose.rotation.transpose() * -n));
                         (near - other.support(n)).dot(n) - own.radius - other.radius
                     };
                     assert!((separation(gap.normal) - gap.distance).abs() < 1e-9, "{i} {j}");
@@ -345,10 +353,10 @@ mod tests {
             for turn in 0..20 {
                 let turn = Quat::from_xyzw(0.0, libm::sinf(turn as f32), 0.0, 1.0);
                 let frame = Frame::new(Vec3::new(3.0, 1.4 + gap, -7.0), turn);
-                let seen = Relative::new(&frame, &Frame::IDENTITY);
+                let pose = Relative::new(&frame, &Frame::IDENTITY);
                 let (own, other) =
                     (RoundedCore::of(&own).unwrap(), RoundedCore::of(&floor).unwrap());
-                let found = own.gap(&seen, &other).unwrap();
+                let found = own.gap(&pose, &other).unwrap();
                 assert!(found.normal.abs_diff_eq(DVec3::Y, 1e-6), "{gap}: {found:?}");
                 assert!((found.distance - f64::from(gap)).abs() < 2e-7, "{gap}: {found:?}");
             }
@@ -365,18 +373,18 @@ mod tests {
             for corners in triangles {
                 let (other, frame) =
                     (RoundedCore::triangle(corners), Frame::at((low + high) * -0.5));
-                let seen = Relative::new(&frame, &Frame::IDENTITY);
-                let out = own.way_out(&seen, &other).unwrap();
+                let pose = Relative::new(&frame, &Frame::IDENTITY);
+                let out = own.way_out(&pose, &other).unwrap();
                 assert!(out.distance < 0.0 && out.normal.is_normalized(), "{out:?}");
                 let by = out.normal * (1e-4 - out.distance);
-                let away = Relative { translation: seen.translation + by, ..seen };
+                let away = Relative { translation: pose.translation + by, ..pose };
                 let gap = own.gap(&away, &other).unwrap();
                 assert!(gap.distance > 0.0, "{gap:?} {out:?}");
             }
         }
-        let seen = Relative::new(&Frame::at(Vec3::NAN), &Frame::IDENTITY);
+        let pose = Relative::new(&Frame::at(Vec3::NAN), &Frame::IDENTITY);
         let own = RoundedCore::ball(1.0);
-        assert!(own.way_out(&seen, &own).is_none());
+        assert!(own.way_out(&pose, &own).is_none());
     }
 
     #[test]
@@ -385,12 +393,12 @@ mod tests {
             let own = RoundedCore::of(shape).unwrap();
             let (low, high) = shape.bounds();
             let middle = Frame::at((low + high) * 0.5);
-            let seen = Relative::new(&Frame::IDENTITY, &middle);
+            let pose = Relative::new(&Frame::IDENTITY, &middle);
             let corners = [Vec3::new(-1.0, 0.01, -1.0), Vec3::X, Vec3::Z];
-            assert!(own.gap(&seen, &RoundedCore::of(&shapes()[2]).unwrap()).is_none());
+            assert!(own.gap(&pose, &RoundedCore::of(&shapes()[2]).unwrap()).is_none());
             assert!(
                 RoundedCore::triangle(corners)
-                    .gap(&seen, &RoundedCore::of(&shapes()[3]).unwrap())
+                    .gap(&pose, &RoundedCore::of(&shapes()[3]).unwrap())
                     .is_none()
             );
             let broken = Relative::new(&Frame::at(Vec3::NAN), &Frame::IDENTITY);

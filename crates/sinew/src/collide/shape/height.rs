@@ -7,8 +7,8 @@ use glam::Vec3;
 use super::convex::Convex as _;
 use super::fault::{is_coordinate, is_length, is_size};
 use super::flat::Cuboid;
-use super::surface::{SphereSlide, Surface, Sweep, first_crossing, skin, slide};
-use super::triangle::{Close, Feature, Triangle};
+use super::surface::{SpherePath, SphereSlide, Surface, first_crossing, skin, slide};
+use super::triangle::{ClosestPoint, Feature, Triangle};
 use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
 
 /// Heights over a grid that is centred at the origin.
@@ -25,7 +25,7 @@ pub(super) struct Heights {
 }
 
 /// Depth of the ground below the lowest point, as a share of the longer side: enough that a solver that has not converged pushes nothing through.
-const GROUND: f32 = 0.05;
+const GROUND_DEPTH: f32 = 0.05;
 
 /// Maximum number of pushes for a sphere that began below the surface; the last one is straight up.
 const ROUNDS: usize = 4;
@@ -58,7 +58,7 @@ impl Heights {
         }
         let least = heights.iter().copied().fold(f32::INFINITY, f32::min);
         let most = heights.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        let (half, floor) = (size * 0.5, least - GROUND * size.x.max(size.z));
+        let (half, floor) = (size * 0.5, least - GROUND_DEPTH * size.x.max(size.z));
         let bounds = (Vec3::new(-half.x, floor, -half.z), Vec3::new(half.x, most, half.z));
         let size = size.with_y(1.0);
         Ok(Self { columns, rows, heights, size, bounds, skin: skin(bounds) })
@@ -97,22 +97,29 @@ impl Heights {
         if !(meets && from.is_finite() && to.is_finite() && radius.is_finite()) {
             return None;
         }
-        if let Some(touch) = self.wall(from, to, reach) {
+        if let Some(touch) = self.touch_side(from, to, reach) {
             return Some(touch);
         }
         match slide(self, from, to, reach) {
             SphereSlide::Clear => None,
-            SphereSlide::Moved(touch) => self.above(from, to, reach, touch?),
+            SphereSlide::Moved(touch) => self.keep_above(from, to, reach, touch?),
             SphereSlide::Inside => self.lift(to, reach),
         }
     }
 
     /// Where a slope has pushed the sphere sideways into the ground, through a side that has no triangles, lifts it; if it then is beyond another slope, moves
     /// it back to its start.
-    fn above(&self, from: Vec3, to: Vec3, reach: f32, touch: ShapeTouch) -> Option<ShapeTouch> {
+    fn keep_above(
+        &self,
+        from: Vec3,
+        to: Vec3,
+        reach: f32,
+        touch: ShapeTouch,
+    ) -> Option<ShapeTouch> {
         let shift = touch.normal * touch.depth;
-        let sunk =
-            |place: Vec3| self.is_inside(place, None) || self.wall(from, place, reach).is_some();
+        let sunk = |place: Vec3| {
+            self.is_inside(place, None) || self.touch_side(from, place, reach).is_some()
+        };
         if !sunk(to + shift) {
             return Some(touch);
         }
@@ -136,10 +143,11 @@ impl Heights {
         let (low, high) = self.bounds;
         let over = p.max(low).min(high).with_y(p.y);
         // The surface point straight below is an upper bound of the distance.
-        let level = self.ground(over).map_or(high.y, |(triangle, _)| level(&triangle, over));
+        let level =
+            self.triangle_at(over).map_or(high.y, |(triangle, _)| height_at(&triangle, over));
         let reach = ((p - over.with_y(level)).length() + self.skin) * 1.001;
-        let mut best: Option<(u32, Close, Triangle)> = None;
-        self.visit(&Sweep::new(p, p, reach), &mut |i, triangle| {
+        let mut best: Option<(u32, ClosestPoint, Triangle)> = None;
+        self.visit(&SpherePath::new(p, p, reach), &mut |i, triangle| {
             let close = triangle.closest(p);
             let nearer = best.as_ref().is_none_or(|(other, best, _)| {
                 close.square < best.square || (close.square == best.square && i < *other)
@@ -189,7 +197,7 @@ impl Heights {
     }
 
     /// Moves a sphere that came through a side or the bottom back out there.
-    fn wall(&self, from: Vec3, to: Vec3, reach: f32) -> Option<ShapeTouch> {
+    fn touch_side(&self, from: Vec3, to: Vec3, reach: f32) -> Option<ShapeTouch> {
         let (low, high) = self.bounds;
         let inside = from.cmpgt(low).all() && from.with_y(low.y).cmplt(high).all();
         if inside {
@@ -199,8 +207,9 @@ impl Heights {
         let block = Cuboid { half_size: ((high - low) * 0.5).max(Vec3::splat(self.skin)) };
         let entry = block.enter(from - middle, to - from, 1.0)?;
         let place = from + (to - from) * entry.share;
-        let below =
-            self.ground(place).is_some_and(|(triangle, _)| place.y < level(&triangle, place));
+        let below = self
+            .triangle_at(place)
+            .is_some_and(|(triangle, _)| place.y < height_at(&triangle, place));
         let side = entry.normal.y <= 0.0 && below;
         let depth = reach + entry.offset - entry.normal.dot(to - middle);
         if side { ShapeTouch::new(entry.normal, depth) } else { None }
@@ -211,7 +220,7 @@ impl Heights {
         let (mut shift, mut single) = (Vec3::ZERO, None);
         for round in 0..ROUNDS {
             let place = to + shift;
-            let Some((triangle, _)) = self.ground(place) else { break };
+            let Some((triangle, _)) = self.triangle_at(place) else { break };
             let normal = triangle.normal;
             let depth = reach - normal.dot(place - triangle.corners[0]);
             if depth <= reach * 1e-5 {
@@ -226,7 +235,7 @@ impl Heights {
     }
 
     /// The triangle above or below a point, and its index; `None` beyond the rectangle.
-    fn ground(&self, p: Vec3) -> Option<(Triangle, u32)> {
+    fn triangle_at(&self, p: Vec3) -> Option<(Triangle, u32)> {
         let [u, v] = [self.along(p.x, 0), self.along(p.z, 2)];
         // The last point of a row must not be lost to rounding.
         let over = |x: f32, size: f32| x.abs() <= 0.5 * size * (1.0 + 1e-6);
@@ -262,8 +271,8 @@ impl Heights {
 }
 
 impl Surface for Heights {
-    fn visit(&self, sweep: &Sweep, call: &mut impl FnMut(u32, &Triangle)) {
-        let margin = sweep.margin;
+    fn visit(&self, path: &SpherePath, call: &mut impl FnMut(u32, &Triangle)) {
+        let margin = path.margin;
         let cells = |low: f32, high: f32, axis: usize| {
             let count = if axis == 0 { self.columns - 1 } else { self.rows - 1 };
             // One more on either side, for rounding.
@@ -271,16 +280,16 @@ impl Surface for Heights {
             let end = (self.along(high + margin, axis) + 1.01).max(0.0) as usize;
             first.min(count)..end.min(count)
         };
-        let (from, to) = (sweep.from, sweep.to);
+        let (from, to) = (path.from, path.to);
         for column in cells(from.x.min(to.x), from.x.max(to.x), 0) {
             // The part of the segment that is within reach of this column.
             let (low, high) =
                 (self.point(column, 0).x - margin, self.point(column + 1, 0).x + margin);
-            let way = to - from;
-            let share = |x: f32| ((x - from.x) / way.x).clamp(0.0, 1.0);
-            let slow = way.x.abs() <= margin;
+            let motion = to - from;
+            let share = |x: f32| ((x - from.x) / motion.x).clamp(0.0, 1.0);
+            let slow = motion.x.abs() <= margin;
             let (s, t) = if slow { (0.0, 1.0) } else { (share(low), share(high)) };
-            let (z, w) = (from.z + way.z * s, from.z + way.z * t);
+            let (z, w) = (from.z + motion.z * s, from.z + motion.z * t);
             for row in cells(z.min(w), z.max(w), 2) {
                 let corners = [(0, 0), (0, 1), (1, 0), (1, 1)];
                 let heights = corners.map(|(i, j)| self.height(column + i, row + j));
@@ -288,7 +297,7 @@ impl Surface for Heights {
                 let most = heights.into_iter().fold(f32::NEG_INFINITY, f32::max);
                 let low = self.point(column, row).with_y(least);
                 let high = self.point(column + 1, row + 1).with_y(most);
-                if sweep.meets(low, high) {
+                if path.may_overlap(low, high) {
                     let number = 2 * (row * (self.columns - 1) + column) as u32;
                     let [first, second] = self.cell(column, row);
                     call(number, &first);
@@ -302,14 +311,14 @@ impl Surface for Heights {
         true
     }
 
-    fn is_inside(&self, p: Vec3, _near: Option<&(u32, Close, Triangle)>) -> bool {
+    fn is_inside(&self, p: Vec3, _near: Option<&(u32, ClosestPoint, Triangle)>) -> bool {
         p.y > self.bounds.0.y
-            && self.ground(p).is_some_and(|(triangle, _)| p.y < level(&triangle, p))
+            && self.triangle_at(p).is_some_and(|(triangle, _)| p.y < height_at(&triangle, p))
     }
 }
 
 /// Height of the plane of a triangle at a point, metres. The normal is never horizontal: the triangle has a width along x and z.
-fn level(triangle: &Triangle, p: Vec3) -> f32 {
+fn height_at(triangle: &Triangle, p: Vec3) -> f32 {
     let (n, a) = (triangle.normal, triangle.corners[0]);
     let down = n.x * (p.x - a.x) + n.z * (p.z - a.z);
     a.y - down / n.y.max(f32::MIN_POSITIVE)

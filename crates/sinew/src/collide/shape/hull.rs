@@ -6,7 +6,7 @@
 use glam::{DVec3, Vec3};
 
 use super::convex::{Convex, Entry};
-use super::fault::{is_length, stray};
+use super::fault::{first_out_of_range, is_length};
 use super::triangle::{Feature, Triangle};
 use super::{Nearest, ShapeFault, ShapeTouch};
 use crate::convex_hull::{ConvexHullFault, convex_hull};
@@ -22,7 +22,7 @@ pub(super) struct ConvexHull {
     pieces: Vec<Triangle>,
     faces: Vec<Face>,
     /// Rounding of coordinates, as a distance in metres.
-    grain: f32,
+    tolerance: f32,
 }
 
 /// A plane that has all vertices behind it, and the triangles in it.
@@ -41,12 +41,12 @@ struct Face {
 const IN_PLANE: f64 = 1e-6;
 
 /// Above this number triangles are not merged to faces, since that takes quadratic time.
-const MOST_TO_MERGE: usize = 4096;
+const MAX_TO_MERGE: usize = 4096;
 
 impl ConvexHull {
     /// Validates the points and computes the faces.
     pub(super) fn new(points: &[Vec3]) -> Result<Self, ShapeFault> {
-        if let Some(point) = stray(points) {
+        if let Some(point) = first_out_of_range(points) {
             return Err(ShapeFault::Point(point));
         }
         let triangles = convex_hull(points)?;
@@ -96,18 +96,18 @@ impl ConvexHull {
         order.sort_by(|&i, &j| area(j).total_cmp(&area(i)).then(i.cmp(&j)));
         let mut planes: Vec<(DVec3, f64, Vec<usize>)> = Vec::new();
         for i in order {
-            let mine = normal(triangles[i]);
+            let cross = normal(triangles[i]);
             let corners = wide(triangles[i]);
             let same = |(n, offset, _): &&mut (DVec3, f64, Vec<usize>)| {
-                n.dot(mine) >= 0.0 && corners.iter().all(|c| (n.dot(*c) - *offset).abs() <= near)
+                n.dot(cross) >= 0.0 && corners.iter().all(|c| (n.dot(*c) - *offset).abs() <= near)
             };
-            let merge = triangles.len() <= MOST_TO_MERGE;
+            let merge = triangles.len() <= MAX_TO_MERGE;
             if let Some(plane) = planes.iter_mut().find(|plane| merge && same(plane)) {
                 plane.2.push(i);
                 continue;
             }
             // A sliver without an area has no plane of its own; its edges belong to its neighbours.
-            if let Some(unit) = mine.try_normalize() {
+            if let Some(unit) = cross.try_normalize() {
                 planes.push((unit, unit.dot(corners[0]), vec![i]));
             }
         }
@@ -121,7 +121,7 @@ impl ConvexHull {
         }
         let piece = |t: &[u32; 3]| Triangle::new(t.map(|i| points[i as usize]));
         let pieces = sorted.iter().map(piece).collect();
-        Self { points, triangles: sorted, pieces, faces, grain: near as f32 }
+        Self { points, triangles: sorted, pieces, faces, tolerance: near as f32 }
     }
 
     /// The outward normals of its faces, and its extent along each, metres from the origin.
@@ -180,7 +180,7 @@ impl ConvexHull {
                 least = close.square;
                 let (point, away) = (close.point, least.sqrt());
                 // Near an edge the direction to the nearest point is the normal; above a face, or almost on it, that of its plane is more accurate.
-                if close.feature == Feature::Face || away <= self.grain {
+                if close.feature == Feature::Face || away <= self.tolerance {
                     let (normal, point) = (face.normal, p - face.normal * distance);
                     nearest = Nearest { point, normal, distance };
                 } else {
@@ -207,11 +207,11 @@ impl Convex for ConvexHull {
         self.nearest_from(p, front, best)
     }
 
-    fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry> {
+    fn enter(&self, from: Vec3, motion: Vec3, max: f32) -> Option<Entry> {
         let mut entry: Option<Entry> = None;
-        let mut exit = most;
+        let mut exit = max;
         for face in &self.faces {
-            let (height, rise) = (face.normal.dot(from) - face.offset, face.normal.dot(way));
+            let (height, rise) = (face.normal.dot(from) - face.offset, face.normal.dot(motion));
             if height >= 0.0 {
                 let sinks = rise < 0.0;
                 if !sinks {

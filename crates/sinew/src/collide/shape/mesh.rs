@@ -7,13 +7,13 @@
 
 use glam::Vec3;
 
-use super::coarse::Coarse;
-use super::convex::BEND;
+use super::coarse::DistanceGrid;
+use super::convex::BEND_COSINE;
 use super::extent::around;
-use super::fault::{is_length, stray};
-use super::surface::{SphereSlide, Surface, Sweep, first_crossing, skin, slide};
+use super::fault::{first_out_of_range, is_length};
+use super::surface::{SpherePath, SphereSlide, Surface, first_crossing, skin, slide};
 use super::tree::TriangleTree;
-use super::triangle::{Close, Feature, Triangle};
+use super::triangle::{ClosestPoint, Feature, Triangle};
 use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
 use crate::same_place::first_in_place;
 
@@ -26,34 +26,34 @@ pub(super) struct Mesh {
     pub(super) triangles: Vec<[u32; 3]>,
     pieces: Vec<Triangle>,
     tree: TriangleTree,
-    coarse: Coarse,
+    distances: DistanceGrid,
     bounds: (Vec3, Vec3),
     skin: f32,
     /// Pseudo-normals of each triangle; empty for a sheet.
-    pseudo: Vec<Pseudo>,
+    pseudo_normals: Vec<PseudoNormals>,
 }
 
 /// Pseudo-normals of the edges and vertices of a triangle; not normalised.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Pseudo {
+struct PseudoNormals {
     edges: [Vec3; 3],
     corners: [Vec3; 3],
 }
 
 /// Maximum number of triangles and of vertices: indices must leave room for those of tree nodes.
-const MOST: usize = 1_000_000_000;
+const MAX_INDEXED: usize = 1_000_000_000;
 
 impl Mesh {
     /// Validates the numbers, drops triangles without an area, and determines whether the rest is closed.
     pub(super) fn new(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, ShapeFault> {
-        if triangles.len() > MOST || vertices.len() > MOST {
+        if triangles.len() > MAX_INDEXED || vertices.len() > MAX_INDEXED {
             return Err(ShapeFault::TooMany);
         }
-        if let Some(point) = stray(vertices) {
+        if let Some(point) = first_out_of_range(vertices) {
             return Err(ShapeFault::Point(point));
         }
-        let lacks = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= vertices.len());
-        if let Some(triangle) = triangles.iter().position(lacks) {
+        let is_out_of_range = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= vertices.len());
+        if let Some(triangle) = triangles.iter().position(is_out_of_range) {
             return Err(ShapeFault::Corner(triangle));
         }
         let (vertices, triangles) = welded(vertices, triangles);
@@ -74,14 +74,22 @@ impl Mesh {
         let (tree, order) = TriangleTree::new(&pieces);
         let triangles: Vec<[u32; 3]> = order.iter().map(|&i| triangles[i as usize]).collect();
         let pieces: Vec<Triangle> = order.iter().map(|&i| pieces[i as usize]).collect();
-        let pseudo = pseudo(vertices.len(), &triangles, &pieces);
+        let pseudo_normals = pseudo_normals(vertices.len(), &triangles, &pieces);
         // The distances can be computed only once the mesh exists.
-        let unmeasured = Coarse::new(bounds, 1, |_, _| 0.0);
+        let unmeasured = DistanceGrid::new(bounds, 1, |_, _| 0.0);
         let count = pieces.len();
         let skin = skin(bounds);
-        let mut mesh =
-            Self { vertices, triangles, pieces, tree, coarse: unmeasured, bounds, skin, pseudo };
-        mesh.coarse = Coarse::new(bounds, count, |p, most| mesh.signed(p, most).distance);
+        let mut mesh = Self {
+            vertices,
+            triangles,
+            pieces,
+            tree,
+            distances: unmeasured,
+            bounds,
+            skin,
+            pseudo_normals,
+        };
+        mesh.distances = DistanceGrid::new(bounds, count, |p, most| mesh.signed(p, most).distance);
         Ok(mesh)
     }
 
@@ -92,7 +100,7 @@ impl Mesh {
 
     /// Whether it is closed.
     pub(super) fn is_solid(&self) -> bool {
-        !self.pseudo.is_empty()
+        !self.pseudo_normals.is_empty()
     }
 
     /// See [`Shape::touch`](super::Shape::touch).
@@ -103,7 +111,7 @@ impl Mesh {
         if !(meets && from.is_finite() && to.is_finite() && radius.is_finite()) {
             return None;
         }
-        let (distance, off) = self.coarse.near(to);
+        let (distance, off) = self.distances.sample(to);
         let distance = if self.is_solid() { distance } else { distance.abs() };
         if distance - off > reach + (to - from).length() {
             return None;
@@ -112,11 +120,11 @@ impl Mesh {
             SphereSlide::Clear => None,
             SphereSlide::Moved(touch) => touch,
             SphereSlide::Inside => {
-                let (near, home) = (self.nearest(to), self.nearest(from));
-                if near.normal.dot(home.normal) >= BEND {
-                    return near.out(reach);
+                let (near, at_start) = (self.nearest(to), self.nearest(from));
+                if near.normal.dot(at_start.normal) >= BEND_COSINE {
+                    return near.push_out(reach);
                 }
-                ShapeTouch::new(home.normal, reach + home.normal.dot(home.point - to))
+                ShapeTouch::new(at_start.normal, reach + at_start.normal.dot(at_start.point - to))
             }
         }
     }
@@ -147,13 +155,13 @@ impl Mesh {
 
     /// See [`Shape::nearest`](super::Shape::nearest).
     pub(super) fn nearest(&self, p: Vec3) -> Nearest {
-        let (distance, off) = self.coarse.near(p);
+        let (distance, off) = self.distances.sample(p);
         self.signed(p, (distance.abs() + off) * 1.001)
     }
 
     /// The nearest point, given an upper bound of the distance.
     fn signed(&self, p: Vec3, at_most: f32) -> Nearest {
-        let mut best: Option<(usize, Close)> = None;
+        let mut best: Option<(usize, ClosestPoint)> = None;
         // A little more, so that a distance equal to the bound is found.
         let mut least = at_most * at_most * 1.001 + f32::MIN_POSITIVE;
         let mut cursor = 0;
@@ -174,24 +182,24 @@ impl Mesh {
             return Nearest { point: p, normal: Vec3::Y, distance: f32::INFINITY };
         };
         let (distance, toward) = (close.square.sqrt(), p - close.point);
-        let outside = self.outside(i, &close, p);
+        let is_in_front = self.is_in_front(i, &close, p);
         let normal = if close.feature == Feature::Face || distance <= 0.25 * self.skin {
-            let up = self.is_solid() || outside;
+            let up = self.is_solid() || is_in_front;
             if up { self.pieces[i].normal } else { -self.pieces[i].normal }
         } else {
-            let sign = if outside || !self.is_solid() { 1.0 } else { -1.0 };
+            let sign = if is_in_front || !self.is_solid() { 1.0 } else { -1.0 };
             toward / (sign * distance)
         };
-        let inside = self.is_solid() && !outside;
+        let inside = self.is_solid() && !is_in_front;
         Nearest { point: close.point, normal, distance: if inside { -distance } else { distance } }
     }
 
     /// Whether a point is on the front side of the nearest triangle.
-    fn outside(&self, i: usize, close: &Close, p: Vec3) -> bool {
-        let pseudo = self.pseudo.get(i).copied().unwrap_or_default();
+    fn is_in_front(&self, i: usize, close: &ClosestPoint, p: Vec3) -> bool {
+        let pseudo_normals = self.pseudo_normals.get(i).copied().unwrap_or_default();
         let normal = match close.feature {
-            Feature::Edge(k) if self.is_solid() => pseudo.edges[usize::from(k)],
-            Feature::Corner(k) if self.is_solid() => pseudo.corners[usize::from(k)],
+            Feature::Edge(k) if self.is_solid() => pseudo_normals.edges[usize::from(k)],
+            Feature::Corner(k) if self.is_solid() => pseudo_normals.corners[usize::from(k)],
             Feature::Face | Feature::Edge(_) | Feature::Corner(_) => {
                 let triangle = &self.pieces[i];
                 return triangle.normal.dot(p - triangle.corners[0]) >= 0.0;
@@ -203,9 +211,10 @@ impl Mesh {
 
 impl Surface for Mesh {
     #[inline(always)]
-    fn visit(&self, sweep: &Sweep, call: &mut impl FnMut(u32, &Triangle)) {
+    fn visit(&self, path: &SpherePath, call: &mut impl FnMut(u32, &Triangle)) {
         let mut cursor = 0;
-        while let Some(range) = self.tree.next(&mut cursor, |low, high| sweep.meets(low, high)) {
+        while let Some(range) = self.tree.next(&mut cursor, |low, high| path.may_overlap(low, high))
+        {
             for i in range {
                 call(i as u32, &self.pieces[i]);
             }
@@ -216,14 +225,14 @@ impl Surface for Mesh {
         self.is_solid()
     }
 
-    fn is_inside(&self, p: Vec3, near: Option<&(u32, Close, Triangle)>) -> bool {
+    fn is_inside(&self, p: Vec3, near: Option<&(u32, ClosestPoint, Triangle)>) -> bool {
         if !self.is_solid() {
             return false;
         }
         if let Some((i, close, _)) = near {
-            return !self.outside(*i as usize, close, p);
+            return !self.is_in_front(*i as usize, close, p);
         }
-        let (distance, off) = self.coarse.near(p);
+        let (distance, off) = self.distances.sample(p);
         // Where the grid is too coarse to decide, the triangles do.
         if distance.abs() > off { distance < 0.0 } else { self.nearest(p).distance < 0.0 }
     }
@@ -246,7 +255,11 @@ fn welded(vertices: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]
 }
 
 /// The pseudo-normals, if every edge belongs to two triangles with opposite directions and the volume is positive; empty otherwise.
-fn pseudo(vertices: usize, triangles: &[[u32; 3]], pieces: &[Triangle]) -> Vec<Pseudo> {
+fn pseudo_normals(
+    vertices: usize,
+    triangles: &[[u32; 3]],
+    pieces: &[Triangle],
+) -> Vec<PseudoNormals> {
     // Both ends of an edge as one number, the first in the upper half.
     let joined = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
     let side = |t: &[u32; 3], k: usize| joined(t[k], t[(k + 1) % 3]);
@@ -280,7 +293,7 @@ fn pseudo(vertices: usize, triangles: &[[u32; 3]], pieces: &[Triangle]) -> Vec<P
     }
     let own = |(t, piece): (&[u32; 3], &Triangle)| {
         let other = |k| opposite(side(t, k)).map_or(Vec3::ZERO, |i| pieces[i].normal);
-        Pseudo {
+        PseudoNormals {
             edges: [0, 1, 2].map(|k| piece.normal + other(k)),
             corners: t.map(|i| corners[i as usize]),
         }

@@ -64,7 +64,7 @@ pub struct Shape {
     /// See [`content_hash`](Self::content_hash).
     content_hash: u64,
     /// The equivalent shape of `parry3d`; made on first use.
-    twin: Arc<OnceLock<convert::Twin>>,
+    parry_shape: Arc<OnceLock<convert::ParryShape>>,
 }
 
 /// The geometry of a shape.
@@ -229,7 +229,7 @@ impl Shape {
     pub(crate) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         match &self.form {
             Form::HalfSpace => ShapeTouch::new(Vec3::Y, radius - to.y),
-            Form::InsideBox(room) => room.touch(to, radius),
+            Form::InsideBox(hollow) => hollow.touch(to, radius),
             Form::Ball(ball) => ball.touch(from, to, radius),
             Form::Capsule(capsule) => capsule.touch(from, to, radius),
             Form::Cuboid(cuboid) => cuboid.touch(from, to, radius),
@@ -251,7 +251,7 @@ impl Shape {
                 (origin.y >= 0.0 && direction.y < 0.0 && distance <= max)
                     .then_some(RayHit { distance, normal: Vec3::Y })
             }
-            Form::InsideBox(room) => room.cast(origin, direction, max),
+            Form::InsideBox(hollow) => hollow.cast(origin, direction, max),
             Form::Ball(ball) => ball.cast(origin, direction, max),
             Form::Capsule(capsule) => capsule.cast(origin, direction, max),
             Form::Cuboid(cuboid) => cuboid.cast(origin, direction, max),
@@ -268,7 +268,7 @@ impl Shape {
             Form::HalfSpace => {
                 Nearest { point: point.with_y(0.0), normal: Vec3::Y, distance: point.y }
             }
-            Form::InsideBox(room) => room.nearest(point),
+            Form::InsideBox(hollow) => hollow.nearest(point),
             Form::Ball(ball) => ball.nearest(point),
             Form::Capsule(capsule) => capsule.nearest(point),
             Form::Cuboid(cuboid) => cuboid.nearest(point),
@@ -331,7 +331,7 @@ impl Shape {
     }
 
     fn of(form: Form) -> Self {
-        Self { content_hash: content_hash::of(&form), form, twin: Arc::default() }
+        Self { content_hash: content_hash::of(&form), form, parry_shape: Arc::default() }
     }
 
     /// A hash of its kind and numbers, so that cached data of one shape is not used for another. All meshes have the same hash, and so do all heightfields: no
@@ -344,7 +344,7 @@ impl Shape {
 
 impl PartialEq for Shape {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.twin, &other.twin) || self.form == other.form
+        Arc::ptr_eq(&self.parry_shape, &other.parry_shape) || self.form == other.form
     }
 }
 
@@ -363,9 +363,9 @@ impl ShapeTouch {
 
     /// The correction that moves `to` to `end`.
     fn between(to: Vec3, end: Vec3) -> Option<Self> {
-        let way = end - to;
-        let depth = way.length();
-        if depth > 0.0 { Self::new(way / depth, depth) } else { None }
+        let shift = end - to;
+        let depth = shift.length();
+        if depth > 0.0 { Self::new(shift / depth, depth) } else { None }
     }
 }
 

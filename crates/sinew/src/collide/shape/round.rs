@@ -28,9 +28,9 @@ impl Convex for Ball {
         self.nearest_of(Vector::<f32>::splat(p)).into()
     }
 
-    fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry> {
-        let share = into_ball(from, way, self.radius, most)?;
-        let normal = self.nearest(from + way * share).normal;
+    fn enter(&self, from: Vec3, motion: Vec3, max: f32) -> Option<Entry> {
+        let share = into_ball(from, motion, self.radius, max)?;
+        let normal = self.nearest(from + motion * share).normal;
         Some(Entry { share, normal, offset: self.radius })
     }
 }
@@ -60,18 +60,18 @@ impl Convex for Capsule {
         self.nearest_of(Vector::<f32>::splat(p)).into()
     }
 
-    fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry> {
+    fn enter(&self, from: Vec3, motion: Vec3, max: f32) -> Option<Entry> {
         let Self { radius, half_height } = *self;
         if self.nearest(from).distance < 0.0 {
             return None;
         }
         // The union of two balls and the cylinder between them: the first entry into one of them is the entry into the whole.
         let ends = [half_height, -half_height].map(|y| Vec3::Y * y);
-        let caps = ends.map(|end| into_ball(from - end, way, radius, most));
-        let side = into_ball(from.with_y(0.0), way.with_y(0.0), radius, most)
-            .filter(|share| (from.y + way.y * share).abs() <= half_height);
+        let caps = ends.map(|end| into_ball(from - end, motion, radius, max));
+        let side = into_ball(from.with_y(0.0), motion.with_y(0.0), radius, max)
+            .filter(|share| (from.y + motion.y * share).abs() <= half_height);
         let share = [caps[0], caps[1], side].into_iter().flatten().reduce(f32::min)?;
-        let normal = self.nearest(from + way * share).normal;
+        let normal = self.nearest(from + motion * share).normal;
         Some(Entry { share, normal, offset: radius + half_height * normal.y.abs() })
     }
 }
@@ -124,13 +124,13 @@ impl Convex for Cylinder {
         self.nearest_of(Vector::<f32>::splat(p)).into()
     }
 
-    fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry> {
+    fn enter(&self, from: Vec3, motion: Vec3, max: f32) -> Option<Entry> {
         let Self { radius, half_height } = *self;
-        let (at, along) = (from.with_y(0.0), way.with_y(0.0));
+        let (at, along) = (from.with_y(0.0), motion.with_y(0.0));
         let outside = at.length_squared() >= radius * radius;
         let mut entry: Option<Entry> = None;
         if outside {
-            let share = into_ball(at, along, radius, most)?;
+            let share = into_ball(at, along, radius, max)?;
             let (normal, _) =
                 direction(Vector::<f32>::splat(at + along * share), Vector::splat(Vec3::X));
             let normal = normal.into();
@@ -138,18 +138,18 @@ impl Convex for Cylinder {
         }
         if from.y.abs() >= half_height {
             let up = if from.y < 0.0 { -1.0 } else { 1.0 };
-            let sinks = way.y * up < 0.0;
+            let sinks = motion.y * up < 0.0;
             if !sinks {
                 return None;
             }
-            let share = (up * half_height - from.y) / way.y;
+            let share = (up * half_height - from.y) / motion.y;
             if entry.is_none_or(|entry| share > entry.share) {
                 entry = Some(Entry { share, normal: Vec3::Y * up, offset: half_height });
             }
         }
         // At the latest of the entries the point must be within the others.
-        let entry = entry.filter(|entry| entry.share <= most)?;
-        let place = from + way * entry.share;
+        let entry = entry.filter(|entry| entry.share <= max)?;
+        let place = from + motion * entry.share;
         let within = if entry.normal.y == 0.0 {
             place.y.abs() <= half_height
         } else {
@@ -170,14 +170,14 @@ fn direction<N: Number>(v: Vector<N>, otherwise: Vector<N>) -> (Vector<N>, N) {
 
 /// Where a segment from outside enters a ball that is centred at the origin. Computed from the point of closest approach, because from afar the discriminant of
 /// the plain quadratic equation is dominated by rounding.
-fn into_ball(from: Vec3, way: Vec3, radius: f32, most: f32) -> Option<f32> {
-    let (square, toward) = (way.length_squared(), -from.dot(way));
+fn into_ball(from: Vec3, motion: Vec3, radius: f32, max: f32) -> Option<f32> {
+    let (square, toward) = (motion.length_squared(), -from.dot(motion));
     let comes = toward > 0.0 && square > 0.0 && from.length_squared() >= radius * radius;
     if !comes {
         return None;
     }
     let middle = toward / square;
-    let left = radius * radius - (from + way * middle).length_squared();
+    let left = radius * radius - (from + motion * middle).length_squared();
     let share = (middle - (left / square).sqrt()).max(0.0);
-    (left >= 0.0 && share <= most).then_some(share)
+    (left >= 0.0 && share <= max).then_some(share)
 }

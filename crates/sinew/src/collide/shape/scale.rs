@@ -26,7 +26,7 @@ impl Shape {
         let stretch = |points: &[Vec3]| points.iter().map(|&p| p * factor).collect::<Vec<_>>();
         match &self.form {
             Form::HalfSpace => Ok(self.clone()),
-            Form::InsideBox(room) => Self::inside_box(2.0 * room.half_size * factor),
+            Form::InsideBox(hollow) => Self::inside_box(2.0 * hollow.half_size * factor),
             Form::Ball(ball) if even => Self::sphere(ball.radius * factor.x),
             Form::Ball(ball) => Self::hull(&stretch(&rings(ball.radius, 0.0))),
             Form::Capsule(c) if even => {

@@ -14,28 +14,28 @@
 use glam::Vec3;
 
 use super::ShapeTouch;
-use super::triangle::{Close, Crossing, Feature, Triangle};
+use super::triangle::{ClosestPoint, Crossing, Feature, Triangle};
 
 /// Triangles with a spatial lookup.
 pub(super) trait Surface {
     /// Calls `call` with the index of each triangle that a path crosses or that is within reach of its end, and possibly with others.
-    fn visit(&self, sweep: &Sweep, call: &mut impl FnMut(u32, &Triangle));
+    fn visit(&self, path: &SpherePath, call: &mut impl FnMut(u32, &Triangle));
 
     /// Whether it stops only what comes from the front.
     fn front_only(&self) -> bool;
 
     /// Whether a point is inside of the volume that it encloses. `near` is the nearest triangle if there is one within reach.
-    fn is_inside(&self, p: Vec3, near: Option<&(u32, Close, Triangle)>) -> bool;
+    fn is_inside(&self, p: Vec3, near: Option<&(u32, ClosestPoint, Triangle)>) -> bool;
 }
 
 /// A path, and the ball within reach of its end.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sweep {
+pub(super) struct SpherePath {
     pub(super) from: Vec3,
     pub(super) to: Vec3,
     pub(super) reach: f32,
     /// A margin for the rounding of coordinates.
-    room: f32,
+    slack: f32,
     /// The reach plus that margin.
     pub(super) margin: f32,
     /// Bounding box of the path, with a margin.
@@ -74,7 +74,7 @@ pub(super) fn slide(surface: &impl Surface, from: Vec3, to: Vec3, reach: f32) ->
     let mut first: Option<Vec3> = None;
     for round in 0..ROUNDS {
         let place = to + shift;
-        let (crossing, near) = first_and_nearest(surface, &Sweep::new(from, place, reach));
+        let (crossing, near) = first_and_nearest(surface, &SpherePath::new(from, place, reach));
         let (normal, depth) = if let Some((crossing, triangle)) = crossing {
             let normal = if crossing.front { triangle.normal } else { -triangle.normal };
             let met = from + (place - from) * crossing.share as f32 + normal * reach;
@@ -110,25 +110,26 @@ pub(super) fn first_crossing(
     from: Vec3,
     to: Vec3,
 ) -> Option<(Crossing, Triangle)> {
-    first_and_nearest(surface, &Sweep::new(from, to, 0.0)).0
+    first_and_nearest(surface, &SpherePath::new(from, to, 0.0)).0
 }
 
-type Found = (Option<(Crossing, Triangle)>, Option<(u32, Close, Triangle)>);
+type CrossingAndNearest = (Option<(Crossing, Triangle)>, Option<(u32, ClosestPoint, Triangle)>);
 
 /// The first triangle that a path crosses, and the one nearest to its end within reach.
-fn first_and_nearest(surface: &impl Surface, sweep: &Sweep) -> Found {
+fn first_and_nearest(surface: &impl Surface, path: &SpherePath) -> CrossingAndNearest {
     let mut crossing: Option<(u32, Crossing, Triangle)> = None;
-    let mut near: Option<(u32, Close, Triangle)> = None;
-    let within = sweep.reach * sweep.reach;
+    let mut near: Option<(u32, ClosestPoint, Triangle)> = None;
+    let within = path.reach * path.reach;
     let front_only = surface.front_only();
-    surface.visit(sweep, &mut |number, triangle| {
-        let (from, to) = (sweep.from - triangle.corners[0], sweep.to - triangle.corners[0]);
+    surface.visit(path, &mut |number, triangle| {
+        let (from, to) = (path.from - triangle.corners[0], path.to - triangle.corners[0]);
         let (before, after) = (triangle.normal.dot(from), triangle.normal.dot(to));
         // Rounding grows with the distances that are computed with.
-        let room = sweep.room + from.abs().max(to.abs()).max_element() * 1e-6;
+        let slack = path.slack + from.abs().max(to.abs()).max_element() * 1e-6;
         // A path that stays on one side by more than that crosses nothing.
-        let aside = before * after > 0.0 && before.abs().min(after.abs()) > room;
-        let found = if aside { None } else { triangle.crossing(sweep.from, sweep.to, front_only) };
+        let one_sided = before * after > 0.0 && before.abs().min(after.abs()) > slack;
+        let found =
+            if one_sided { None } else { triangle.crossing(path.from, path.to, front_only) };
         if let Some(found) = found {
             let sooner = crossing.as_ref().is_none_or(|(other, best, _)| {
                 found.share < best.share || (found.share == best.share && number < *other)
@@ -139,11 +140,11 @@ fn first_and_nearest(surface: &impl Surface, sweep: &Sweep) -> Found {
         }
         // The distance from its plane is a lower bound of the distance from a triangle.
         let most = near.as_ref().map_or(within, |(_, best, _)| best.square);
-        let least = (after.abs() - room).max(0.0);
+        let least = (after.abs() - slack).max(0.0);
         if least * least > most {
             return;
         }
-        let close = triangle.closest(sweep.to);
+        let close = triangle.closest(path.to);
         let nearer = near.as_ref().map_or(close.square < within, |(other, best, _)| {
             close.square < best.square || (close.square == best.square && number < *other)
         });
@@ -155,14 +156,20 @@ fn first_and_nearest(surface: &impl Surface, sweep: &Sweep) -> Found {
 }
 
 /// The direction away from the nearest point of a triangle.
-fn direction(place: Vec3, from: Vec3, close: &Close, triangle: &Triangle, away: f32) -> Vec3 {
-    let grain = place.abs().max_element() * f32::EPSILON;
+fn direction(
+    place: Vec3,
+    from: Vec3,
+    close: &ClosestPoint,
+    triangle: &Triangle,
+    away: f32,
+) -> Vec3 {
+    let tolerance = place.abs().max_element() * f32::EPSILON;
     let side = |p: Vec3| triangle.normal.dot(p - triangle.corners[0]);
-    if away > grain && close.feature != Feature::Face {
+    if away > tolerance && close.feature != Feature::Face {
         return (place - close.point) / away;
     }
     // On the triangle, the start determines the side.
-    let height = if away > grain { side(place) } else { side(from) };
+    let height = if away > tolerance { side(place) } else { side(from) };
     if height < 0.0 { -triangle.normal } else { triangle.normal }
 }
 
@@ -181,20 +188,20 @@ fn last_resort(
     met.filter(|&place| free(place)).unwrap_or(from) - to
 }
 
-impl Sweep {
+impl SpherePath {
     /// The path between two points.
     pub(super) fn new(from: Vec3, to: Vec3, reach: f32) -> Self {
         // Rounding of coordinates must not separate what touches.
-        let room = from.abs().max(to.abs()).max_element() * 1e-6;
-        let (middle, half, margin) = ((from + to) * 0.5, (to - from) * 0.5, reach + room);
-        let (low, high) = (from.min(to) - Vec3::splat(room), from.max(to) + Vec3::splat(room));
-        Self { from, to, reach, room, margin, low, high, middle, half }
+        let slack = from.abs().max(to.abs()).max_element() * 1e-6;
+        let (middle, half, margin) = ((from + to) * 0.5, (to - from) * 0.5, reach + slack);
+        let (low, high) = (from.min(to) - Vec3::splat(slack), from.max(to) + Vec3::splat(slack));
+        Self { from, to, reach, slack, margin, low, high, middle, half }
     }
 
     /// Whether a box may be within reach of the end, or the path may intersect it: a separating axis test with the axes of the box, and their cross products
     /// with the path.
     #[inline(always)]
-    pub(super) fn meets(&self, low: Vec3, high: Vec3) -> bool {
+    pub(super) fn may_overlap(&self, low: Vec3, high: Vec3) -> bool {
         let off = self.to - self.to.max(low).min(high);
         if off.length_squared() <= self.margin * self.margin {
             return true;
@@ -203,7 +210,7 @@ impl Sweep {
             return false;
         }
         let (w, v) = (self.half, self.half.abs());
-        let h = (high - low) * 0.5 + Vec3::splat(self.room);
+        let h = (high - low) * 0.5 + Vec3::splat(self.slack);
         let m = self.middle - (low + high) * 0.5;
         let span = Vec3::new(h.y * v.z + h.z * v.y, h.x * v.z + h.z * v.x, h.x * v.y + h.y * v.x);
         w.cross(m).abs().cmple(span * (1.0 + 1e-5)).all()

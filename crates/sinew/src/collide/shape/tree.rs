@@ -12,7 +12,7 @@ use super::triangle::Triangle;
 /// AABBs of triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct TriangleTree {
-    boxes: Vec<Node>,
+    nodes: Vec<Node>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,7 @@ impl TriangleTree {
         cursor: &mut u32,
         keep: impl Fn(Vec3, Vec3) -> bool,
     ) -> Option<Range<usize>> {
-        while let Some(node) = self.boxes.get(*cursor as usize) {
+        while let Some(node) = self.nodes.get(*cursor as usize) {
             if !keep(node.low, node.high) {
                 *cursor = node.next;
                 continue;
@@ -70,10 +70,10 @@ impl TriangleTree {
             (low, high) = (low.min(from), high.max(to));
             (least, most) = (least.min(middle(i)), most.max(middle(i)));
         }
-        let own = self.boxes.len();
+        let own = self.nodes.len();
         let leaf = order.len() <= LEAF;
         let end = if leaf { first + order.len() as u32 } else { first };
-        self.boxes.push(Node { low, high, next: 0, first, end });
+        self.nodes.push(Node { low, high, next: 0, first, end });
         if leaf {
             order.sort_unstable();
         } else {
@@ -93,6 +93,6 @@ impl TriangleTree {
             self.split(triangles, below, first);
             self.split(triangles, above, first + half as u32);
         }
-        self.boxes[own].next = self.boxes.len() as u32;
+        self.nodes[own].next = self.nodes.len() as u32;
     }
 }

@@ -20,7 +20,7 @@ pub(super) enum Feature {
 
 /// The nearest point of a triangle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Close {
+pub(super) struct ClosestPoint {
     pub(super) point: Vec3,
     pub(super) feature: Feature,
     /// Square of the distance, m².
@@ -53,11 +53,14 @@ impl Triangle {
     /// The point nearest to `p`, by the region that the projection of `p` lies in (C. Ericson, *Real-Time Collision Detection*, 5.1.5): beyond a vertex if it
     /// is behind both edges from there; beside an edge if the barycentric coordinate across it is negative; else above the face.
     #[inline]
-    pub(super) fn closest(&self, p: Vec3) -> Close {
+    pub(super) fn closest(&self, p: Vec3) -> ClosestPoint {
         let [a, b, c] = self.corners;
         let (ab, ac, ap) = (b - a, c - a, p - a);
-        let at =
-            |point: Vec3, feature| Close { point, feature, square: (p - point).length_squared() };
+        let at = |point: Vec3, feature| ClosestPoint {
+            point,
+            feature,
+            square: (p - point).length_squared(),
+        };
         let (d1, d2) = (ab.dot(ap), ac.dot(ap));
         if d1 <= 0.0 && d2 <= 0.0 {
             return at(a, Feature::Corner(0));
@@ -87,7 +90,11 @@ impl Triangle {
         }
         // The plane is more accurate than the barycentric coordinates.
         let height = self.normal.dot(ap);
-        Close { point: p - self.normal * height, feature: Feature::Face, square: height * height }
+        ClosestPoint {
+            point: p - self.normal * height,
+            feature: Feature::Face,
+            square: height * height,
+        }
     }
 
     /// Where the segment between two points crosses it, from the front only or from either side. A segment that ends on it crosses it, unless only the front
@@ -98,16 +105,16 @@ impl Triangle {
     pub(super) fn crossing(&self, from: Vec3, to: Vec3, front_only: bool) -> Option<Crossing> {
         let start = from.as_dvec3();
         let [a, b, c] = self.corners.map(|corner| corner.as_dvec3() - start);
-        let way = to.as_dvec3() - start;
+        let segment = to.as_dvec3() - start;
         let normal = (b - a).cross(c - a);
-        let (before, after) = (-normal.dot(a), normal.dot(way - a));
+        let (before, after) = (-normal.dot(a), normal.dot(segment - a));
         let down =
             if front_only { before >= 0.0 && after < 0.0 } else { before > 0.0 && after <= 0.0 };
         let up = !front_only && before < 0.0 && after >= 0.0;
         if !(down || up) {
             return None;
         }
-        let volume = |a: DVec3, b: DVec3| way.dot(a.cross(b));
+        let volume = |a: DVec3, b: DVec3| segment.dot(a.cross(b));
         let volumes = [volume(a, b), volume(b, c), volume(c, a)];
         let through = volumes.iter().all(|v| *v >= 0.0) || volumes.iter().all(|v| *v <= 0.0);
         through.then_some(Crossing { share: before / (before - after), front: down })

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::fault::stray;
+use super::fault::first_out_of_range;
 use super::hull::ConvexHull;
 use super::{Cuboid, Form, Shape, ShapeFault};
 use crate::collide::words::{Reader, Write};
@@ -17,9 +17,9 @@ impl Shape {
         let mut words = Vec::new();
         match &self.form {
             Form::HalfSpace => words.push(HALF_SPACE),
-            Form::InsideBox(room) => {
+            Form::InsideBox(hollow) => {
                 words.push(INSIDE_BOX);
-                words.vec3(2.0 * room.half_size);
+                words.vec3(2.0 * hollow.half_size);
             }
             Form::Ball(ball) => {
                 words.push(BALL);
@@ -110,11 +110,11 @@ fn corners(reader: &mut Reader) -> Option<[u32; 3]> {
 
 /// A hull from known triangles: computing them again might change their order.
 fn hull(points: Vec<Vec3>, triangles: &[[u32; 3]]) -> Result<Shape, ShapeFault> {
-    if let Some(point) = stray(&points) {
+    if let Some(point) = first_out_of_range(&points) {
         return Err(ShapeFault::Point(point));
     }
-    let lacks = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= points.len());
-    if let Some(triangle) = triangles.iter().position(lacks) {
+    let is_out_of_range = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= points.len());
+    if let Some(triangle) = triangles.iter().position(is_out_of_range) {
         return Err(ShapeFault::Corner(triangle));
     }
     Ok(Shape::of(Form::Hull(Arc::new(ConvexHull::of_triangles(points, triangles)?))))

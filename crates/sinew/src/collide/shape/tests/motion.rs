@@ -10,8 +10,8 @@ fn nothing_passes(name: &str, shape: &Shape, radius: f32, sheet: bool) -> usize 
     let (low, high) = shape.bounds();
     let size = (high - low).max_element();
     let mut dice = Dice(17);
-    let (mut held, mut ways) = (0, 0);
-    while ways < 10_000 {
+    let (mut held, mut paths) = (0, 0);
+    while paths < 10_000 {
         let about = (high - low) * 0.5 * 1.5 + Vec3::splat(0.3 * size);
         let middle = (low + high) * 0.5;
         let from = middle + dice.place(about);
@@ -19,9 +19,9 @@ fn nothing_passes(name: &str, shape: &Shape, radius: f32, sheet: bool) -> usize 
         if shape.nearest(from).distance < radius + 1e-5 {
             continue;
         }
-        ways += 1;
-        let way = to - from;
-        let (length, direction) = (way.length(), way.normalize());
+        paths += 1;
+        let motion = to - from;
+        let (length, direction) = (motion.length(), motion.normalize());
         let entry = shape.cast_ray(from, direction, length);
         let Some(touch) = shape.touch(from, to, radius) else {
             let end = shape.nearest(to).distance;
@@ -60,7 +60,7 @@ fn grazes(shape: &Shape, from: Vec3, to: Vec3) -> bool {
 }
 
 #[test]
-fn nothing_without_dents_lets_a_sphere_through() {
+fn no_convex_shape_lets_a_sphere_through() {
     for (name, shape) in convex() {
         for radius in [0.0, 0.05] {
             let held = nothing_passes(name, &shape, radius, false);
@@ -90,7 +90,7 @@ fn a_half_space_has_no_other_side() {
 }
 
 #[test]
-fn whoever_is_locked_into_a_room_of_sheets_stays_there() {
+fn a_sphere_in_a_closed_room_of_sheets_stays_inside() {
     // The walls of the box face inward: it is no solid, but nothing passes.
     let corner =
         |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
@@ -159,7 +159,7 @@ fn what_rests_on_a_plate_is_not_pressed_through_by_a_little() {
 }
 
 #[test]
-fn what_begins_inside_goes_the_nearest_way_out() {
+fn a_sphere_that_begins_inside_leaves_by_the_shortest_way() {
     let cube = Shape::cuboid(Vec3::splat(2.0)).unwrap();
     let p = Vec3::new(0.1, -0.2, 0.7);
     let touch = cube.touch(p, p, 0.5).unwrap();

@@ -6,7 +6,7 @@ use crate::collide::shape::{Shape, ShapeFault};
 use crate::recipes::ConvexHullFault;
 
 #[test]
-fn sizes_that_are_none_are_refused() {
+fn invalid_sizes_are_refused() {
     for bad in [f32::NAN, 0.0, -1.0, 1e-7, 1e7, f32::INFINITY] {
         assert_eq!(Shape::sphere(bad), Err(ShapeFault::Radius));
         assert_eq!(Shape::capsule(bad, 2.0), Err(ShapeFault::Radius));
@@ -65,7 +65,7 @@ fn meshes_without_a_usable_triangle_are_refused_and_others_lose_their_bad_ones()
 }
 
 #[test]
-fn landscapes_without_a_cell_are_refused() {
+fn height_fields_without_a_cell_are_refused() {
     let field = |c, r, heights: &[f32]| Shape::height_field(c, r, heights, Vec3::ONE);
     assert_eq!(field(1, 4, &[0.0; 4]), Err(ShapeFault::Grid));
     assert_eq!(field(4, 1, &[0.0; 4]), Err(ShapeFault::Grid));
@@ -77,7 +77,7 @@ fn landscapes_without_a_cell_are_refused() {
 }
 
 #[test]
-fn scales_that_are_none_are_refused() {
+fn invalid_scales_are_refused() {
     let ball = Shape::sphere(1.0).unwrap();
     for bad in [f32::NAN, 0.0, -1.0, f32::INFINITY] {
         assert_eq!(ball.scaled(Vec3::new(1.0, bad, 1.0)), Err(ShapeFault::Scale));

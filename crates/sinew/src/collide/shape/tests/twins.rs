@@ -19,11 +19,11 @@ fn distances(shape: &Shape, signed: bool) -> (f32, usize) {
     for _ in 0..5000 {
         let p = dice.place(Vec3::splat(1.6));
         let mine = shape.nearest(p);
-        let twin = shape.parry().project_local_point(vector(p), false);
-        let away = (twin.point - vector(p)).length();
+        let theirs = shape.parry().project_local_point(vector(p), false);
+        let away = (theirs.point - vector(p)).length();
         worst = worst.max((mine.distance.abs() - away).abs());
         // On the surface either side is right.
-        sides += usize::from(signed && away > 1e-5 && (mine.distance < 0.0) != twin.is_inside);
+        sides += usize::from(signed && away > 1e-5 && (mine.distance < 0.0) != theirs.is_inside);
         assert!((mine.normal.length() - 1.0).abs() < 1e-5, "{} at {p}", mine.normal);
         let back = p - mine.normal * mine.distance;
         assert!((back - mine.point).length() < 2e-5, "{shape:?} {p}: {back} is not {}", mine.point);
@@ -40,8 +40,8 @@ fn hull_as_triangles(shape: &Shape) -> f32 {
     let mut worst = 0.0_f32;
     for _ in 0..5000 {
         let p = dice.place(Vec3::splat(1.6));
-        let twin = (mesh.project_local_point(vector(p), false).point - vector(p)).length();
-        worst = worst.max((shape.nearest(p).distance.abs() - twin).abs());
+        let theirs = (mesh.project_local_point(vector(p), false).point - vector(p)).length();
+        worst = worst.max((shape.nearest(p).distance.abs() - theirs).abs());
     }
     worst
 }
@@ -90,14 +90,14 @@ fn rays_hit_where_those_of_parry_do() {
                 assert!(off.abs() < 1e-5, "{name}: {off} off the surface");
             }
             let ray = Ray::new(vector(from), vector(direction));
-            let twin = shape.parry().cast_local_ray(&ray, 10.0, true);
-            if let (Some(mine), Some(twin)) = (mine, twin) {
+            let theirs = shape.parry().cast_local_ray(&ray, 10.0, true);
+            if let (Some(mine), Some(theirs)) = (mine, theirs) {
                 hits += 1;
                 // At grazing angles the distance along a ray is inaccurate.
-                worst = worst.max((mine.distance - twin).abs() * -mine.normal.dot(direction));
+                worst = worst.max((mine.distance - theirs).abs() * -mine.normal.dot(direction));
                 assert!(mine.normal.dot(direction) <= 1e-3, "{name}: out of the surface");
             }
-            differ += usize::from(mine.is_some() != twin.is_some());
+            differ += usize::from(mine.is_some() != theirs.is_some());
         }
         println!(
             "{name}: {hits} hits, distances differ by {worst:.1e} m, {differ} hit or miss by a hair"
@@ -113,16 +113,16 @@ fn rays_hit_where_those_of_parry_do() {
 }
 
 #[test]
-fn the_landscape_is_as_high_as_parrys() {
+fn heights_agree_with_those_of_parry() {
     let shape = hills();
     let mut dice = Dice(3);
     let mut worst = 0.0_f32;
     for _ in 0..3000 {
         let p = dice.place(Vec3::new(1.99, 0.0, 0.99)).with_y(1.0);
         let ray = Ray::new(vector(p), Vector::new(0.0, -1.0, 0.0));
-        let twin = shape.parry().cast_local_ray(&ray, 5.0, true).unwrap();
+        let theirs = shape.parry().cast_local_ray(&ray, 5.0, true).unwrap();
         let mine = shape.cast_ray(p, Vec3::NEG_Y, 5.0).unwrap();
-        worst = worst.max((mine.distance - twin).abs());
+        worst = worst.max((mine.distance - theirs).abs());
         let q = dice.place(Vec3::new(2.5, 0.6, 1.5));
         let near = shape.nearest(q);
         let away = (shape.parry().project_local_point(vector(q), false).point - vector(q)).length();
