@@ -1,21 +1,21 @@
-//! Relaxation: large cloth shares out, when a step ends, what its rods cannot all have.
+//! Relaxation: at the end of a step, large cloth distributes the errors of rods that cannot all be satisfied.
 //!
-//! Where cloth is folded to a point, or hangs on a corner, its rods contradict each other: no place of the particles gives each its length. Gauss and Seidel's
-//! way then goes round in a circle, in which each rod has its length when it has just been projected, and those that are first in a sweep bear at its end what
-//! all others were given; more sweeps make it worse (a flag was off by 7 % at the worst, and by 10 % after eight more). If each takes a part of its error only,
-//! the circle shrinks with that part about the place where the squares of the errors have the least sum (Censor, Eggermont and Gordon, *Strong underrelaxation
-//! in Kaczmarz's method for inconsistent systems*, 1983).
+//! Where cloth is folded to a point, or hangs on a corner, its rods contradict each other: no positions give each its length. Gauss–Seidel then runs in a
+//! cycle, in which each rod has its length when it has just been projected, and at the end of a sweep the rods that came first bear what all others were given;
+//! more sweeps make it worse (a flag was off by at most 7 %, and by 10 % after eight more sweeps). If each rod corrects only a part of its error, the cycle
+//! shrinks with that part around the positions of least squared error (Censor, Eggermont and Gordon, *Strong underrelaxation in Kaczmarz's method for
+//! inconsistent systems*, 1983).
 //!
-//! So a large island that takes [microsteps](super::microsteps) ends the step with a sweep of its rods in which each takes half of its error, and with two that
-//! are about what is off by more than a fiftieth of its length: what is within that gives the others room. They come after the velocities have been derived, and
-//! move where the substep began along with its end, so that nothing is thrown: it is a matter of what is seen, and not of what goes on.
+//! So a large island that takes [microsteps](super::microsteps) ends the step with one sweep in which each rod corrects half of its error, and two sweeps that
+//! correct only errors beyond a fiftieth of the length, so that rods within that bound give way to the others. These sweeps come after the velocities have been
+//! derived, and move the start positions along with the end positions, so they change no velocity: they affect what is seen and not the dynamics.
 //!
-//! What nothing holds, no pin and no surface, is left as it is: it bears no load, and to move it without its velocity would take some of its spin. So is what
-//! may touch particles of another body, and what something is tied to: those would be pushed, and thus be given the speed, by what has none. Where a shape of another body has
-//! pressed on the island in this step, what that may come to touch is held meanwhile as if it were pinned, and the rest is relaxed.
+//! Islands without a pin or a contact are left alone: they bear no load, and moving them without changing their velocity would take some of their spin. So are
+//! islands that may touch particles of another body, and islands with a tie: the others would be pushed, and gain velocity, by a displacement that has none.
+//! Where the collider of another body has pressed on the island in this step, the particles near it are treated as pinned meanwhile, and the rest is relaxed.
 //!
-//! The next sweep goes back into its circle, which is a motion, if one that nobody sees, and is left in the velocities. So the less the slower the island is,
-//! and what lies still stays as it lies.
+//! The next sweep returns to its cycle. This motion is too small to be seen, but it remains in the velocities. So relaxation is reduced for slow islands, and
+//! resting cloth stays as it is.
 
 use core::ops::Range;
 
@@ -33,16 +33,16 @@ use crate::constraints::{GradientAt, SubstepContext};
 use crate::islands::Island;
 use crate::particles::Places;
 
-/// The sweeps. Of capes, flags and sheets over four to six starts each, worst strains in the mean: none 2.8 to 9.9 %, two by a half and a third 2.2 to 6.5, these
-/// 2.0 to 4.9; a fourth gains nothing.
+/// The sweeps. Worst strains of capes, flags and sheets, as means of four to six starts each: 2.8 to 9.9 % without, 2.2 to 6.5 % with two sweeps of a half and
+/// a third, 2.0 to 4.9 % with these. A fourth sweep gains nothing.
 const SWEEPS: [Relaxation; 3] = [
     Relaxation { share: 0.5, tolerance: 0.0 },
     Relaxation { share: 0.7, tolerance: 0.02 },
     Relaxation { share: 0.5, tolerance: 0.02 },
 ];
 
-/// Islands that are slower than this, m/s, root mean square, are relaxed by as much less, and their strain is not limited. A sheet on a table at 240 × 3 substeps a
-/// second is left with 3 mm/s by the whole of it.
+/// Islands with a root mean square speed below this, m/s, are relaxed in proportion to their speed, and their strain is not limited. With full relaxation, a
+/// sheet on a table at 240 × 3 substeps a second keeps a speed of 3 mm/s.
 const CALM: f32 = 0.02;
 
 /// Whether an island may be relaxed in this step.
@@ -51,8 +51,8 @@ pub(super) fn may_relax(plan: &Plan, island: &Island) -> bool {
     !(meets_others || strain_measured) && plan.tethers.tie_rods_of(island).is_none()
 }
 
-/// Takes the island of a number, whose places are in such a range of its own, through the relaxed sweeps after the last microstep of a step, which `context` is of.
-/// Leaves in `moved` how far each particle went, metres.
+/// Performs the relaxed sweeps of island `number`, whose places in `own` are `range`, after the last microstep of a step, whose context is `context`. Stores
+/// the displacement of each particle in `moved`, metres.
 pub(super) fn relax(
     context: SolveContext,
     number: usize,
@@ -70,7 +70,7 @@ pub(super) fn relax(
     moved.extend_from_slice(&places.position[range.clone()]);
     let motion = (rms_speed(&places.velocity[range.clone()]) / CALM).min(1.0);
     for (nth, Relaxation { share, tolerance }) in SWEEPS.into_iter().enumerate() {
-        // What the last one leaves where it was is within its tolerance.
+        // Particles that the last sweep does not move are within its tolerance.
         if nth + 1 == SWEEPS.len() {
             strain.before.clear();
             strain.before.extend_from_slice(&places.position[range.clone()]);
@@ -86,7 +86,7 @@ pub(super) fn relax(
         };
         sweep(&mut places, &mut multipliers, mode);
     }
-    // What touches itself would be pushed back.
+    // A position correction of an island in contact with itself would be pushed back.
     if let Some(graph) = context.plan.tethers.graph_of(island)
         && !island.meets_any
         && motion >= 1.0
@@ -102,7 +102,7 @@ pub(super) fn relax(
     }
 }
 
-/// The rows of an island that shapes of other bodies may come to touch, where one has pressed on any.
+/// The rows of an island that body colliders may touch, if one has pressed on any.
 fn rows_held<'a>(plan: &'a Plan, island: &Island) -> &'a [u32] {
     let rows = plan.stretch(island).filter(|_| island.pressed).unwrap_or_default();
     let near = &plan.islands.near_shapes;
@@ -115,7 +115,7 @@ fn inverse_mass<'a>(places: &'a mut Places, row: u32) -> &'a mut f32 {
     &mut places.position[at].w
 }
 
-/// Root mean square, m/s.
+/// Root mean square speed, m/s.
 fn rms_speed(velocities: &[Vec4]) -> f32 {
     let squares = velocities.iter().map(|v| v.truncate().length_squared());
     libm::sqrtf(squares.sum::<f32>() / velocities.len() as f32)

@@ -1,4 +1,4 @@
-//! Which rods of an island are a chain.
+//! Finds chains among the rods of an island.
 
 use core::ops::Range;
 
@@ -6,46 +6,46 @@ use super::Link;
 use super::segments::{Rests, rests_of};
 use crate::constraints::Distance;
 
-/// The chains of a plan, island after island. Scratch, never saved.
+/// The chains of a plan, by island. Scratch, never saved.
 #[derive(Clone, Debug, Default)]
 pub(in crate::solve) struct Chains {
-    /// Where the links of each are.
+    /// Range of the links of each.
     pub(super) each: Vec<Range<usize>>,
     pub(super) links: Vec<Link>,
-    /// Of each chain where the lengths of its segments are; none where it is too short to be cut into some.
+    /// Range of the segment lengths of each chain; empty where it is too short to be divided into segments.
     segments: Vec<Range<usize>>,
     rests: Vec<Rests>,
     graph: RodGraph,
 }
 
-/// A chain of fewer rods is done as fast by sweeps; and where there are more rods than particles, in boxes and bones, what looks like a chain is one if it is
-/// longer than a limb.
+/// Fewest rods of a chain. Shorter ones are solved as fast by sweeps. The second entry applies to islands with more rods than particles, as of boxes and bones:
+/// there a chain has to be longer than a limb.
 const FEWEST: [usize; 2] = [2, 4];
 
-/// Longer chains are cut into segments: so many particles as no body has that may be solved side by side with others, for those have to have the same bits alone.
+/// Longer chains are divided into segments. No body of an instance batch has this many particles, and those need the same bits when solved alone.
 pub(in crate::solve) const LONG: usize = 64;
 
-/// Islands of more particles have their chains looked for only where there are no more rods than particles: they are cloth, and of cloth that is torn the plan
-/// is to be mended in a millisecond.
+/// Islands of more particles are searched for chains only if they have no more rods than particles. The others are cloth, and the plan of torn cloth has to be
+/// updated within a millisecond.
 const LARGE: usize = 512;
 
 /// No rod.
 const NONE: u32 = u32::MAX;
 
-/// Which particles of an island are tied to which.
+/// The rods of an island as an adjacency list.
 #[derive(Clone, Debug, Default)]
 struct RodGraph {
-    /// Of each rod its ends among the members, its number among the plan's distances, and its length.
+    /// For each rod the member indices of its ends, its plan index, and its length.
     rods: Vec<(u32, u32, u32, f32)>,
-    /// Where the rods of each member begin in `at`.
+    /// Offset in `at` of the rods of each member.
     begin: Vec<u32>,
     at: Vec<u32>,
-    /// Which rods are in a chain.
+    /// Whether each rod is in a chain already.
     taken: Vec<bool>,
 }
 
 impl Chains {
-    /// Forgets all but the first so many, and keeps the memory.
+    /// Truncates to the first `chains` chains; keeps the memory.
     pub(in crate::solve) fn truncate(&mut self, chains: usize) {
         self.each.truncate(chains);
         self.links.truncate(self.each.last().map_or(0, |links| links.end));
@@ -53,7 +53,7 @@ impl Chains {
         self.rests.truncate(self.segments.last().map_or(0, |rests| rests.end));
     }
 
-    /// Finds those of an island with these members and so many hard distances of equality, each with its number in the plan; returns which they are.
+    /// Finds the chains of an island with these members and `count` hard equality distances, each given with its plan index; returns their range.
     pub(in crate::solve) fn find<'a>(
         &mut self,
         members: &[u32],
@@ -77,12 +77,12 @@ impl Chains {
         begin..self.each.len()
     }
 
-    /// One of them.
+    /// The links of a chain.
     pub(in crate::solve) fn links(&self, number: usize) -> &[Link] {
         &self.links[self.each[number].clone()]
     }
 
-    /// The lengths of its segments, if it is cut into some.
+    /// The segment lengths of a chain; empty if it is not divided.
     pub(super) fn rests(&self, number: usize) -> &[Rests] {
         &self.rests[self.segments[number].clone()]
     }
@@ -139,7 +139,7 @@ impl RodGraph {
                 self.walk(member, rod, members, each, links);
             }
         }
-        // What is left are rings.
+        // The remaining ones are rings.
         for member in 0..all {
             if let Some(rod) = self.untaken(member) {
                 self.walk(member, rod, members, each, links);
@@ -147,7 +147,7 @@ impl RodGraph {
         }
     }
 
-    /// Takes the rods from a member on, along one of its own, as far as there is one way.
+    /// Follows the rods from a member on, beginning with one of its own, until they branch or end.
     fn walk(
         &mut self,
         from: u32,

@@ -1,15 +1,16 @@
-//! Chains: hard rods one behind the other, of a rope or a string of beads, solved as the one tridiagonal system that they are (Baraff, *Linear-Time Dynamics
-//! using Lagrange Multipliers*, 1996; Deul, Kugelstadt, Weiler, Bender, *Direct Position-Based Solver for Stiff Rods*, 2018).
+//! Chains: consecutive hard rods, of a rope or a string of beads, solved as one tridiagonal system (Baraff, *Linear-Time Dynamics using Lagrange Multipliers*,
+//! 1996; Deul, Kugelstadt, Weiler, Bender, *Direct Position-Based Solver for Stiff Rods*, 2018).
 //!
-//! A sweep hands a pull on by some rods, and where a heavy thing hangs on light pieces each piece takes but its share of the way: a load of fifty pieces on a
-//! rope of sixteen stretches it by a tenth after four sweeps, and a hundred would not do. The rods of a chain are few enough unknowns of a kind simple enough
-//! to be found all at once, in time that grows with their number (`project` has the formula), whatever the masses are. What is solved to the end is the same.
+//! A sweep propagates a pull by a few rods, and where a heavy body hangs on light pieces each piece takes only its mass share of the correction: a load of
+//! fifty pieces on a rope of sixteen stretches it by a tenth after four sweeps, and a hundred sweeps would not be enough. The rods of a chain are few unknowns
+//! with a simple structure, so they are solved directly, in time proportional to their number (`project` has the formula), whatever the masses are. The
+//! converged solution is the same.
 //!
-//! A chain goes from one particle to another by hard distances of equality, each particle within it having two of them; where three meet, chains end. A ring is
-//! cut open at one rod. Two particles that a distance of no length ties are one. Cloth, boxes and bones have none within; a rope that a box hangs on is one up to the
-//! particle of the box that it is tied to.
+//! A chain leads from one particle to another by hard equality distances, and each particle within it has exactly two of them; chains end where three meet. A
+//! ring is cut open at one rod. Two particles connected by a distance of zero length count as one. Cloth, boxes and bones contain no chains; a rope with a box
+//! on it is a chain up to the particle of the box that it is tied to.
 //!
-//! Each sweep of an island begins with them. Then the rods have their turn as everywhere, and find next to nothing left to do; what they find is the error.
+//! Each sweep of an island begins with its chains. The rods are then swept as everywhere and have almost nothing left to do; what they correct is the error.
 
 mod find;
 mod project;
@@ -27,24 +28,24 @@ use crate::lanes::{InstructionSet, Vector};
 use project::merged;
 use segments::SegmentScratch;
 
-/// The next particle of a chain and the rod that leads to it.
+/// A particle of a chain and the rod that leads to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Link {
-    /// The row of the particle; of two that are one, of both.
+    /// The row of the particle; the rows of both where two particles count as one, or else the same row twice.
     pub(super) rows: [u32; 2],
-    /// The number of the rod that leads to the first of them, among the plan's distances, and of the one that ties them together.
+    /// Plan indices of the rod that leads to the first of them, and of the one that ties them together.
     pub(super) rods: [u32; 2],
-    /// Length of the rod that leads there, metres; to the first of a chain none does.
+    /// Length of the rod that leads there, metres; 0 for the first particle of a chain.
     pub(super) rest: f32,
 }
 
 impl Link {
-    /// Whether it is two particles.
+    /// Whether it consists of two particles.
     fn is_double(&self) -> bool {
         self.rows[0] != self.rows[1]
     }
 
-    /// Its particle, in columns of positions that begin with the row `first`; of two that are one, that of both.
+    /// Its position and inverse mass, in positions that begin with row `first`; those of the merged particle if there are two.
     #[inline(always)]
     fn merged(&self, position: &[Vec4], first: u32) -> Vec4 {
         let [one, other] = self.places(first);
@@ -55,7 +56,7 @@ impl Link {
         Vec3::from(p).extend(w)
     }
 
-    /// Where its particles are in columns that begin with the row `first`. No `array::map`, which is a call of several functions for each link.
+    /// Indices of its particles in positions that begin with row `first`. Not `array::map`, which compiled to several calls for each link.
     #[inline(always)]
     fn places(&self, first: u32) -> [usize; 2] {
         let [one, other] = self.rows;
@@ -63,10 +64,10 @@ impl Link {
     }
 }
 
-/// What elimination leaves of a rod for the way back. Scratch.
+/// What elimination keeps of a rod for back substitution. Scratch.
 pub(super) type Eliminated<N> = [N; 6];
 
-/// What solving chains needs. Scratch.
+/// Scratch for solving chains.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ChainScratch {
     eliminated: Vec<Eliminated<f32>>,
@@ -74,7 +75,7 @@ pub(super) struct ChainScratch {
 }
 
 impl Chains {
-    /// Solves the chains of an island once, in columns of positions that begin with the row `first`. Returns the largest error found, metres.
+    /// Solves the chains of an island once, in positions that begin with row `first`. Returns the largest error found, metres.
     pub(super) fn project(
         &self,
         island: &Island,
@@ -96,8 +97,8 @@ impl Chains {
         worst
     }
 
-    /// The same one rod after the other, and `pulled` is told which rod, by its number, has given how much to the particle in which row, kg·m; its other end
-    /// got the opposite.
+    /// The same, one rod after the other. `pulled` is called with the plan index of a rod, the row of a particle, and the impulse times the substep on that
+    /// particle, kg·m; the rod's other end received the opposite.
     pub(super) fn project_noting(
         &self,
         island: &Island,
@@ -114,7 +115,7 @@ impl Chains {
     }
 }
 
-/// Solves one, one rod after the other.
+/// Solves one chain, one rod after the other.
 fn project_one(
     links: &[Link],
     (position, first): (&mut [Vec4], u32),
@@ -164,7 +165,7 @@ impl<P: FnMut(u32, u32, Vec3)> Links<f32> for OfIsland<'_, P> {
             (self.pulled)(rods[0], rows[0], pull);
         }
         if one != other {
-            // The next rod pulls at the other one, which the knot takes along.
+            // The next rod pulls at the other particle, and the zero-length rod between the two transmits it.
             let (w, other_w) = (self.position[one].w, self.position[other].w);
             let knot = match () {
                 () if other_w > 0.0 => by / other_w + next,

@@ -1,17 +1,17 @@
-//! A long chain, cut into eight segments that are eliminated side by side, one a lane: the same system, to round-off the same solution (Wang, *A Parallel
-//! Method for Tridiagonal Equations*, 1981).
+//! A long chain, divided into eight segments that are eliminated in parallel, one per lane: the same system, and the same solution to round-off (Wang, *A
+//! Parallel Method for Tridiagonal Equations*, 1981).
 //!
-//! Elimination is one rod after the other, and each waits for the quotient of the one before. Of eight segments of equal length the rods can be eliminated
-//! together, the last of each excepted, which is a separator: what is eliminated is tied to the next rod and, by what filled in, to the separator before,
+//! Elimination goes rod by rod, and each waits for the quotient of the previous one. In eight segments of equal length the rods are eliminated together, except
+//! the last one of each, which is a separator. An eliminated rod is coupled to the next rod and, by fill-in, to the previous separator `s`:
 //!
 //! ```text
 //! share = c_i / d_(i-1)        d_i = A_(i,i) - share c_i       b_i = -C_i - share b_(i-1)       f_i = -share f_(i-1)
 //! before: A_ss -= f_i² / d_i,  b_s -= f_i b_i / d_i            λ_i = (b_i - f_i λ_s - c_(i+1) λ_(i+1)) / d_i
 //! ```
 //!
-//! with `c_i = A_(i-1,i)`. Then the eight separators are a tridiagonal system of their own, solved one after the other, and the way back is in lanes again.
-//! That is half more arithmetic, and an eighth of the waiting. Chains that may go side by side with others of their kind are too short for it: they have
-//! to have the same bits alone.
+//! with `c_i = A_(i-1,i)`. The eight separators then form a tridiagonal system of their own, which is solved sequentially, and back substitution is in lanes
+//! again. This takes half as much arithmetic again and an eighth of the waiting. Chains that may be in an instance batch are too short for it: they need the
+//! same bits when solved alone.
 
 use glam::{Vec3, Vec4};
 
@@ -22,11 +22,11 @@ use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 /// Lengths of rods, metres, one of each segment.
 pub(super) type Rests = [f32; LANES];
 
-/// Cuts a chain: the lengths of the rods of its segments, first those with which they begin. It begins with the first particle; then come the rods of one
-/// segment after those of the other, each with the particle that it leads to. What the last ones lack is filled up with rods of no length, from the last
-/// particle to itself.
+/// Divides a chain: returns the rod lengths of its segments, one rod of each segment at a time. The chain begins with the first particle; then follow the rods
+/// of one segment after those of the other, each with the particle that it leads to. Missing rods of the last segments are filled with rods of zero length,
+/// from the last particle to itself.
 pub(super) fn rests_of(links: &[Link]) -> impl Iterator<Item = Rests> {
-    // Of an odd number: eight particles that are a power of two apart share places in the cache.
+    // An odd number: eight particles that are a power of two apart would map to the same cache sets.
     let steps = (links.len() - 1).div_ceil(LANES) | 1;
     (0..steps).map(move |step| {
         let rest = |lane: usize| links.get(1 + lane * steps + step).map_or(0.0, |link| link.rest);
@@ -34,20 +34,20 @@ pub(super) fn rests_of(links: &[Link]) -> impl Iterator<Item = Rests> {
     })
 }
 
-/// What solving a chain by segments needs. Scratch.
+/// Scratch for solving a chain by segments.
 #[derive(Clone, Debug, Default)]
 pub(in crate::solve) struct SegmentScratch {
-    /// `x y z w` of its particles, `w` being inverse masses.
+    /// `x y z w` of its particles, where `w` are inverse masses.
     particles: Vec<Vec4>,
     eliminated: Vec<Eliminated>,
 }
 
-/// What elimination leaves of a rod of each segment: its direction, the share of the rod before that it takes off, its right side and what filled in, both by
-/// its pivot, and the inverse mass at its end.
+/// What elimination keeps of a rod of each segment: its direction, the share of the previous rod that it subtracts, its right-hand side and fill-in, both
+/// divided by its pivot, and the inverse mass at its end.
 type Eliminated = [[f32; LANES]; 7];
 
 impl SegmentScratch {
-    /// Solves a chain once, in columns of positions that begin with the row `first`. Returns the largest error found, metres.
+    /// Solves a chain once, in positions that begin with row `first`. Returns the largest error found, metres.
     pub(super) fn project(
         &mut self,
         (links, rests): (&[Link], &[Rests]),
@@ -76,19 +76,19 @@ impl SegmentScratch {
     }
 }
 
-/// What is left of the separators: what their own segments left, less what those behind them take off.
+/// The reduced system of the separators: what elimination of their own segments left, less the contributions of the segments behind them.
 #[derive(Default)]
 struct Separators {
-    /// The diagonal before anything was eliminated.
+    /// The diagonal before elimination.
     whole: [f32; LANES],
     diagonal: [f32; LANES],
     right: [f32; LANES],
-    /// Coupling to the one before.
+    /// Coupling to the previous separator.
     coupling: [f32; LANES],
 }
 
 impl Separators {
-    /// `λ` of each.
+    /// The multiplier `λ` of each separator.
     fn solve(self) -> [f32; LANES] {
         let Self { whole, diagonal, right, coupling } = self;
         let (mut shares, mut lambdas) = ([0.0; LANES], [0.0; LANES]);
@@ -133,9 +133,9 @@ kernel!(
         let d = p - Vector::of(L::rows(particles, &rows_before)).0;
         let length = d.length();
         let mut before = d * zero.lt(length).and(one / length);
-        // Of the rods before: their right sides, what filled in, and inverses of pivots. At first these are the separators.
+        // Right-hand sides, fill-in, and inverse pivots of the previous rods. Initially those are the separators.
         let (mut right, mut fill, mut inverse) = (zero, zero, zero);
-        // What is taken off the separators before.
+        // What is subtracted from the previous separators.
         let (mut off_diagonal, mut off_right) = (zero, zero);
         let (mut sum, mut worst, mut whole, mut pivot) = (zero, zero, zero, zero);
         for (step, (rest, to)) in rests.iter().zip(&mut *eliminated).enumerate() {
@@ -186,7 +186,7 @@ kernel!(
         let separator_before = L::load(&lambdas_before);
         let most = L::splat(2.0 * sum.array().iter().fold(0.0, |sum, x| sum + x));
         let mut lambda_next = L::load(&lambdas);
-        // What the separators pull, whose particles also the next segments pull at.
+        // The impulses of the separators, whose particles also belong to the next segments.
         let last_pull = before * lambda_next;
         let (last_w, mut pull_next) = (w, last_pull);
         let last_rows = rows;
@@ -221,7 +221,7 @@ kernel!(
     }
 );
 
-/// The next particle of each segment.
+/// Advances to the next particle of each segment.
 #[inline(always)]
 fn next(rows: &mut [u32; LANES]) {
     rows.iter_mut().for_each(|row| *row += 1);

@@ -1,4 +1,4 @@
-//! Chains hold whatever hangs on them, keep what a sweep keeps, and ask for nothing that cannot be.
+//! Chains hold any load, conserve what a sweep conserves, and stay stable where they are infeasible.
 
 use glam::Vec3;
 
@@ -20,7 +20,7 @@ fn push(world: &mut Simulation, at: Vec3, mass: f32) -> u32 {
     world.particles.push(ParticleSeed::at(at).with_mass(mass)).unwrap()
 }
 
-/// A rope of so many pieces along `along`, pinned at its first particle, with a weight at its end.
+/// A rope of this many pieces in the direction `along`, pinned at its first particle, with a weight at its end.
 fn loaded(world: &mut Simulation, pieces: u32, along: Vec3, weight: f32) -> [u32; 2] {
     let first = world.particles.len() as u32;
     for i in 0..=pieces {
@@ -34,7 +34,7 @@ fn loaded(world: &mut Simulation, pieces: u32, along: Vec3, weight: f32) -> [u32
     [first, first + pieces]
 }
 
-/// The largest share of their lengths that distances are off by, those of no length left out.
+/// The largest relative error of the distances, without those of zero length.
 fn strain(world: &Simulation) -> f32 {
     let strains = world.distances().iter().filter(|d| d.rest > 0.0).map(|d| {
         let apart = world.particles.separation(d.a as usize, d.b as usize).length();
@@ -43,7 +43,7 @@ fn strain(world: &Simulation) -> f32 {
     strains.fold(0.0, f32::max)
 }
 
-/// The largest strain of so many ticks, and the sweeps of a tick in the mean.
+/// The largest strain in this many ticks, and the mean number of sweeps per tick.
 fn run(world: &mut Simulation, ticks: u32) -> (f32, f32) {
     let (mut worst, mut sweeps) = (0.0_f32, 0);
     for _ in 0..ticks {
@@ -166,7 +166,7 @@ fn a_free_chain_keeps_its_momentum_and_what_it_turns_with() {
     assert!(strain(&world) < 1e-4, "{}", strain(&world));
 }
 
-/// A rope of 20 pieces between two pins a metre apart, so much longer than that, with a weight at its eighth piece, where there is one.
+/// A rope of 20 pieces between two pins a metre apart, longer than that by `slack`, optionally with a weight at its eighth piece.
 fn line(slack: f32, weight: Option<f32>) -> Simulation {
     let mut world = Simulation::default();
     let ends = RopeSpec { to: Vec3::X, pin_start: true, pin_end: true, ..RopeSpec::default() };
@@ -190,7 +190,7 @@ fn a_line_between_two_pins_hangs_still_also_where_it_is_too_short_for_its_load()
                 let speeds = (0..21).map(|i| world.velocity_now(i).length());
                 fast = speeds.fold(fast, f32::max);
             }
-            // With slack it swings on.
+            // With slack it keeps swinging.
             let most = if slack > 0.1 { 0.1 } else { 0.005 };
             assert!(worst < 0.006 && fast < most, "{slack} {weight:?}: {worst} {fast}");
         }
@@ -208,7 +208,7 @@ fn one_that_is_pulled_apart_stays_between_its_pins() {
         let far = (0..21).map(|i| world.particles.position(i)).fold(0.0_f32, |far, p| {
             far.max(p.y.abs()).max(p.z.abs()).max(-p.x).max(p.x - target.x)
         });
-        // Let go at once it whirls, but not beyond its own length.
+        // Released at once, it whirls, but not beyond its own length.
         let most = if tick < 60 { 0.05 } else { 1.0 };
         assert!(far < most, "tick {tick}: {far}");
     }

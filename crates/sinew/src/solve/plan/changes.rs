@@ -1,39 +1,38 @@
-//! Changes: what was added to the lists and removed from them since a plan was compiled, and what numbers that leaves to the rest.
+//! Changes: constraints added to and removed from the input lists since a plan was compiled, and the renumbering that results.
 
 use super::Given;
 use super::keys::{DISTANCES, Fields, Key, RODS, rank_of, rank_of_kind};
 use crate::constraints::Rows;
 
-/// With more changes than these it is hardly worth it: each is looked for among all.
+/// Most changes that are recorded one by one. Beyond this an incremental update hardly pays, since each change costs a search through all keys.
 pub(super) const MOST: usize = 16;
 
-/// The lists that constraints are given in.
+/// The input lists of constraints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum List {
     Distances,
     Constraints,
 }
 
-/// Something that was added to a list or removed from it. Numbers are those at that moment: what was added moved all behind it one up, what was
-/// removed one down.
+/// An addition to a list or a removal from it. Indices are those at that moment: an addition shifts all later indices up by one, a removal down by one.
 #[derive(Clone, Debug)]
 pub(crate) enum Change {
     Added(List, usize),
-    /// With the particles that it bound.
+    /// With the particles that the constraint connected.
     Removed(List, usize, Rows),
 }
 
-/// What changed in the lists since the plan was compiled.
+/// Changes of the input lists since the plan was compiled.
 #[derive(Clone, Debug)]
 pub(crate) struct Changes {
-    /// How many of each list, from the first on, are what they were.
+    /// How many entries at the beginning of each list are unchanged.
     same: [usize; 2],
     /// The changes one by one, unless there are too many.
     few: Vec<Change>,
     many: bool,
 }
 
-/// None.
+/// No changes.
 impl Default for Changes {
     fn default() -> Self {
         Self { same: [usize::MAX; 2], few: Vec::new(), many: false }
@@ -41,20 +40,20 @@ impl Default for Changes {
 }
 
 impl Changes {
-    /// Anything may have changed.
+    /// Marks everything as possibly changed.
     pub(crate) fn note_all(&mut self) {
         self.note_from(List::Distances, 0);
         self.note_from(List::Constraints, 0);
     }
 
-    /// Anything may have changed in a list but for so many, from the first on.
+    /// Marks a list as possibly changed, except for its first `same` entries.
     pub(crate) fn note_from(&mut self, list: List, same: usize) {
         self.many = true;
         let own = &mut self.same[list as usize];
         *own = same.min(*own);
     }
 
-    /// Other compounds collide by their shape. Constraints are what they were.
+    /// Records that the compounds with a collision shape changed. The constraints did not.
     pub(crate) fn note_colliders(&mut self) {
         self.many = true;
     }
@@ -73,20 +72,20 @@ impl Changes {
         !self.many && self.few.is_empty()
     }
 
-    /// Whether there are only few of them.
+    /// Whether the changes are few enough to be recorded one by one.
     pub(crate) fn are_few(&self) -> bool {
         !self.many
     }
 
-    /// How many of the distances and how many of the constraints, from the first on, are what they were.
+    /// How many distances and how many constraints at the beginning of their lists are unchanged.
     pub(crate) fn same(&self) -> [usize; 2] {
         self.same
     }
 
-    /// Whether one of the few may have bound, or may bind, two particles of which something holds.
+    /// Whether one of the recorded changes connected, or may connect, two particles for which the predicate is true.
     pub(crate) fn any_between(&self, given: Given, holds: impl Fn(u32, u32) -> bool) -> bool {
         let between = |rows: &[u32]| rows.windows(2).any(|pair| holds(pair[0], pair[1]));
-        // Each change behind it may have moved what was added by one.
+        // Each later change may have shifted an added entry by one.
         let around = |at: usize| at.saturating_sub(MOST)..=at + MOST;
         self.few.iter().any(|change| match change {
             Change::Removed(.., rows) => between(rows),
@@ -107,7 +106,7 @@ impl Changes {
         self.many = false;
     }
 
-    /// Takes out the keys of what was removed, and lets the others have their new numbers. Returns what was taken out, and what valid was added.
+    /// Removes the keys of removed constraints and renumbers the others. Returns the removed keys and the valid additions.
     pub(super) fn renumber(
         &self,
         keys: &mut Vec<Key>,
@@ -139,13 +138,13 @@ impl Changes {
     }
 }
 
-/// A constraint that was removed: its key, and what it bound.
+/// A removed constraint: its key, and the particles that it connected.
 pub(super) type Removed = (Key, Rows);
 
-/// One that was added: where it is listed.
+/// An added constraint: its list and its index there.
 pub(super) type Added = (List, u32);
 
-/// Which list the constraint of a key is in.
+/// The list that the constraint of a key is in.
 pub(super) fn list_of(key: &Key) -> List {
     match Fields::of(key.group).rank {
         RODS | DISTANCES => List::Distances,
@@ -154,7 +153,7 @@ pub(super) fn list_of(key: &Key) -> List {
 }
 
 impl Given<'_> {
-    /// What is in order among all but so many of each list, from the first on.
+    /// The valid distances and constraints after the first `same` entries of each list.
     pub(super) fn sound_from(&self, same: [usize; 2]) -> Vec<Added> {
         let [distances, constraints] = same;
         let each = (distances..self.distances.len()).map(|number| (List::Distances, number));
@@ -163,7 +162,7 @@ impl Given<'_> {
         sound.map(|(list, number)| (list, number as u32)).collect()
     }
 
-    /// Does something with the particles of a constraint.
+    /// Calls `act` with the particles of a constraint.
     pub(super) fn on_rows<T>(&self, list: List, number: u32, act: impl FnOnce(&[u32]) -> T) -> T {
         match list {
             List::Distances => {
@@ -181,7 +180,7 @@ impl Given<'_> {
         }
     }
 
-    /// The particles of a constraint, and where its kind stands in a sweep.
+    /// The particles of a constraint, and the rank of its kind in a sweep.
     pub(super) fn rows_and_rank(&self, list: List, number: usize) -> (Rows, u32) {
         let rank = match list {
             List::Distances => rank_of(&self.distances[number]),

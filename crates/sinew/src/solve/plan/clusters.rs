@@ -1,42 +1,41 @@
-//! Clusters: a large island cut into stretches of consecutive particles that fit into a core's cache.
+//! Clusters: a large island divided into ranges of consecutive particles that fit into a core's cache.
 //!
-//! A sweep takes them in phases. In the first, all that binds particles of one cluster; then, with the cuts moved by half a cluster, what binds
-//! neighbours across the first cuts; last, what reaches farther than that. In the first two phases clusters share no particle, so several threads may
-//! each take one, and the result is the same. It needs an order of the particles in which neighbours are near: that of a grid's rows, or any of small
-//! bandwidth.
+//! A sweep has three phases: first the constraints within one cluster; then, with the boundaries shifted by half a cluster, the constraints between neighbours
+//! across the first boundaries; last, the constraints that reach farther. In the first two phases clusters share no particle, so several threads can solve one
+//! each with the same result. This requires a particle order in which neighbours are close: that of a grid's rows, or any of small bandwidth.
 //!
-//! Where an island is mostly one run of rows, as cloth is that a rope is tied to which came long before it, that is what is cut; and whatever is not in it, and
-//! what binds that to it, is of the last phase.
+//! An island may be mostly one contiguous run of rows: cloth, for example, tied to a rope that was spawned long before it. Then only that run is divided; the
+//! constraints outside it, and those that connect it to the rest, belong to the last phase.
 
 use core::ops::Range;
 
 use crate::islands::SMALL_ISLAND;
 
-/// How many phases there are.
+/// Number of phases.
 pub(super) const PHASES: u32 = 3;
 
-/// How many particles a cluster has at least: 16 kB of positions, half of a core's first cache; the rest lengths stream through the other half.
+/// Least number of particles of a cluster: 16 kB of positions, half of a core's L1 cache. The rest lengths stream through the other half.
 const LEAST: u32 = 1024;
-/// And at most: 512 kB of positions, a core's second cache.
+/// Greatest number of particles of a cluster, unless [`CLUSTERS`] requires more: 512 kB of positions, a core's L2 cache.
 const MOST: u32 = 32_768;
-/// So many of the mean reach of a constraint are in a cluster, so that one in eight or so binds two.
+/// A cluster's size in multiples of the mean reach of a constraint, chosen so that about one constraint in eight connects two clusters.
 const REACHES: u64 = 8;
-/// A key has room for so many clusters.
+/// Number of clusters that a key has bits for.
 const CLUSTERS: u32 = 4096;
 
-/// A run of fewer particles of an island, as a share of all, is not cut by itself.
+/// Least share of an island's particles (numerator, denominator) in a contiguous run for that run to be divided by itself.
 const MOSTLY: (usize, usize) = (3, 4);
 
-/// How an island is cut.
+/// How an island is divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Clusters {
-    /// Particles in each, a power of two; more than there are where the island is one cluster.
+    /// Particles in each cluster, a power of two; `u32::MAX` where the island is one cluster.
     size: u32,
-    /// The first place that is cut, and the last.
+    /// First and last member index of the divided run.
     run: (u32, u32),
 }
 
-/// Where a constraint is swept.
+/// Phase and cluster in which a constraint is swept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     pub(super) phase: u32,
@@ -48,8 +47,8 @@ impl Place {
 }
 
 impl Clusters {
-    /// For an island of so many particles, those in a `run` of places in rows that follow each other, of which so many pairs are bound, which reach over so many
-    /// places in sum.
+    /// The division of an island of `members` particles, of which `run` are the member indices in its longest contiguous run of rows. `count` is the number of
+    /// distances, `reach` the sum of their reaches in member indices.
     pub(super) fn of(members: usize, run: Range<usize>, count: u64, reach: u64) -> Self {
         let mostly = members > SMALL_ISLAND && run.len() * MOSTLY.1 >= members * MOSTLY.0;
         let run = if mostly { (run.start as u32, run.end as u32 - 1) } else { (0, u32::MAX) };
@@ -61,7 +60,7 @@ impl Clusters {
         Self { size: wanted.max(enough).next_power_of_two(), run }
     }
 
-    /// Where a constraint goes whose particles lie between these two places in the island.
+    /// Phase and cluster of a constraint whose particles lie between these two member indices.
     pub(super) fn place(self, first: u32, last: u32) -> Place {
         if first < self.run.0 || last > self.run.1 {
             return Place::LAST;
@@ -85,7 +84,7 @@ mod tests {
 
     #[test]
     fn clusters_of_a_phase_share_no_particle() {
-        // A strip of 200 columns: each particle is bound to its neighbours in the row and in the next one.
+        // A strip 200 columns wide: each particle is connected to its neighbours in its row and in the next one.
         let columns = 200;
         let ends =
             (0..40_000_u32).flat_map(|a| [(a, a + 1), (a, a + columns), (a, a + columns + 1)]);
@@ -120,7 +119,7 @@ mod tests {
         for (first, last) in [(0, 1), (20, 21), (3, 499)] {
             assert_eq!(clusters.place(first, last), Place { phase: 2, cluster: 0 });
         }
-        // Of two halves none is the whole.
+        // A run of half of the members is not most of the island.
         let clusters = Clusters::of(500, 250..500, 1000, 20_000);
         assert_eq!(clusters.place(3, 499), Place { phase: 0, cluster: 0 });
     }

@@ -1,5 +1,4 @@
-//! Cutting: constraints in the order of their keys are copied to where sweeps read them, group by group and cluster batch by cluster batch, and told
-//! to the kernels that take them.
+//! Copies the constraints in key order to where sweeps read them, cut into groups and cluster batches, and packs them for their kernels.
 
 use core::ops::Range;
 
@@ -10,7 +9,7 @@ use super::{ClusterBatch, ConstraintGroup, GroupKind, Plan, colours, tasks};
 use crate::constraints::{Constraint, Distance};
 
 impl Plan {
-    /// Adds constraints in the order of their keys, and cuts them into cluster batches and groups.
+    /// Appends constraints in key order, cut into cluster batches and groups.
     pub(super) fn take_in_order(
         &mut self,
         distances: &[Distance],
@@ -31,7 +30,8 @@ impl Plan {
             }
             let first = self.groups.len();
             let stage = found.rank * PHASES + found.phase;
-            // Rows before this cluster batch's may be turned with it, but not those of another one of its stage, or of another island.
+            // Rows before this cluster batch's first one may be transposed with it, but not rows of another cluster batch of the same stage or of another
+            // island.
             let begin =
                 match self.cluster_batches.last().filter(|_| !island.cluster_batches.is_empty()) {
                     Some(last) if last.stage == stage => last.rows.end,
@@ -58,7 +58,7 @@ impl Plan {
         self.tasks = tasks::cut(self);
     }
 
-    /// Lists which rows of the run of a large island a cluster batch touches that is not swept in the columns of that.
+    /// Records which rows of a large island's run are used by a cluster batch that is not swept in the columns of that run.
     fn share_rows(&mut self, island: usize, cluster_batch: &mut ClusterBatch) {
         let island = &self.islands.list[island];
         let run = self.run(island);
@@ -87,7 +87,7 @@ impl Plan {
         cluster_batch.shared_rows = begin..end;
     }
 
-    /// Copies the constraints of one cluster batch, group by group; returns within which rows they are, and whether they are to be swept in columns.
+    /// Copies the constraints of one cluster batch, group by group. Returns the bounds of their rows, and whether they are to be swept in columns.
     fn take_cluster_batch(
         &mut self,
         distances: &[Distance],
@@ -111,7 +111,7 @@ impl Plan {
             self.distances[begin..].iter().flat_map(|d| [d.a, d.b]).for_each(reach);
             begin
         };
-        // Of strides, nearly all are in runs. Gathering from columns costs thrice what it costs packed, running a third.
+        // Nearly all distances of a stride are in runs. In columns, a gathered block costs three times as much as packed, and a run a third.
         let strided = |key: &&Key| Fields::of(key.group).colour < colours::GREEDY;
         let running = keys.iter().filter(strided).count();
         let columns = kind != GroupKind::Constraints
@@ -119,7 +119,7 @@ impl Plan {
             && rows.len() <= 2 * keys.len()
             && self.distances[begin..].iter().all(may_stride);
         if columns {
-            // Strides are mostly even numbers: where the island's rows begin a line of the cache, most eights do.
+            // Strides are mostly even. If the island's rows begin at a cache line, most batches of eight lanes then do.
             let island = &self.islands.list[found.island as usize];
             let [origin, run] =
                 [&island.members, &island.run].map(|of| self.islands.members[of.start]);

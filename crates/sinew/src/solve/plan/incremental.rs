@@ -1,12 +1,12 @@
 //! Incremental update of a plan after a few constraints were added or removed, without sorting and colouring all of them again.
 //!
-//! What comes of it is what compiling would have given, key by key, so that the result of a tick depends on what is there and not on what was. That
-//! is possible because a colour depends on little: one by a stride on the place of its particles alone, a greedy one on the constraints given
-//! *before* it that share a particle with it. So those that were added, and those whose earlier neighbours were added, removed or recoloured, are
-//! looked at again in the order given, until nothing changes any more; on a mesh that is a handful.
+//! The result equals that of compiling from scratch, key by key, so a tick depends on the present constraints and not on their history. This is possible
+//! because a colour depends on little: the colour of a stride on the place of the two particles alone, a greedy colour on the *earlier* constraints in the
+//! input that share a particle. The update therefore recolours the added constraints, and those with an earlier neighbour that was added, removed or
+//! recoloured, in input order until nothing changes any more. On a mesh that is a handful.
 //!
-//! Where more would change than colours (an island falls apart or grows together with another one, is cut into other clusters, or gets other
-//! strides), or more than a few are concerned, nothing is updated, and the plan is compiled afresh.
+//! Where more than colours would change (an island splits, merges with another, or gets other clusters or other strides), or where more than a few constraints
+//! are affected, the plan is compiled again instead.
 
 #[cfg(test)]
 mod tests;
@@ -20,21 +20,21 @@ use super::place::{Compiling, may_stride};
 use super::{Given, GroupKind, Plan};
 use crate::constraints::Rows;
 
-/// So many may be looked at again.
+/// Most constraints of an island that are recoloured before the update is given up.
 const RECHECKS: usize = 64;
 
-/// So far from a constraint that was removed it is looked whether its particles are still connected: beyond them two of the cells of a mesh.
+/// Depth of the search for whether the particles of a removed constraint are still connected, in constraints: one more than the two across a mesh cell.
 const ROUNDS: usize = 3;
 
-/// It takes more than an incremental update: keys have the numbers of what they are of, and not their colours.
+/// An incremental update is not possible. The keys have been renumbered, but their colours are not up to date.
 pub(super) struct Fault {
-    /// So many islands, from the first on, are what they were.
+    /// How many islands at the beginning of the list are unchanged.
     pub(super) kept: usize,
-    /// What has no key.
+    /// Constraints that have no key.
     pub(super) added: Vec<Added>,
 }
 
-/// Brings the keys up to date after few changes of as many particles, and says which islands have changed, ascending.
+/// Updates the keys after a few changes, with the number of particles unchanged. Returns the islands that changed, ascending.
 pub(super) fn update_incrementally(
     plan: &Plan,
     compiling: &mut Compiling,
@@ -65,20 +65,20 @@ pub(super) fn update_incrementally(
     })
 }
 
-/// One to be looked at again. They are, in the order in which colours are given.
+/// A constraint to be recoloured. The order is that in which colours are assigned.
 type Recheck = (GroupKind, u32);
 
 struct IncrementalUpdate<'a> {
     plan: &'a Plan,
     compiling: &'a mut Compiling,
     given: &'a Given<'a>,
-    /// Those there were, sorted but for colours that changed; behind them those that were added.
+    /// The existing keys, sorted except where a colour changed, followed by the added ones.
     keys: &'a mut Vec<Key>,
-    /// How many there were.
+    /// Number of existing keys.
     old: usize,
-    /// Which of them got another colour.
+    /// Indices of existing keys whose colour changed.
     moved: Vec<usize>,
-    /// Who is to be looked at again.
+    /// Constraints to be recoloured.
     rechecks: BTreeSet<Recheck>,
 }
 
@@ -102,7 +102,8 @@ impl IncrementalUpdate<'_> {
         })
     }
 
-    /// Gives the constraints of an island the colours that they have to have; false if it is not what it was.
+    /// Recolours the constraints of an island as required; false if the island's connectivity, clusters or strides changed, or too many constraints are
+    /// affected.
     fn update_island(
         &mut self,
         island: u32,
@@ -127,7 +128,7 @@ impl IncrementalUpdate<'_> {
         false
     }
 
-    /// The key of one that was added, without a colour; `None` if it joins islands.
+    /// The key of an added constraint, without a colour; `None` if it merges islands.
     fn uncoloured(&mut self, list: List, number: u32) -> Option<Key> {
         let (rows, rank) = self.given.rows_and_rank(list, number as usize);
         let distance = match list {
@@ -142,7 +143,7 @@ impl IncrementalUpdate<'_> {
         together.then_some(Key { group, first: ends.0, number })
     }
 
-    /// Whether the clusters and the strides of an island are what they were.
+    /// Whether the clusters and the strides of an island are unchanged.
     fn is_cut_as_before(&self, island: u32, scratch: &mut [StrideCounts; 2]) -> bool {
         let keys = self.of_island(island).map(|place| &self.keys[place]);
         let distances = keys.filter(|key| list_of(key) == List::Distances);
@@ -152,10 +153,10 @@ impl IncrementalUpdate<'_> {
         clusters == self.compiling.clusters[number] && strides == self.compiling.strides[number]
     }
 
-    /// Where the keys of an island are that share a particle with these rows.
+    /// Indices of the keys of an island whose constraints share a particle with these rows.
     ///
-    /// All keys are looked at, but hardly any constraint: one that begins farther ahead of a particle than any in the island reaches does not touch
-    /// it.
+    /// All keys of the island are scanned, but only few constraints are read: one that begins farther before a row than the greatest reach in the island cannot
+    /// use it.
     fn around<'a>(&'a self, island: u32, rows: &'a [u32]) -> impl Iterator<Item = usize> + use<'a> {
         let (first, last) = self.compiling.ends(rows);
         let first = first.saturating_sub(self.compiling.reaches[island as usize]);
@@ -165,7 +166,7 @@ impl IncrementalUpdate<'_> {
         })
     }
 
-    /// Whether particles that a constraint bound are still connected, and within a few steps.
+    /// Whether the particles of a removed constraint are still connected, within a few steps.
     fn are_connected(&self, island: u32, rows: &[u32]) -> bool {
         let mut reached: Vec<u32> = rows.first().copied().into_iter().collect();
         for _ in 0..ROUNDS {
@@ -181,7 +182,7 @@ impl IncrementalUpdate<'_> {
         rows.iter().all(|row| reached.contains(row))
     }
 
-    /// Has those looked at who may take the colour of what was removed.
+    /// Queues the constraints that may take the colour of a removed one.
     fn free(&mut self, removed: &Key, rows: &[u32]) {
         let (colour, ends) = (colour_of(removed), self.compiling.ends(rows));
         let keys = self.around(island_of(removed), rows).map(|place| &self.keys[place]);
@@ -193,7 +194,7 @@ impl IncrementalUpdate<'_> {
         self.rechecks.extend(heirs.map(recheck).collect::<Vec<_>>());
     }
 
-    /// Gives one the colour that it has to have; and has those looked at who may have to have another one because of that.
+    /// Assigns the required colour to a constraint, and queues those that may need another colour because of it.
     fn recolour(&mut self, island: u32, (kind, number): Recheck) {
         let list = if kind == GroupKind::Constraints { List::Constraints } else { List::Distances };
         let (rows, _) = self.given.rows_and_rank(list, number as usize);
@@ -203,7 +204,7 @@ impl IncrementalUpdate<'_> {
         let (fields, ends) = (Fields::of(key.group), self.ends(&key));
         let may = |number: u32| may_stride(&self.given.distances[number as usize]);
         let may_stride = list == List::Distances && may(number);
-        // Of two between the same particles, only the first has the colour of their stride.
+        // Of two distances between the same particles, only the first gets the colour of their stride.
         let (mut taken, mut is_second, mut later) = (0_u64, false, Vec::new());
         for place in self.around(island, &rows).filter(|&place| place != mine) {
             let other = &self.keys[place];
@@ -228,12 +229,12 @@ impl IncrementalUpdate<'_> {
         if mine < self.old {
             self.moved.push(mine);
         }
-        // Those who have to make room, and those who may move down to where it was.
+        // Those that have to give up this colour, and those that may move down to the previous one.
         later.retain(|&(theirs, _)| theirs == colour || theirs > fields.colour);
         self.rechecks.extend(later.into_iter().map(|(_, recheck)| recheck));
     }
 
-    /// Puts the keys that are new, or have another colour, to their places among the others.
+    /// Moves the keys that are new or recoloured to their sorted places.
     fn put_in_order(&mut self) {
         let mut new = self.keys.split_off(self.old);
         self.moved.sort_unstable();
@@ -247,7 +248,7 @@ impl IncrementalUpdate<'_> {
         }
     }
 
-    /// Where the keys of an island are, those that were added included.
+    /// Indices of the keys of an island, including the added ones.
     fn of_island(&self, island: u32) -> impl Iterator<Item = usize> + Clone + use<'_> {
         let old = &self.keys[..self.old];
         let begin = old.partition_point(|key| island_of(key) < island);
@@ -265,7 +266,7 @@ impl IncrementalUpdate<'_> {
         self.compiling.ends(&self.rows(key))
     }
 
-    /// Whether a constraint shares a particle with these.
+    /// Whether a constraint shares a particle with these rows.
     fn share(&self, key: &Key, rows: &[u32]) -> bool {
         match list_of(key) {
             List::Distances => {
@@ -280,10 +281,10 @@ impl IncrementalUpdate<'_> {
     }
 }
 
-/// The colour of what has none yet: above all others, and no key has it when all is done.
+/// Placeholder colour of an added constraint: above all others. No key has it when the update is complete.
 const UNKNOWN: u32 = OVERFLOW + 1;
 
-/// The bit of a greedy colour; of no other.
+/// The bit of a greedy colour; 0 for any other colour.
 fn bit(colour: u32) -> u64 {
     if (GREEDY..OVERFLOW).contains(&colour) { 1 << (colour - GREEDY) } else { 0 }
 }
@@ -304,7 +305,7 @@ fn kind_of(key: &Key) -> GroupKind {
     Fields::of(key.group).kind()
 }
 
-/// Whether two may not have the same colour if they share a particle.
+/// Whether two constraints must have different colours if they share a particle.
 fn are_rivals(one: &Key, other: &Key) -> bool {
     kind_of(one) == kind_of(other) && Fields::of(one.group).phase == Fields::of(other.group).phase
 }

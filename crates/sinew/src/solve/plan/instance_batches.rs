@@ -1,4 +1,4 @@
-//! Instance batches, as a plan has them: consecutive islands of the same topology, found when it is compiled. What is done with them:
+//! Instance batches of a plan: consecutive islands of the same topology, found at compilation. For how they are solved see
 //! [`instances`](crate::solve::instances).
 
 use core::ops::Range;
@@ -11,10 +11,10 @@ use crate::solve::chains::LONG;
 use crate::solve::rods::ends;
 use crate::solve::wide::{InstancedConstraints, InstancedGroup, InstancedGroups};
 
-// What is solved side by side has the bits that it has alone.
+// A body solved in a batch has to give the same bits as when solved alone.
 const _: () = assert!(SMALL_ISLAND <= LONG);
 
-/// A batch costs what two or three of its bodies cost alone; less, where it is solved together with others.
+/// Fewest islands of a batch. A batch costs as much as two or three of its bodies solved alone, and less where it is solved together with other batches.
 const LEAST: usize = 3;
 
 /// The instance batches of a plan.
@@ -28,32 +28,33 @@ pub(crate) struct InstanceBatches {
     pub(in crate::solve) instanced: InstancedConstraints,
 }
 
-/// Three to eight consecutive islands that are built alike, whose rows follow each other.
+/// Up to eight consecutive islands that have the same constraints, with contiguous rows. Fewer than [`LEAST`] only where they continue identical ones of the
+/// last batch.
 #[derive(Clone, Debug)]
 pub(in crate::solve) struct InstanceBatch {
     pub(in crate::solve) islands: Range<usize>,
-    /// The first row of the first island, and how many each has.
+    /// The first row of the first island, and the number of rows of each.
     pub(in crate::solve) first: u32,
     pub(in crate::solve) members: u32,
-    /// What a sweep consists of, in its order.
+    /// The parts of a sweep, in its order.
     pub(in crate::solve) parts: Range<usize>,
     /// The chains with which a sweep begins.
     pub(in crate::solve) chains: Range<usize>,
-    /// How many constraints may have sums.
+    /// Number of constraints that may accumulate a multiplier.
     pub(in crate::solve) multipliers: usize,
-    /// Bodies of batches with the same number here are identical. `None` if those of this one are not.
+    /// Bodies of batches with the same number are identical, lengths and angles included. `None` if the bodies of this batch differ.
     topology: Option<usize>,
 }
 
-/// Constraints of one kind that a sweep takes one after the other.
+/// Constraints of one kind that a sweep solves one after the other.
 #[derive(Clone, Debug)]
 pub(in crate::solve) enum InstancePart {
-    /// Which of the instance batches' rods.
+    /// Range in the instance batches' rods.
     Rods(Range<usize>),
     Constraints(InstancedGroup),
 }
 
-/// A hard rod of each of eight bodies, between particles of the same numbers.
+/// A hard rod of each of eight bodies, between particles of the same member indices.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solve) struct InstancedRod {
     pub(in crate::solve) a: u32,
@@ -61,16 +62,16 @@ pub(in crate::solve) struct InstancedRod {
     pub(in crate::solve) rest: [f32; LANES],
 }
 
-/// A link of each of eight bodies, between particles of the same numbers.
+/// A chain link of each of eight bodies, between particles of the same member indices.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solve) struct InstancedLink {
-    /// Of both particles; the same twice where there is one.
+    /// Member indices of both particles; the same twice where there is only one.
     pub(in crate::solve) at: [u32; 2],
     pub(in crate::solve) rest: [f32; LANES],
 }
 
 impl InstanceBatches {
-    /// Whether the last of some instance batches and the first of others are of the same bodies.
+    /// Whether the last of some instance batches and the first of others have identical bodies.
     pub(crate) fn have_same_topology(&self, some: Range<usize>, others: Range<usize>) -> bool {
         match (self.all[some].last(), self.all[others].first()) {
             (Some(last), Some(first)) => last.has_same_topology(first),
@@ -85,19 +86,18 @@ impl InstanceBatch {
         self.first..self.first + self.islands.len() as u32 * self.members
     }
 
-    /// Whether so many of its bodies, which are to be solved in a step, are better off in it than alone.
+    /// Whether solving `bodies` of its bodies in the batch is cheaper than solving them alone.
     pub(in crate::solve) fn is_worth(&self, bodies: usize) -> bool {
-        // Identical ones are compacted with those of other batches.
+        // Identical bodies are compacted with those of other batches.
         bodies >= if self.topology.is_some() { 1 } else { LEAST.min(self.islands.len()) }
     }
 
-    /// Whether the bodies of both are the same in every number.
+    /// Whether the bodies of both batches are identical, lengths and angles included.
     pub(in crate::solve) fn has_same_topology(&self, other: &Self) -> bool {
         self.topology.is_some() && self.topology == other.topology
     }
 
-    /// In which place, from that of row `begin` on, particle `i` of each body is. Lanes that are left have the last body again: it computes the same
-    /// and writes the same.
+    /// The index of particle `i` of each body, relative to row `begin`. Unused lanes repeat the last body: they compute and write the same values.
     #[inline(always)]
     pub(in crate::solve) fn places(&self, begin: u32, i: u32) -> [u32; LANES] {
         let last = self.islands.len() as u32 - 1;
@@ -110,7 +110,7 @@ impl InstanceBatch {
 }
 
 impl InstanceBatches {
-    /// Finds those of a plan, task by task, and tells the tasks which are theirs.
+    /// Finds the instance batches of a plan and assigns them to its tasks.
     pub(crate) fn find(&mut self, plan: &mut Plan) {
         let Self { all, parts, rods, instanced, chains, links } = self;
         all.clear();
@@ -152,7 +152,7 @@ impl InstanceBatches {
         first..self.all.len()
     }
 
-    /// Takes some islands that are alike.
+    /// Adds a batch of islands that have the same constraints.
     fn add(&mut self, plan: &Plan, islands: Range<usize>) {
         let lanes: [&Island; LANES] = core::array::from_fn(|lane| {
             &plan.islands.list[(islands.start + lane).min(islands.end - 1)]
@@ -167,7 +167,7 @@ impl InstanceBatches {
                 self.add_rods(each, first, begin);
                 continue;
             }
-            // All have been looked at: those without are not alike.
+            // Islands with groups that have no eight-lane kernel have been excluded by `suits`.
             let Some(which) = &group.wide else { continue };
             let constraint_batches = &plan.constraint_batches;
             let part = if group.kind == GroupKind::Distances {
@@ -217,7 +217,7 @@ impl InstanceBatches {
         });
     }
 
-    /// That of the last batch, if these are identical to its bodies; `None` if they are not to each other.
+    /// The topology number of the last batch, if these islands are identical to its bodies, or else a new one; `None` if they differ among themselves.
     fn topology(&self, plan: &Plan, islands: &Range<usize>) -> Option<usize> {
         let leader = islands.start;
         let last =
@@ -226,7 +226,7 @@ impl InstanceBatches {
         identical.then(|| last.and_then(|last| last.topology).unwrap_or(self.all.len()))
     }
 
-    /// Takes the chains of islands, of which all have the same.
+    /// Adds the chains of islands that all have the same ones.
     fn add_chains(
         &mut self,
         plan: &Plan,
@@ -274,7 +274,7 @@ fn suits(plan: &Plan, island: &Island) -> bool {
             .all(|cluster_batch| !cluster_batch.columns)
 }
 
-/// Whether the rows of an island begin where those of the one before it end.
+/// Whether the rows of an island begin where those of the previous one end.
 fn follows(plan: &Plan, number: usize) -> bool {
     let members = |number: usize| &plan.islands.members[plan.islands.list[number].members.clone()];
     match (members(number - 1).last(), members(number).first()) {
@@ -283,7 +283,7 @@ fn follows(plan: &Plan, number: usize) -> bool {
     }
 }
 
-/// Whether two islands have the same constraints between the same of their particles, but for lengths and angles.
+/// Whether two islands have the same constraints between the same member indices, apart from lengths and angles.
 fn is_like(plan: &Plan, one: usize, other: usize) -> bool {
     let (one, other) = (&plan.islands.list[one], &plan.islands.list[other]);
     if one.members.len() != other.members.len()
@@ -316,13 +316,13 @@ fn is_like(plan: &Plan, one: usize, other: usize) -> bool {
             (a.a + shift, a.b + shift) == (b.a, b.b)
                 && a.softness == b.softness
                 && a.bound == b.bound
-                // Joints, of which chains depend.
+                // Rods of zero length are joints, on which the chains depend.
                 && (a.rest == 0.0) == (b.rest == 0.0)
         })
     })
 }
 
-/// Whether two islands are alike in lengths and angles, too.
+/// Whether two islands have the same constraints, lengths and angles included.
 fn is_same_topology(plan: &Plan, one: usize, other: usize) -> bool {
     let groups = |number: usize| &plan.groups[plan.islands.list[number].groups.clone()];
     let lengths =

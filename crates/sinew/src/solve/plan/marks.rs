@@ -1,5 +1,5 @@
-//! Marks: how long the lists of a plan were where an island begins. What is compiled stands island after island, so that the plan of all that comes before a
-//! change stays as it is: it is cut off at the last mark before it, and compiled from there on.
+//! Marks: the lengths of a plan's lists at the beginning of an island. The compiled lists are ordered by island, so the plan of all islands before a change
+//! stays valid: the lists are truncated at the last mark before the change and compiled from there on.
 
 #[cfg(test)]
 mod tests;
@@ -8,14 +8,14 @@ use super::Plan;
 use crate::solve::rods::RodCounts;
 use crate::solve::wide::{BatchCounts, LooseCounts};
 
-/// There is a mark for so many islands, or so many constraints, at least: so much is compiled again for nothing at the most.
+/// A mark is set every so many islands or constraints. This bounds how much is compiled again although it has not changed.
 const ISLANDS: usize = 64;
 const CONSTRAINTS: usize = 256;
 
-/// How long the lists of a plan are where an island begins.
+/// Lengths of a plan's lists at the beginning of an island.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Mark {
-    /// The number of the island.
+    /// Index of the island.
     pub(super) island: usize,
     distances: usize,
     constraints: usize,
@@ -28,7 +28,7 @@ pub(super) struct Mark {
 }
 
 impl Mark {
-    /// Whether so much lies between two that both are wanted.
+    /// Whether enough islands or constraints lie between two marks to keep both.
     fn is_far_from(&self, before: &Self) -> bool {
         let constraints = self.distances + self.constraints;
         self.island - before.island >= ISLANDS
@@ -37,7 +37,7 @@ impl Mark {
 }
 
 impl Plan {
-    /// Marks how long the lists are where the island of a number begins, if so much has come since the last mark.
+    /// Sets a mark at the beginning of an island, if enough was added since the last mark.
     pub(super) fn mark(&mut self, island: usize) {
         let mark = self.lengths(island);
         if self.marks.last().is_none_or(|last| mark.is_far_from(last)) {
@@ -45,7 +45,7 @@ impl Plan {
         }
     }
 
-    /// Marks how long they are in the end: what is added next is mostly added there.
+    /// Sets a mark at the end of the lists, since most additions are appended there.
     pub(super) fn mark_end(&mut self) {
         let end = self.lengths(self.islands.list.len());
         if let [.., before, last] = &self.marks[..]
@@ -56,13 +56,13 @@ impl Plan {
         self.marks.push(end);
     }
 
-    /// The number of the last marked island up to that of a number: with that one, compiling may begin.
+    /// The last marked island up to and including island `island`, or 0: the first one that has to be compiled again.
     pub(super) fn marked_before(&self, island: usize) -> usize {
         let marks = self.marks.partition_point(|mark| mark.island <= island);
         self.marks[..marks].last().map_or(0, |mark| mark.island)
     }
 
-    /// Cuts the lists off where a marked island begins, and forgets what is known of the islands from there on.
+    /// Truncates the lists at the beginning of a marked island, and clears the ranges of the islands from there on.
     pub(super) fn cut_off(&mut self, island: usize) {
         let known = self.marks.iter().position(|mark| mark.island == island);
         self.marks.truncate(known.map_or(0, |place| place + 1));

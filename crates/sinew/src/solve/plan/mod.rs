@@ -1,20 +1,20 @@
-//! The plan: constraints sorted into islands, and within an island into groups that the kernels take as a whole. Compiled when the topology changes,
-//! from the present constraints alone: whatever was added and removed before, the same world has the same plan, and so the same bits. Where few were
-//! added or removed, it is [updated incrementally](incremental) instead, to what compiling would have given; and islands before the first that has changed
-//! [stay](marks): what is spawned or despawned beside a hall full of cloth costs what it is, and not what stands there.
+//! The plan: constraints sorted into islands, and within an island into groups that a kernel solves as a whole. It is compiled when the topology changes, and
+//! depends on the present constraints alone: a world with the same constraints has the same plan, and so the same bits, whatever was added and removed before.
+//! After a few additions or removals the plan is [updated incrementally](incremental) to the same result, and the islands before the first changed one [are
+//! kept](marks): spawning or despawning a body beside many large cloths costs in proportion to that body, not to the cloths.
 //!
-//! An **island** is a set of particles that constraints connect. Each is swept until it holds, or its sweeps are spent, by itself: what happens
-//! in one never changes a bit in another, however hard it works.
+//! An **island** is a set of particles connected by constraints. Each island is swept independently until its constraints hold or its sweeps are used up. What
+//! happens in one island never changes a bit in another, however many sweeps it takes.
 //!
-//! **Colours**: in the order in which a game adds them, each constraint waits for the particle that the last one moved, and stiff cloth swept
-//! outwards from its pins pumps up energy until it bursts. No two constraints of a colour share a particle: a core overlaps them, eight lanes
-//! take them at once, and the sweep has no direction ([`colours`] finds them).
+//! **Colours**: in the order in which a game adds constraints, each one waits for the particle that the previous one moved, and stiff cloth swept outwards from
+//! its pins gains energy until it explodes. No two constraints of a colour share a particle, so a core can overlap them, eight lanes can solve them at once,
+//! and the sweep has no preferred direction ([`colours`] computes them).
 //!
-//! **Clusters**: a body that is larger than a core's cache is swept cluster by cluster, all colours of one before the next is fetched, and then
-//! what binds neighbouring clusters ([`clusters`]). Several threads may each take one.
+//! **Clusters**: a body larger than a core's cache is swept cluster by cluster: all colours of one cluster before the next is loaded, and then the constraints
+//! between neighbouring clusters ([`clusters`]). Clusters of one phase can be solved by several threads.
 //!
-//! A sweep goes through an island by rank (what is soft or one-sided first, then the hard rods: bones have the last word over the limits of their
-//! joints; rigid shapes after those), within a rank by phase and cluster, within a cluster by colour.
+//! A sweep goes through an island by rank, within a rank by phase and cluster, and within a cluster by colour. Ranks: soft and one-sided constraints first,
+//! then hard rods, then rigid shapes. What comes later prevails, so bones keep their length where the limits of their joints conflict with it.
 
 mod changes;
 mod clusters;
@@ -48,136 +48,137 @@ use marks::Mark;
 use place::Compiling;
 pub(crate) use tasks::Task;
 
-/// The distances and constraints in solving order, and what a sweep needs beside them. Scratch, never saved.
+/// Distances and constraints in solving order, and the data that a sweep needs beside them. Scratch, never saved.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
-    /// The distances, island after island, group after group.
+    /// The distances, ordered by island and then by group.
     pub(crate) distances: Vec<Distance>,
-    /// All other constraints, in the same way.
+    /// All other constraints, in the same order.
     pub(crate) constraints: Vec<Constraint>,
-    /// The rods among the distances, eight by eight.
+    /// The rods among the distances, in batches of eight lanes.
     pub(crate) rods: Rods,
-    /// The others that have a kernel for eight at a time.
+    /// The other distances and constraints that have an eight-lane kernel.
     pub(crate) constraint_batches: ConstraintBatches,
-    /// The soft distances that are swept in columns and are in no step.
+    /// The soft distances that are swept in columns but are not part of a strided batch.
     pub(crate) loose_distances: LooseDistances,
-    /// The groups of all of them, in the order of a sweep.
+    /// Groups of distances and constraints, in the order of a sweep.
     pub(crate) groups: Vec<ConstraintGroup>,
-    /// The cluster batches that these make.
+    /// The cluster batches that the groups form.
     pub(crate) cluster_batches: Vec<ClusterBatch>,
-    /// What those that are not swept in the columns of a large island touch there: rows, ascending for each.
+    /// Rows in the column-swept run of a large island that are used by cluster batches which are not swept in those columns; ascending within each batch.
     pub(crate) shared_rows: Vec<u32>,
-    /// What threads may do side by side.
+    /// Units of work that threads may do in parallel.
     pub(crate) tasks: Vec<Task>,
     /// The islands.
     pub(crate) islands: Islands,
-    /// How many rows it was compiled for.
+    /// Number of rows that the plan was compiled for.
     pub(crate) rows: usize,
-    /// Islands that are built alike, to be solved side by side.
+    /// Islands of the same topology, solved side by side.
     pub(crate) instance_batches: InstanceBatches,
-    /// What hangs on pins is held to them by these, besides.
+    /// Tethers: additional length limits between pins and what hangs on them.
     pub(crate) tethers: Tethers,
-    /// Rods one behind the other, which are solved at once.
+    /// Chains of rods, each solved directly.
     pub(super) chains: Chains,
-    /// How long the lists were where some of the islands begin, ascending.
+    /// Lengths of the lists at the beginning of some islands, ascending.
     marks: Vec<Mark>,
     compiling: Compiling,
 }
 
-/// Constraints of one kind and one colour: no two share a particle, except in the overflow.
+/// Constraints of one kind and one colour. No two share a particle, except in the overflow colour.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ConstraintGroup {
-    /// Which list they are in, and which kernel serves them.
+    /// Which list they are in, and which kernel solves them.
     pub(crate) kind: GroupKind,
-    /// Where they are in that list.
+    /// Their range in that list.
     pub(crate) range: Range<usize>,
-    /// Of rods: where they are among the plan's runs (or strided batches, in columns), and blocks. Of soft distances in columns: the same, and loose blocks.
+    /// For rods: ranges among the plan's runs (strided batches, if swept in columns) and blocks. For soft distances swept in columns: strided batches and loose
+    /// blocks.
     pub(crate) runs: Range<usize>,
     pub(crate) blocks: Range<usize>,
-    /// Of others: where they are among its constraint batches, if those have a kernel for eight at a time, and are not in columns.
+    /// For the others: their range among the constraint batches, if they have an eight-lane kernel and are not swept in columns.
     pub(crate) wide: Option<Which>,
 }
 
 impl ConstraintGroup {
-    /// Whether what is in it is of the plan's distances.
+    /// Whether the group is a range of the plan's distances.
     pub(crate) fn has_distances(&self) -> bool {
         self.kind != GroupKind::Constraints
     }
 
-    /// Where its rods are among the plan's runs and blocks.
+    /// Ranges of its rods among the plan's runs and blocks.
     pub(crate) fn rods(&self) -> (&Range<usize>, &Range<usize>) {
         (&self.runs, &self.blocks)
     }
 }
 
-/// Groups of one rank, of one cluster in one phase, which are swept one after the other: what a thread takes at a time.
+/// Groups of one rank, phase and cluster, swept one after the other. This is the unit of work of a thread.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ClusterBatch {
-    /// Which kind its groups are of.
+    /// The kind of its groups.
     pub(crate) kind: GroupKind,
-    /// Where they are among the plan's groups.
+    /// Range of its groups in the plan.
     pub(crate) groups: Range<usize>,
-    /// Rank and phase. Cluster batches of one island and one stage share no particle.
+    /// Rank and phase combined. Cluster batches of one island and one stage share no particle.
     pub(crate) stage: u32,
-    /// All rows that it touches are within these.
+    /// Bounds of all rows that it uses.
     pub(crate) rows: Range<u32>,
-    /// Whether it is swept in columns: rods or soft distances, of which most are in runs, and enough of them to be worth turning the rows.
+    /// Whether it is swept in columns: rods or soft distances that are mostly strided, and numerous enough to pay for transposing the rows.
     pub(crate) columns: bool,
-    /// Where the rows are among the plan's that it touches of the run of its island, if that is swept in columns and it is not.
+    /// Range in the plan's `shared_rows`: the rows that it uses in the run of its island. Empty where it is swept in the columns of that run itself.
     pub(crate) shared_rows: Range<usize>,
 }
 
 impl ClusterBatch {
-    /// Whether it is swept in columns that begin where a run of rows does, and have all of that.
+    /// Whether it is swept in columns, lies in the given run of rows, and begins an even number of rows after the start of that run.
     pub(crate) fn is_within(&self, run: &Range<u32>) -> bool {
         let from = self.rows.start.checked_sub(run.start);
         let even = from.is_some_and(|from| from.is_multiple_of(2));
         self.columns && even && self.rows.end <= run.end
     }
 
-    /// Whether it is of rods that are swept in columns.
+    /// Whether it consists of rods that are swept in columns.
     pub(crate) fn has_rods_in_columns(&self) -> bool {
         self.columns && self.kind == GroupKind::Rods
     }
 }
 
-/// The kinds of groups. Each has colours of its own: a rod and a constraint may have the same one.
+/// The kinds of groups. Each kind is coloured separately: a rod and a constraint of the same colour may share a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum GroupKind {
-    /// Of the plan's distances, hard ones of equality, by the shortest kernel.
+    /// Hard equality distances, solved by the shortest kernel.
     Rods,
-    /// Of the plan's distances, by the general kernel.
+    /// All other distances, solved by the general distance kernel.
     Distances,
-    /// Of the plan's constraints, by their equations.
+    /// All other constraints, solved by their equations.
     Constraints,
 }
 
-/// An island of whose constraints so large a share is swept in columns is swept with its particles in columns all the time: what the others touch is read
-/// from there, and written back.
+/// Share of an island's constraints (numerator, denominator) that has to be swept in columns for its particles to stay in columns all the time. The remaining
+/// constraints then read their particles from the columns and write them back.
 const IN_COLUMNS: (usize, usize) = (7, 8);
 
-/// What a plan is compiled from.
+/// The input of compilation.
 #[derive(Clone, Copy)]
 pub(crate) struct Given<'a> {
     pub(crate) distances: &'a [Distance],
     pub(crate) constraints: &'a [Constraint],
-    /// How many rows there are.
+    /// Number of rows.
     pub(crate) particles: usize,
 }
 
 impl Plan {
-    /// Compiles the valid ones among some distances and constraints. Keeps its memory.
+    /// Compiles the valid ones of the given distances and constraints. Reuses allocated memory.
     ///
-    /// A pinned particle (of infinite mass) belongs to the island of what hangs on it, and joins several into one.
+    /// A pinned particle (infinite mass) belongs to the island of the constraints attached to it, and merges several into one.
     pub(crate) fn compile(&mut self, given: Given) {
         self.compiling.keys.clear();
         self.compile_from(&given, 0, &given.sound_from([0, 0]));
     }
 
-    /// The same where so many distances and constraints, from the first on, are what they were.
+    /// Like [`compile`](Self::compile), where the first `same` distances and constraints are unchanged.
     pub(crate) fn compile_changed(&mut self, given: Given, same: [usize; 2]) {
         let Compiling { keys, given: before, .. } = &mut self.compiling;
-        // What was faulty may be in order now.
+        // Constraints that were invalid at the last compilation may be valid now.
         if keys.len() < before.iter().sum() {
             return self.compile(given);
         }
@@ -198,7 +199,7 @@ impl Plan {
         self.compile_from(&given, kept, &given.sound_from(same));
     }
 
-    /// Compiles as [`compile`](Self::compile) does, for as many particles as before, and where that can be without looking at everything again.
+    /// Gives the result of [`compile`](Self::compile), incrementally where possible. The number of particles must not have changed.
     pub(crate) fn keep_up(&mut self, given: Given, changes: &Changes) {
         let mut compiling = core::mem::take(&mut self.compiling);
         let updated = incremental::update_incrementally(self, &mut compiling, (&given, changes));
@@ -219,8 +220,8 @@ impl Plan {
         }
     }
 
-    /// Compiles all but the first `kept` islands: of what was there, that which has a key, and what was added. No constraint of those islands has
-    /// changed, and what was added may tie something to them.
+    /// Compiles all but the first `kept` islands, from the constraints that have a key and from those `added`. No constraint of the kept islands may have
+    /// changed. Where an added constraint connects to one of them, fewer islands are kept.
     fn compile_from(&mut self, given: &Given, kept: usize, added: &[Added]) {
         let mut compiling = core::mem::take(&mut self.compiling);
         let old = &self.islands.of[..self.rows.min(given.particles)];
@@ -250,7 +251,7 @@ impl Plan {
         self.cut(given, kept);
     }
 
-    /// The number, as given, of each distance and of each constraint of the plan.
+    /// The input indices of the plan's distances and of its constraints.
     pub(crate) fn numbers(&self) -> [Vec<u32>; 2] {
         let mut numbers = [Vec::new(), Vec::new()];
         for key in &self.compiling.keys {
@@ -260,7 +261,7 @@ impl Plan {
         numbers
     }
 
-    /// Copies what was given in the order of its keys, from that of a marked island on, and finds what goes side by side.
+    /// Copies the input in key order, beginning at the marked island `from`, and finds chains and instance batches.
     fn cut(&mut self, given: &Given, from: usize) {
         self.cut_off(from);
         let keys = core::mem::take(&mut self.compiling.keys);
@@ -281,7 +282,7 @@ impl Plan {
         }
     }
 
-    /// The rows of the particles of the island of a number, ascending.
+    /// The rows of the particles of island `number`, ascending.
     pub(crate) fn members(&self, number: usize) -> &[u32] {
         &self.islands.members[self.islands.list[number].members.clone()]
     }
@@ -298,15 +299,15 @@ impl Plan {
         }
     }
 
-    /// The rows of an island that follow each other, if it is worth sweeping it with those in columns: where nearly all of its constraints are.
+    /// The contiguous run of rows of an island, if the island is worth sweeping with that run in columns because nearly all of its constraints are there.
     pub(crate) fn fits_columns(&self, island: &Island) -> Option<Range<u32>> {
         let run = self.run(island);
-        // Beyond the last row, some more are read, and written back.
+        // Some rows beyond the last one are read and written back.
         let has_room = run.len().div_ceil(2) + 2 * LANES <= self.rods.half();
         (has_room && self.is_mostly_in_columns(island)).then_some(run)
     }
 
-    /// Whether nearly all constraints of an island are of cluster batches that are swept in columns, among its rows that follow each other.
+    /// Whether nearly all constraints of an island are in cluster batches that are swept in columns, within the island's contiguous run of rows.
     pub(crate) fn is_mostly_in_columns(&self, island: &Island) -> bool {
         let run = self.run(island);
         let (mut all, mut within) = (0, 0);
@@ -319,7 +320,7 @@ impl Plan {
         within * IN_COLUMNS.1 >= all * IN_COLUMNS.0
     }
 
-    /// Most of the rows of an island, which follow each other.
+    /// The longest contiguous run of rows of an island.
     pub(crate) fn run(&self, island: &Island) -> Range<u32> {
         match self.islands.members.get(island.run.clone()) {
             Some([first, .., last]) => *first..*last + 1,
@@ -341,9 +342,9 @@ impl Plan {
         })
     }
 
-    /// The rows of an island's particles, stretch by stretch.
+    /// The rows of an island's particles as contiguous ranges.
     pub(crate) fn runs(&self, island: &Island) -> impl Iterator<Item = Range<u32>> {
-        // Mostly it is known that there is one.
+        // Shortcut: most islands are known to be one range.
         let one = (island.run == island.members).then(|| self.run(island));
         let several = if one.is_some() { 0..0 } else { island.members.clone() };
         let members = self.islands.members.get(several).unwrap_or(&[]);
@@ -351,7 +352,7 @@ impl Plan {
         one.into_iter().chain(several.map(|run| run[0]..run[run.len() - 1] + 1))
     }
 
-    /// The rows of an island's particles, where no other's are between them.
+    /// The rows of an island's particles, if no other island's rows lie between them.
     pub(crate) fn stretch(&self, island: &Island) -> Option<Range<usize>> {
         let members = self.islands.members.get(island.members.clone())?;
         let (first, last) = (*members.first()? as usize, *members.last()? as usize);

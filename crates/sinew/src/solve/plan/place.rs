@@ -1,4 +1,4 @@
-//! Placing: each constraint gets the key that says where it goes.
+//! Placement: computes the key of each constraint, which is its position in the plan.
 
 use core::ops::Range;
 
@@ -12,38 +12,38 @@ use crate::islands::Island;
 use crate::solve::rods;
 use crate::union_find::UnionFind;
 
-/// What compiling needs; kept for its memory, and for the next [incremental update](super::incremental).
+/// Scratch and state of compilation, kept to reuse its memory and for the next [incremental update](super::incremental).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Compiling {
     pub(super) connected: UnionFind,
-    /// The place of each particle among the members of its island.
+    /// The member index of each particle in its island.
     pub(super) slots: Vec<u32>,
-    /// The sound distances of each island that is compiled, island after island, in the order given.
+    /// The valid distances of each island being compiled, by island, then in input order.
     pub(super) of_island: Vec<u32>,
-    /// Where those of each of these islands begin, and where the last end.
+    /// Where those of each of these islands begin, and where the last ones end.
     begins: Vec<u32>,
-    /// How many distances and constraints were given.
+    /// Number of distances and constraints of the input.
     pub(super) given: [usize; 2],
     pub(super) colours: Colours,
-    /// The strides of each island: of its rods, and of its other distances; and room to find them in.
+    /// The strides of each island, for rods and for other distances; and scratch to count them in.
     pub(super) strides: Vec<[Strides; 2]>,
     pub(super) scratch: [StrideCounts; 2],
-    /// The clusters of each island.
+    /// The division into clusters of each island.
     pub(super) clusters: Vec<Clusters>,
-    /// No constraint of an island reaches farther, counted in places.
+    /// The greatest reach of a constraint of each island, in member indices.
     pub(super) reaches: Vec<u32>,
-    /// All that is sound, ascending.
+    /// The keys of all valid constraints, ascending.
     pub(super) keys: Vec<Key>,
 }
 
 impl Compiling {
-    /// Notes what was given, of which all that is sound has its key.
+    /// Records the size of an input whose valid constraints all have keys.
     pub(super) fn note(&mut self, given: &Given) {
         self.given = [given.distances.len(), given.constraints.len()];
     }
 
-    /// The numbers of the distances and of the constraints that have keys, but for those of the first `kept` islands, and of what was added, ascending: as far
-    /// as they are in order. Their keys are taken out.
+    /// The input indices of the distances and of the constraints to compile, ascending: those with a key in an island from `kept` on, as far as they are valid,
+    /// and those `added`. Removes their keys.
     pub(super) fn take_from(
         &mut self,
         kept: usize,
@@ -59,7 +59,7 @@ impl Compiling {
         numbers
     }
 
-    /// Gives the constraints of these numbers their keys: those of all but the first `kept` of the plan's islands.
+    /// Computes the keys of the constraints with these input indices: all those of the islands from `kept` on.
     pub(super) fn place_from(
         &mut self,
         kept: usize,
@@ -86,8 +86,8 @@ impl Compiling {
         self.keys[first..].sort_unstable();
     }
 
-    /// Where a constraint among these particles goes, but for its colour, and its first and last place in its island. A distance of a large island that is no good
-    /// in columns stands last, that others may be in columns: a figure has some, and wears a cape.
+    /// The position of a constraint among these particles, without its colour, and its first and last member index. Distances of a large island that cannot be
+    /// swept in columns are placed in the last phase, so that the others can be: a character that wears a cape has some.
     pub(super) fn fields(
         &self,
         plan: &Plan,
@@ -103,7 +103,7 @@ impl Compiling {
         (Fields { island, rank, phase, cluster, colour: 0 }, ends)
     }
 
-    /// The first and the last place of some particles in their island.
+    /// The first and the last member index of some particles.
     pub(super) fn ends(&self, rows: &[u32]) -> (u32, u32) {
         let slots = || rows.iter().map(|&row| self.slots[row as usize]);
         (slots().min().unwrap_or(0), slots().max().unwrap_or(0))
@@ -118,7 +118,7 @@ impl Compiling {
         }
     }
 
-    /// Lists distances of all but the first `kept` islands island by island, in the order given: a counting sort.
+    /// Sorts the distances of all but the first `kept` islands by island, in input order within each: a counting sort.
     fn sort_by_island(
         &mut self,
         kept: usize,
@@ -146,12 +146,12 @@ impl Compiling {
             of_island[*begin as usize] = number;
             *begin += 1;
         }
-        // Each begin has moved on to where the next one was.
+        // Each entry has advanced to the beginning of the next island.
         begins.rotate_right(1);
         begins[0] = 0;
     }
 
-    /// Gives each distance of an island its key: those in these places of the list of all of them.
+    /// Computes the keys of an island's distances, given their range in `of_island`.
     fn place_distances(
         &mut self,
         plan: &Plan,
@@ -185,7 +185,7 @@ impl Compiling {
         self.strides.push(strides);
     }
 
-    /// How the island of these distances is cut, and which strides it has.
+    /// The division into clusters and the strides of the island of these distances.
     pub(super) fn examine<'a>(
         &self,
         plan: &Plan,
@@ -201,7 +201,7 @@ impl Compiling {
             let ends = self.ends(&[d.a, d.b]);
             (count, reach) = (count + 1, reach + u64::from(ends.1 - ends.0));
             let kind = kind_of(d);
-            // What small islands have that is no rod is solved in lanes of like islands, and not in columns.
+            // Distances of small islands other than rods are solved in lanes of an instance batch, not in columns.
             if may_stride(d) && (kind == GroupKind::Rods || !plan.islands.list[island].is_small()) {
                 scratch[kind as usize].add(ends);
             }
@@ -212,7 +212,7 @@ impl Compiling {
         )
     }
 
-    /// Gives a constraint its key.
+    /// Computes the key of a constraint.
     fn place_constraint(&mut self, plan: &Plan, constraint: &Constraint, number: u32) {
         let (fields, ends) =
             self.fields(plan, &constraint.rows, (rank_of_kind(&constraint.kind), None));
@@ -224,13 +224,13 @@ impl Compiling {
     }
 }
 
-/// Which of the groups of distances one belongs to.
+/// The kind of group that a distance belongs to.
 fn kind_of(d: &Distance) -> GroupKind {
     if is_rod(d) { GroupKind::Rods } else { GroupKind::Distances }
 }
 
-/// Whether a distance may have the colour of a stride, and be swept in columns: a rod, or what yields both ways, but not to how fast it is pulled, for
-/// columns do not know where the substep began.
+/// Whether a distance may get the colour of a stride and be swept in columns: a rod, or a two-sided compliant distance without damping. Damping needs the
+/// positions at the start of the substep, which columns do not store.
 pub(super) fn may_stride(d: &Distance) -> bool {
     is_rod(d) || (d.bound == Bound::Equal && rods::compliance(d).is_some())
 }

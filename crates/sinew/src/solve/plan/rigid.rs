@@ -1,4 +1,5 @@
-//! Which islands are nothing but a rigid body: all of its particles are tied to each other as its collider has them, and nothing else acts on one.
+//! Islands that are nothing but one rigid body: rods connect all of its particles pairwise at the distances of its collider, and there are no other
+//! constraints.
 
 use glam::Vec3;
 
@@ -7,14 +8,14 @@ use crate::collide::BodyCollider;
 use crate::constraints::Distance;
 use crate::islands::Island;
 
-/// The most particles of a rigid island: which are tied to which is noted in the bits of one number each.
+/// Greatest number of particles of such an island: its connectivity is stored as one bit per pair in a `u64` per particle.
 const MOST: usize = 64;
 
-/// How much a rod may differ from how far apart the collider has its ends, as a share of that.
+/// Greatest difference between a rod's length and the distance of its ends in the collider, as a share of the latter.
 const LENGTHS: f32 = 1e-5;
 
 impl Plan {
-    /// Whether an island has the particles of a body collider, and rods alone that tie each of them to each as the collider has them.
+    /// Whether an island consists of the particles of a body collider, connected pairwise by rods of the collider's distances, and has no other constraints.
     pub(crate) fn ties_all_of(&self, solid: &BodyCollider, island: &Island) -> bool {
         let members = &self.islands.members[island.members.clone()];
         let groups = &self.groups[island.groups.clone()];

@@ -1,4 +1,4 @@
-//! Tasks: islands dealt out to threads, each task with stretches of rows and of constraints that no other has.
+//! Tasks: islands distributed to threads. Each task has ranges of rows and of constraints that no other task has.
 
 use core::ops::Range;
 
@@ -6,24 +6,24 @@ use super::Plan;
 use crate::lanes::LANES;
 use crate::threads::TASKS;
 
-/// Consecutive islands, which are solved one after the other.
+/// Consecutive islands, solved one after the other by one thread.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Task {
     pub(crate) islands: Range<usize>,
-    /// All rows of these islands, and of no other.
+    /// All rows of these islands, and of no others.
     pub(crate) rows: Range<u32>,
-    /// The same among the plan's distances and constraints.
+    /// Their ranges among the plan's distances and constraints.
     pub(crate) distances: Range<usize>,
     pub(crate) constraints: Range<usize>,
-    /// Where its instance batches are among the plan's.
+    /// Range of its instance batches in the plan.
     pub(crate) instance_batches: Range<usize>,
-    /// Whether it is one island that is worth being cut into clusters.
+    /// Whether it is a single island that is worth being divided into clusters for several threads.
     pub(crate) large: bool,
 }
 
 impl Plan {
-    /// The tasks for one worker alone, or for several. One has nothing of many tasks: where one ends amid bodies that are all the same, it goes on
-    /// with the next, so that they make larger [instance batches](super::instance_batches).
+    /// The tasks for a single worker (`alone`), or for several. A single worker gains nothing from many tasks: where a task boundary separates bodies of the
+    /// same topology, the two tasks are merged, so that the bodies make larger [instance batches](super::instance_batches).
     pub(crate) fn tasks(&self, alone: bool) -> impl Iterator<Item = Task> {
         let joins = move |one: &Task, next: &Task| {
             alone
@@ -36,7 +36,7 @@ impl Plan {
 }
 
 impl Task {
-    /// This one and those that follow up to another.
+    /// The task from this one to `last`, inclusive.
     fn to(&self, last: &Self) -> Self {
         Self {
             islands: self.islands.start..last.islands.end,
@@ -49,20 +49,20 @@ impl Task {
     }
 }
 
-/// So many constraints keep a thread busy for ten times as long as it takes to tell it so.
+/// Least number of constraints of a large island. Solving them takes about ten times as long as it takes to hand work to a thread.
 const LARGE: usize = 16_384;
 
-/// A task is worth telling a thread from about this much work on, in particles: some 30 µs.
+/// Least work of a task that is handed to a thread, in particles: about 30 µs.
 const LEAST: usize = 8192;
 
-/// Cuts a plan into tasks of about the same work. Islands whose rows lie among each other's go together.
+/// Divides a plan into tasks of about equal work. Islands whose rows interleave go into the same task.
 pub(super) fn cut(plan: &Plan) -> Vec<Task> {
     let mut tasks: Vec<Task> = Vec::new();
     let work =
         |task: &Task| task.rows.len() + 4 * (task.distances.len() + 4 * task.constraints.len());
     let all = plan.rows + 4 * (plan.distances.len() + 4 * plan.constraints.len());
     let share = (all / TASKS).max(LEAST);
-    // Rows that begun islands reach to.
+    // End of the rows of all islands so far.
     let mut reach = 0;
     let (mut distance, mut constraint) = (0, 0);
     for (number, island) in plan.islands.list.iter().enumerate() {
@@ -77,7 +77,7 @@ pub(super) fn cut(plan: &Plan) -> Vec<Task> {
         }
         let large = distance - distances + constraint - constraints >= LARGE
             && members.len() == (last - first) as usize + 1;
-        // Small islands go by eights, which are what an instance batch takes.
+        // Small islands are dealt out in eights, the size of an instance batch.
         let whole = |task: &Task| task.islands.len().is_multiple_of(LANES) || !island.is_small();
         let full = |task: &Task| task.large || large || (work(task) >= share && whole(task));
         let begin = match tasks.last() {

@@ -1,8 +1,8 @@
-//! What a plan keeps, whatever it is made of.
+//! Properties that a plan has for any input.
 
 use super::*;
 
-/// A plan of these, among so many particles.
+/// Compiles a plan of these distances among `particles` particles.
 fn compile(plan: &mut Plan, distances: &[Distance], particles: usize) {
     plan.compile(Given { distances, constraints: &[], particles });
 }

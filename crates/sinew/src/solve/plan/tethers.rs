@@ -1,4 +1,4 @@
-//! Which tethers and spans the islands of a plan have: found from their rods and their pins, when those have changed.
+//! The tethers and spans of a plan's islands, found from their rods and pins when those have changed.
 
 use super::{GroupKind, Plan};
 use crate::constraints::{Bound, Distance, Softness};
@@ -9,11 +9,11 @@ use crate::solve::rod_graph::RodGraph;
 use crate::solve::tethers::{IslandTethers, PinFields, Spans, TetherPaths, Tethers};
 use crate::solve::tie_rods::TieRods;
 
-/// An island of no more particles has no tethers: there is one rod, or two, between any of them and its pin.
+/// Islands of no more particles get no tethers: only one or two rods lie between any particle and its pin.
 const SMALL: usize = 3;
 
 impl Plan {
-    /// Gives the islands their tethers for this step. Whether an island is free has been found.
+    /// Updates the tethers of the islands for this step. `Island::free` has to be up to date.
     pub(crate) fn tether(&mut self, particles: &Particles) {
         let mut tethers = core::mem::take(&mut self.tethers);
         let mut before = Vec::new();
@@ -23,7 +23,7 @@ impl Plan {
             keep(&mut tethers.spans, islands, |island| &mut island.spans);
             keep(&mut tethers.graphs, islands, |island| &mut island.rod_graph);
             keep(&mut tethers.tie_rods, islands, |island| &mut island.tie_rods);
-            // Rods have other numbers now.
+            // The rods were renumbered.
             tethers.islands.iter_mut().for_each(|made| made.ways = None);
         }
         for number in 0..self.islands.list.len() {
@@ -63,7 +63,7 @@ impl Plan {
             let pins: Vec<u32> = if island.free { Vec::new() } else { pins().collect() };
             let key = self.key(island, &pins);
             let known = before.iter().position(|other| other.key == key);
-            // Many islands in a row may be alike.
+            // Many consecutive islands may have the same topology.
             let twin = tethers.islands.last().filter(|last| last.key == key);
             let (fields, each) = match (known, twin) {
                 (Some(at), _) => {
@@ -104,7 +104,7 @@ impl Plan {
         self.tethers = tethers;
     }
 
-    /// Finds the tie rods of an island that takes microsteps, if they are not known.
+    /// Finds the tie rods of an island that takes microsteps, if they are not up to date.
     fn find_tie_rods(&mut self, number: usize, particles: &Particles, tethers: &mut Tethers) {
         let (island, edits) = (&self.islands.list[number], particles.edits());
         let known = island.tie_rods.map(|place| &tethers.tie_rods[place as usize]);
@@ -142,7 +142,7 @@ impl Plan {
         }
     }
 
-    /// The spans of an island, among those of its rows that follow each other.
+    /// The spans of an island, within its contiguous run of rows.
     fn spans(&self, number: usize) -> Spans {
         let island = &self.islands.list[number];
         let run = self.run(island);
@@ -150,12 +150,12 @@ impl Plan {
         Spans::of(run.start, run.len(), self.hard(island).1.filter(within))
     }
 
-    /// The ways of the tethers of an island along its rods.
+    /// The paths of an island's tethers along its rods.
     fn ways(&self, island: &Island, pins: &[u32]) -> TetherPaths {
         let (graph, sources) = (self.graph(island), self.places(island, pins));
         let nearest = graph.field(&sources);
         let fields = PinFields::of(&graph, sources, None);
-        // Numbers of hard distances, as `hard` lists them.
+        // Plan indices of the hard distances, in the order in which `hard` lists them.
         let groups = self.groups[island.groups.clone()].iter();
         let numbers: Vec<u32> = groups
             .filter(|group| group.kind != GroupKind::Constraints)
@@ -187,7 +187,7 @@ impl Plan {
         fnv([island.members.len() as u32].into_iter().chain(rods).chain(pins))
     }
 
-    /// The hard distances of an island, as rods between its members.
+    /// The hard distances of an island, as rods between member indices.
     fn graph(&self, island: &Island) -> RodGraph {
         let members = &self.islands.members[island.members.clone()];
         let place = places(members);
@@ -197,14 +197,14 @@ impl Plan {
         RodGraph::new(members.len(), &rods)
     }
 
-    /// Where rows are among the members of an island.
+    /// Member indices of rows in an island.
     fn places(&self, island: &Island, rows: &[u32]) -> Vec<u32> {
         let place = places(&self.islands.members[island.members.clone()]);
         rows.iter().map(|&row| place(row)).collect()
     }
 }
 
-/// Keeps of a list what islands have, in their order, and returns what they have no more.
+/// Keeps the entries that islands still refer to, in island order, updates their indices, and returns the entries that are no longer used.
 fn keep<T>(
     list: &mut Vec<T>,
     islands: &mut [Island],
@@ -221,7 +221,7 @@ fn keep<T>(
     before.into_iter().flatten().collect()
 }
 
-/// Where rows are among members, which ascend.
+/// The member index of a row, given the ascending member rows.
 fn places(members: &[u32]) -> impl Fn(u32) -> u32 {
     let (first, last) = (members[0], members[members.len() - 1]);
     let in_a_row = (last - first) as usize + 1 == members.len();
@@ -231,7 +231,7 @@ fn places(members: &[u32]) -> impl Fn(u32) -> u32 {
     }
 }
 
-/// Whether a distance is one that tethers may rely on.
+/// Whether a tether may rely on a distance.
 fn is_hard(d: &Distance) -> bool {
     d.softness == Softness::Hard && d.bound != Bound::AtLeast
 }

@@ -1,8 +1,8 @@
-//! Rods on particles as columns of x, y, z and w: what a grid is swept in.
+//! Rods on particles stored as columns of x, y, z and w, the form in which grids are swept.
 //!
-//! In columns, eight rods of a strided batch are eight loads, the formula, and six stores; packed, half of the work is turning particles into lanes
-//! and back. So a cluster, which fits into a core's first cache, is turned once, swept, and turned back; and where nothing else wants to see its
-//! particles meanwhile, it stays in columns for all substeps of a step ([`wavefront`](crate::solve)).
+//! In columns, eight rods of a strided batch take eight loads, the formula, and six stores; packed, half of the work is transposing particles into lanes and
+//! back. So a cluster, which fits into a core's L1 cache, is transposed once, swept, and transposed back. Where nothing else reads its particles in between, it
+//! stays in columns for all substeps of a step ([`wavefront`](crate::solve)).
 
 use core::ops::Range;
 
@@ -15,12 +15,12 @@ use crate::constraints::project_rod;
 use crate::lanes::{Columns, InstructionSet, LANES, Lanes, OnPairs, Vector, Work, with};
 use crate::particles::Places;
 
-/// Where the strided batches and the blocks of a colour are.
+/// Ranges of the strided batches and of the blocks of a colour.
 type Colour<'a> = (&'a Range<usize>, &'a Range<usize>);
 
 impl Rods {
-    /// Projects groups of rods (their strided batches and blocks) once, in their order, on particles that are in columns; `rows` are the first of their
-    /// cluster batch, and that of the columns. Returns the largest error found, metres.
+    /// Projects groups of rods (their strided batches and blocks) once, in order, on particles in columns. `rows` are the first row of the cluster batch and
+    /// the first row of the columns. Returns the largest error found, metres.
     pub(crate) fn sweep_turned<'a>(
         &self,
         columns: &mut Columns,
@@ -36,7 +36,7 @@ impl Rods {
         }
     }
 
-    /// What is left to correct of the same: largest error, metres, and largest share of a rest length. Moves nothing.
+    /// The remaining error of such groups: largest error, metres, and largest share of a rest length. Moves nothing.
     pub(crate) fn measure_columns<'a>(
         &self,
         places: &Places,
@@ -51,7 +51,7 @@ impl Rods {
         self.measure_turned(columns, groups, (rows.start, rows.start), instructions)
     }
 
-    /// The same on particles that are in columns. `rows` as in [`sweep_turned`](Self::sweep_turned).
+    /// Like [`measure_columns`](Self::measure_columns), on particles that are already in columns. `rows` as in [`sweep_turned`](Self::sweep_turned).
     pub(crate) fn measure_turned<'a>(
         &self,
         columns: &mut Columns,
@@ -63,7 +63,7 @@ impl Rods {
     }
 }
 
-/// A sweep over particles in columns, as [`Rods::sweep_turned`] has it.
+/// The work of [`Rods::sweep_turned`].
 struct SweepColumns<'a, G, C> {
     rods: &'a Rods,
     columns: &'a mut Columns,
@@ -93,7 +93,7 @@ impl<'a, G: Iterator<Item = Colour<'a>>, C: Correction> Work for SweepColumns<'_
     }
 }
 
-/// What such a sweep would still find, as [`Rods::measure_turned`] has it.
+/// The work of [`Rods::measure_turned`].
 struct MeasureColumns<'a, G> {
     rods: &'a Rods,
     columns: &'a mut Columns,
@@ -132,7 +132,7 @@ impl<'a, G: Iterator<Item = Colour<'a>>> Work for MeasureColumns<'_, G> {
 }
 
 impl Rods {
-    /// The strided batches of a colour, of which the first row of their cluster batch is `from` lanes behind that of the columns.
+    /// Sweeps a strided batch of a colour. `from` is the number of lanes from the first row of the columns to the first row of the cluster batch.
     #[inline(always)]
     fn sweep_strided<L: Lanes, C: Correction>(
         &self,
@@ -165,20 +165,20 @@ impl Rods {
     }
 }
 
-/// What rods that yield have beside their lengths. A constant of the kernel.
+/// The compliance of rods. A compile-time constant of the kernel.
 pub(super) trait Yields<L: Lanes> {
-    /// `α/h²` of eight, 1/kg, and what they have summed up; `live` are the lanes in which there are any, a bit each.
+    /// `α/h²` of eight rods, 1/kg, and their accumulated multipliers; `live` is a bit mask of the lanes in use.
     fn before(&self, live: u32) -> Option<(L, L)>;
-    /// How much of such errors is corrected; `None` for all.
+    /// The part of such errors that is corrected; `None` for all.
     #[inline(always)]
     fn share(&self, _error: L, _rest: L) -> Option<L> {
         None
     }
-    /// They have been pulled by so much more.
+    /// Adds to the accumulated multipliers.
     fn after(&mut self, live: u32, change: L);
 }
 
-/// Rods do not, but may be corrected in part.
+/// Hard rods have no compliance, but may be corrected in part.
 impl<L: Lanes, C: Correction> Yields<L> for C {
     #[inline(always)]
     fn before(&self, _: u32) -> Option<(L, L)> {
@@ -194,7 +194,7 @@ impl<L: Lanes, C: Correction> Yields<L> for C {
     fn after(&mut self, _: u32, _: L) {}
 }
 
-/// Eights, and what they come to: the largest errors, and which lanes could always be projected.
+/// State of a sweep over full batches of eight: the largest errors, and the lanes in which all rods could be projected.
 pub(super) struct RodPull<L, S> {
     pub(super) worst: L,
     pub(super) all_move: L,
@@ -202,7 +202,7 @@ pub(super) struct RodPull<L, S> {
 }
 
 impl<L: Lanes, S: Yields<L>> RodPull<L, S> {
-    /// How far to move eight, of which some lanes are live, how far they are off, and which could be projected.
+    /// The correction of eight rods, of which some lanes are live: multiplier of the direction, error, and mask of those that could be projected.
     #[inline(always)]
     fn pull(&mut self, weights: [L; 2], rest: L, length: L, live: u32) -> (L, L, L) {
         let (mut scale, error, moves) = stretch_of(length, weights, rest, self.soft.before(live));
@@ -234,7 +234,7 @@ impl<L: Lanes, S: Yields<L>> OnPairs<L> for RodPull<L, S> {
     }
 }
 
-/// The same of fewer than eight. What lies beyond the last rod may be anything, NaN too, and belongs to others.
+/// The same for partial batches. Lanes beyond the last rod may hold anything, NaN included, and belong to other constraints.
 pub(super) struct Tail<P>(pub(super) P);
 
 impl<L: Lanes, S: Yields<L>> OnPairs<L> for Tail<RodPull<L, S>> {
@@ -252,8 +252,7 @@ impl<L: Lanes, S: Yields<L>> OnPairs<L> for Tail<RodPull<L, S>> {
         live.and(scale)
     }
 
-    /// Less nothing where there is no rod, which changes no bit: no blend, of which the compiler makes stores with a mask, which take as long as all
-    /// the rest.
+    /// Subtracts zero in unused lanes, which changes no bit. A blend would be compiled to masked stores, which take as long as all the rest.
     #[inline(always)]
     fn moved(&self, one: [L; 4], other: [L; 4], rest: L, scale: L) -> ([L; 4], [L; 4]) {
         let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
@@ -295,14 +294,14 @@ fn sweep_block<L: Lanes, C: Correction>(
     error.max(worst)
 }
 
-/// Parts those of some neighbouring rods whose ends are in one place, one after the other: it is rare. What has a direction was projected.
+/// Separates the coincident ends of adjacent rods, one rod after the other, which is rarely needed. Rods with a direction have been projected already.
 #[cold]
 fn part(columns: &mut Columns, a: usize, b: usize, rests: &[f32]) -> f32 {
     let mut worst = 0.0_f32;
     for (i, &rest) in rests.iter().enumerate().filter(|(_, rest)| !rest.is_nan()) {
         let ends = [a + i, b + i];
         let mut pair = ends.map(|at| columns.get(at));
-        // As the kernel decides: a distance whose square is nothing is none.
+        // The same test as in the kernel: a distance whose square underflows to zero counts as none.
         let d = (pair[0] - pair[1]).truncate();
         if d.x * d.x + d.y * d.y + d.z * d.z == 0.0 {
             worst = worst.max(project_rod(&mut pair, 0, 1, rest));

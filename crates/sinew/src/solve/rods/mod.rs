@@ -1,11 +1,11 @@
-//! Hard rods, eight side by side: what everything waits for, and the form in which a plan keeps rods for it.
+//! Hard rods, eight at a time: the hot loop of the solver, and the form in which a plan stores rods for it.
 //!
-//! What is solved together is of one colour, so no two of the eight share a particle, and the order among them does not matter. The formula is that
-//! of [`project_rod`](crate::constraints::project_rod), operation by operation ([`stretch`], [`moved`]). Two ways to it:
+//! Rods that are solved together have one colour, so no two of the eight share a particle and their order does not matter. The formula is that of
+//! [`project_rod`](crate::constraints::project_rod), operation by operation ([`stretch`], [`moved`]). There are two kernels:
 //!
-//! - `packed`: particles as they lie, `[x y z w]`, turned into lanes and back for every eight rods. For any mesh.
-//! - `columns`: a cluster whose rods mostly run in step, a grid's, is turned once, swept as columns of x, y, z and w without any further turning, and
-//!   turned back. `soft` are distances of a grid that yield by a compliance: rods there, by the same formula.
+//! - `packed`: particles as they lie in memory, `[x y z w]`, are transposed into lanes and back for every eight rods. For any mesh.
+//! - `columns`: a cluster whose rods are mostly strided, as those of a grid, is transposed once, swept as columns of x, y, z and w, and transposed back. `soft`
+//!   solves compliant distances of a grid there, with the same formula.
 
 mod columns;
 mod packed;
@@ -19,7 +19,7 @@ use core::ops::Range;
 use crate::constraints::Distance;
 use crate::lanes::{Columns, LANES, Lanes, Number, Pair, Vector};
 
-/// cos² of 0.35 rad, by which a rod may turn in a substep so that the direction that it had at the start still serves to correct it.
+/// cos² of 0.35 rad: the most that a rod may turn in a substep for its direction at the start of the substep to serve as the direction of correction.
 pub(super) const COS_SQUARED: f32 = 0.882_43;
 
 /// The rods of a plan.
@@ -28,45 +28,45 @@ pub(crate) struct Rods {
     runs: Vec<RodRun>,
     /// Rest lengths of the runs, metres.
     rests: Vec<f32>,
-    /// What is swept in columns: by colour.
+    /// The batches that are swept in columns, by colour.
     strided_batches: Vec<StridedBatch>,
-    /// Their rods, with their rest lengths, NaN for lanes beyond the last rod.
+    /// Their rods with their rest lengths; NaN in lanes beyond the last rod.
     pairs: Vec<Pair>,
-    /// Where odd rows begin in their columns.
+    /// Index at which odd rows begin in a column.
     half: usize,
     blocks: Vec<RodBlock>,
 }
 
-/// Rods of one colour in step by two rows, so that both their first and their second ends are neighbours in a column; or soft ones of one compliance. Their
-/// rows count from the first one of their cluster batch.
+/// Rods of one colour, each two rows after the previous one, so that both their first and their second ends are neighbours in a column; or compliant distances
+/// of one compliance. Rows count from the first one of the cluster batch.
 #[derive(Clone, Debug)]
 struct StridedBatch {
-    /// How much they yield, m/N: zero of rods.
+    /// Compliance, m/N; zero for rods.
     compliance: f32,
-    /// Whether they are pairs of neighbours in a column, in step by four rows; only soft ones are.
+    /// Whether they connect neighbours of a column, and follow each other at four rows. Compliant distances only.
     neighbours: bool,
-    /// Eights.
+    /// Range of full batches of eight among the pairs.
     full: Range<usize>,
-    /// The last ones of each run, fewer than eight.
+    /// Range of the partial batches, the last one of each run.
     tails: Range<usize>,
 }
 
-/// Rods in step: `(a, b), (a + s, b + s), (a + 2s, b + 2s), …`
+/// Strided rods: `(a, b), (a + s, b + s), (a + 2s, b + 2s), …`
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct RodRun {
     a: u32,
     b: u32,
-    /// The step `s`, 1 or 2.
+    /// The stride `s`, 1 or 2.
     step: u32,
-    /// Where its rest lengths are, filled up to a multiple of eight.
+    /// Offset of its rest lengths, which are padded to a multiple of eight.
     rests: u32,
     count: u32,
 }
 
-/// Columns have room for so many cluster batches of the longest kind: for as many substeps, nearly.
+/// Capacity of the columns, in cluster batches of the largest kind. A wavefront has about one of them in flight for each substep.
 const BUNDLES: usize = 16;
 
-/// Any eight rods of one colour. Where there are fewer, one stands there again: it computes the same and writes the same.
+/// Eight rods of one colour at any rows. Unused lanes repeat the first rod: they compute and write the same values.
 #[derive(Clone, Copy, Debug)]
 struct RodBlock {
     a: [u32; LANES],
@@ -74,7 +74,7 @@ struct RodBlock {
     rest: [f32; LANES],
 }
 
-/// How long the lists are.
+/// Lengths of the lists.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct RodCounts {
     runs: usize,
@@ -82,7 +82,7 @@ pub(crate) struct RodCounts {
     strided_batches: usize,
     pairs: usize,
     blocks: usize,
-    /// Where odd rows begin.
+    /// Index at which odd rows begin in a column.
     half: usize,
 }
 
@@ -98,7 +98,7 @@ impl Rods {
         }
     }
 
-    /// Forgets what came after it had so many, and keeps the memory.
+    /// Truncates the lists to earlier lengths; keeps the memory.
     pub(super) fn truncate(&mut self, counts: &RodCounts) {
         self.runs.truncate(counts.runs);
         self.rests.truncate(counts.rests);
@@ -108,8 +108,8 @@ impl Rods {
         self.set_half(counts.half);
     }
 
-    /// Takes the rods of one colour, sorted by their first particles, and returns which runs and which blocks they are. `alone` for those that share
-    /// particles: each has a block to itself.
+    /// Adds the rods of one colour, sorted by their first particles, and returns the ranges of their runs and blocks. `alone` marks rods that share particles:
+    /// each gets a block of its own.
     pub(crate) fn add(&mut self, rods: &[Distance], alone: bool) -> (Range<usize>, Range<usize>) {
         let (runs, blocks) = (self.runs.len(), self.blocks.len());
         let mut loose = Vec::new();
@@ -122,7 +122,7 @@ impl Rods {
         (runs..self.runs.len(), blocks..self.blocks.len())
     }
 
-    /// The same for a cluster batch of so many rows that is swept in columns: returns which strided batches, and which blocks.
+    /// Like [`add`](Self::add), for a cluster batch of these rows that is swept in columns: returns the ranges of strided batches and of blocks.
     pub(crate) fn add_to_columns(
         &mut self,
         rods: &[Distance],
@@ -160,7 +160,7 @@ impl Rods {
         (strided_batches..self.strided_batches.len(), first..self.blocks.len())
     }
 
-    /// Lets columns have room for some cluster batches of so many rows, which a [wavefront](super::wavefront) is on its way through.
+    /// Gives columns capacity for the cluster batches of this many rows that a [wavefront](super::wavefront) has in flight.
     fn widen(&mut self, rows: usize) {
         self.set_half(self.half.max(Columns::half(BUNDLES * rows.next_power_of_two())));
     }
@@ -172,12 +172,12 @@ impl Rods {
         }
     }
 
-    /// Where odd rows begin in the columns that rods are swept in.
+    /// Index at which odd rows begin in the columns that rods are swept in.
     pub(super) fn half(&self) -> usize {
         self.half
     }
 
-    /// Takes the runs of these steps out of some rods; what is left is loose.
+    /// Extracts runs of these strides from some rods; the remaining ones are appended to `loose`.
     fn find_runs(
         &mut self,
         rods: &[Distance],
@@ -188,7 +188,7 @@ impl Rods {
         let mut rest = rods;
         while let Some(first) = rest.first() {
             let (step, length) = run(rest, steps);
-            // A few more than eights may be worth lanes of their own.
+            // A partial batch may be worth lanes of its own.
             let over = length % LANES;
             let count = if over >= worth { length } else { length - over };
             if count > 0 {
@@ -197,14 +197,14 @@ impl Rods {
                 self.rests.extend(rest[..count].iter().map(|rod| rod.rest));
                 self.rests.resize(self.rests.len().next_multiple_of(LANES), first.rest);
             }
-            // Of what is no run, the second may still be the first of one.
+            // If the first rod begins no run, the second one still may.
             let taken = if count > 0 { length } else { 1 };
             loose.extend_from_slice(&rest[count..taken]);
             rest = &rest[taken..];
         }
     }
 
-    /// The rest lengths of a run, eight by eight.
+    /// The rest lengths of a run, in eights.
     #[inline(always)]
     fn rests_of(&self, run: &RodRun) -> &[[f32; LANES]] {
         let eights = (run.count as usize).div_ceil(LANES);
@@ -213,7 +213,7 @@ impl Rods {
 }
 
 impl RodBlock {
-    /// One to eight rods.
+    /// A block of one to eight rods.
     fn of(rods: &[Distance]) -> Self {
         let rod = |lane: usize| rods.get(lane).unwrap_or(&rods[0]);
         Self {
@@ -224,18 +224,18 @@ impl RodBlock {
     }
 }
 
-/// How much of their errors rods take in a sweep that is to share out what they cannot all have.
+/// Under-relaxation: the part of their errors that rods correct in a sweep which distributes contradictory errors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Relaxation {
-    /// Of what is beyond the tolerance.
+    /// Share of the error beyond the tolerance that is corrected.
     pub(crate) share: f32,
-    /// As a share of the rest length: what is off by less is left.
+    /// Error that is left uncorrected, as a share of the rest length.
     pub(crate) tolerance: f32,
 }
 
-/// How much of their errors rods take in a sweep. A constant of a kernel, but where it is an option.
+/// The part of their errors that rods correct in a sweep. A compile-time constant of a kernel, except where it is an `Option`.
 pub(super) trait Correction: Copy {
-    /// That of eight; `None` for all.
+    /// The shares for eight rods; `None` for all of the error.
     fn share<N: Number>(self, error: N, rest: N) -> Option<N>;
 }
 
@@ -254,7 +254,7 @@ impl Correction for Relaxation {
     #[inline(always)]
     fn share<N: Number>(self, error: N, rest: N) -> Option<N> {
         let beyond = (error - rest * N::splat(self.tolerance)) / error;
-        // Of none it is no number.
+        // NaN where the error is zero.
         Some(beyond.max(N::splat(0.0)) * N::splat(self.share))
     }
 }
@@ -269,7 +269,8 @@ impl Correction for Option<Relaxation> {
     }
 }
 
-/// Both ends moved to the nearest point, or some of the way, the errors, and which of the rods were projected or have no end that moves.
+/// Projects both ends to the nearest point, or part of the way. Returns the ends, the errors, and a mask of the rods that are done: projected, or with both
+/// ends pinned.
 #[inline(always)]
 pub(super) fn project<N: Number>(
     one: [N; 4],
@@ -285,12 +286,12 @@ pub(super) fn project<N: Number>(
     (one, other, error, moves)
 }
 
-/// The particles of a rod, lower row first: nothing in the formula knows them apart.
+/// The particles of a rod, lower row first. The formula is symmetric in them.
 pub(in crate::solve) fn ends(rod: &Distance) -> (u32, u32) {
     (rod.a.min(rod.b), rod.a.max(rod.b))
 }
 
-/// How many rods from the first on make a run, and by which of the steps.
+/// The stride and the length of the run that begins with the first rod.
 fn run(rods: &[Distance], steps: &[u32]) -> (u32, usize) {
     let (a, b) = ends(&rods[0]);
     let step = rods.get(1).map_or(0, |next| ends(next).0 - a);
@@ -302,18 +303,18 @@ fn run(rods: &[Distance], steps: &[u32]) -> (u32, usize) {
     (step, rods.iter().zip(0..).take_while(follows).count())
 }
 
-/// How far eight rods are to be moved: the multiplier `s` of their direction, the error, metres, and a mask of those of which nothing is left to do: they
-/// have a direction, or no end that moves.
+/// The correction of eight rods: the multiplier `s` of their direction, the error, metres, and a mask of those that are done, because they have a direction or
+/// no end that can move.
 #[inline(always)]
 fn stretch<N: Number>(one: [N; 4], other: [N; 4], rest: N) -> (N, N, N) {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
     stretch_of((a - b).length(), [wa, wb], rest, None)
 }
 
-/// The same of rods of some length; or of some that yield, with `α/h²`, 1/kg, and what each has summed up: of those the error is how far they are moved.
+/// Like [`stretch`], given the lengths. Compliant rods pass `α/h²`, 1/kg, and their accumulated multipliers; their error is how far they are moved.
 ///
-/// As [`project_rod`](crate::constraints::project_rod): with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`. What yields by a compliance α asks for `α/h² Λ`
-/// less, and resists by as much more: `s = (‖d‖ - L - Λ α/h²)/(‖d‖ (w_a + w_b + α/h²))`, and `Λ` grows by `s ‖d‖` (see
+/// As [`project_rod`](crate::constraints::project_rod): with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`. A compliance α reduces the error by `α/h² Λ` and
+/// adds to the effective inverse mass: `s = (‖d‖ - L - Λ α/h²)/(‖d‖ (w_a + w_b + α/h²))`, and `Λ` grows by `s ‖d‖` (see
 /// [`multiplier`](crate::constraints::SubstepContext)).
 #[inline(always)]
 fn stretch_of<N: Number>(
@@ -325,7 +326,7 @@ fn stretch_of<N: Number>(
     let (value, weights) = (length - rest, wa + wb);
     let divisor = length * weights;
     let moves = N::zero().lt(divisor);
-    // Between two pins there is nothing to part, and along the edge of a flag there are many such rods.
+    // A rod between two pins is done even if its ends coincide; along the edge of a flag there are many such rods.
     let settled = moves.or(weights.le(N::zero()));
     let Some((yields, sum)) = yields else {
         return (moves.and(value / divisor), moves.and(value.abs()), settled);
@@ -334,7 +335,7 @@ fn stretch_of<N: Number>(
     (scale, (scale * divisor).abs(), settled)
 }
 
-/// Moves them: `a -= w_a s d`, `b += w_b s d`.
+/// Moves both ends: `a -= w_a s d`, `b += w_b s d`.
 #[inline(always)]
 fn moved<N: Number>(one: [N; 4], other: [N; 4], scale: N) -> ([N; 4], [N; 4]) {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
@@ -342,8 +343,8 @@ fn moved<N: Number>(one: [N; 4], other: [N; 4], scale: N) -> ([N; 4], [N; 4]) {
     ((a - d * (wa * scale)).with(wa), (b + d * (wb * scale)).with(wb))
 }
 
-/// Both, along where the rods pointed when the substep began, as [`project_rod_from_start`](crate::constraints::project_rod_from_start) does where
-/// that can be, and to the nearest point elsewhere, as where `may`, a mask, is not set.
+/// Projects both ends along the rods' directions at the start of the substep, as [`project_rod_from_start`](crate::constraints::project_rod_from_start) does,
+/// where that is possible and the mask `may` is set, and to the nearest point elsewhere.
 #[inline(always)]
 pub(super) fn project_from_start<L: Lanes>(
     one: [L; 4],
@@ -359,7 +360,7 @@ pub(super) fn project_from_start<L: Lanes>(
     let usable = (short * L::splat(1.0 / 3.0)).lt(along).and(L::zero().lt(weights)).and(may);
     let (mut scale, mut pattern) =
         ((d.length_squared() - short) / (L::splat(2.0) * weights * along), bond);
-    // A division less, nearly always.
+    // Saves a division in nearly all cases.
     if !usable.all() {
         (scale, pattern) = (usable.select(scale, nearest), bond.or_else(usable, d));
     }

@@ -28,7 +28,7 @@ impl Rods {
         }
     }
 
-    /// What is left to correct in some runs and blocks: largest error, metres, and largest share of a rest length. Moves nothing.
+    /// The remaining error of some runs and blocks: largest error, metres, and largest share of a rest length. Moves nothing.
     pub(crate) fn measure(
         &self,
         positions: &[Vec4],
@@ -39,8 +39,7 @@ impl Rods {
         measure_packed(self, positions, runs, blocks, instructions)
     }
 
-    /// Projects strided batches of a cluster batch in columns, on particles as they lie: along where rods pointed when the substep began, which
-    /// columns do not know.
+    /// Projects strided batches of a cluster batch on packed particles, along the rods' directions at the start of the substep, which columns do not store.
     pub(crate) fn sweep_strided_from_start(
         &self,
         places: &mut Places,
@@ -54,7 +53,7 @@ impl Rods {
 }
 
 kernel!(
-    /// As [`Rods::sweep`] has it: `START` along where rods pointed when the substep began.
+    /// The kernel of [`Rods::sweep`]. `START`: along the rods' directions at the start of the substep.
     fn sweep_packed<L: Lanes, const START: bool>(
         rods: &Rods,
         places: &mut Places<'_>,
@@ -109,7 +108,7 @@ kernel!(
 );
 
 kernel!(
-    /// As [`Rods::measure`] has it.
+    /// The kernel of [`Rods::measure`].
     fn measure_packed<L: Lanes>(
         rods: &Rods,
         positions: &[Vec4],
@@ -134,7 +133,7 @@ kernel!(
     }
 );
 
-/// The larger of errors and strains, and of those of eight more rods. One that nothing can move has none.
+/// Maximum of errors and strains with those of eight more rods. A rod between two pins counts as zero.
 #[inline(always)]
 pub(in crate::solve) fn worse<L: Lanes>(
     (error, strain): (L, L),
@@ -149,7 +148,7 @@ pub(in crate::solve) fn worse<L: Lanes>(
 }
 
 kernel!(
-    /// As [`Rods::sweep_strided_from_start`] has it; `first` is the first row of the cluster batch.
+    /// The kernel of [`Rods::sweep_strided_from_start`]; `first` is the first row of the cluster batch.
     fn sweep_from_start<L: Lanes>(
         rods: &Rods,
         places: &mut Places<'_>,
@@ -162,7 +161,7 @@ kernel!(
             for pair in &rods.pairs[strided_batches.full.start..strided_batches.tails.end] {
                 let (mut ends, mut rest) = ([[0; LANES]; 2], pair.numbers);
                 for lane in 0..LANES {
-                    // What stands there again to fill the lanes is the first.
+                    // Unused lanes repeat the first rod.
                     let own = if rest[lane].is_nan() { 0 } else { lane };
                     rest[lane] = rest[own];
                     let (a, b) = pair.rows(own, rods.half);
@@ -176,7 +175,7 @@ kernel!(
     }
 );
 
-/// Eight rods of any rows. Returns the errors found, and the largest of those whose ends were in one place.
+/// Eight rods of any rows. Returns the errors found, and the largest error of those with coincident ends.
 #[inline(always)]
 fn eight_rods<L: Lanes, const START: bool>(
     places: &mut Places,
@@ -202,7 +201,7 @@ fn eight_rods<L: Lanes, const START: bool>(
 enum LoadPattern {
     /// Both ends from consecutive rows.
     Runs,
-    /// From rows of which each is bound to the next.
+    /// From consecutive rows, each connected to the next one.
     Pairs,
     /// Row by row.
     Rows,
@@ -218,7 +217,7 @@ impl RodRun {
         }
     }
 
-    /// The rows of eight of its rods, of which the first is at `first`; where fewer are `left`, that one again.
+    /// The rows of eight of its rods, beginning at `first`; where fewer are `left`, the first one is repeated.
     #[inline(always)]
     fn rows(&self, first: usize, left: u32) -> [u32; LANES] {
         let mut rows = [first as u32; LANES];
@@ -228,7 +227,7 @@ impl RodRun {
         rows
     }
 
-    /// Their rest lengths.
+    /// Their rest lengths, padded likewise.
     #[inline(always)]
     fn padded(&self, rest: &[f32; LANES], left: u32) -> [f32; LANES] {
         let mut padded = *rest;
@@ -247,7 +246,7 @@ fn load<L: Lanes>(packed: &[Vec4], pattern: LoadPattern, a: usize, b: usize) -> 
     }
 }
 
-/// Rows as places in slices that begin with the row `first`.
+/// Converts rows to indices into slices that begin with row `first`.
 #[inline(always)]
 fn less(rows: &[u32; LANES], first: u32) -> [u32; LANES] {
     let mut places = *rows;
@@ -259,11 +258,11 @@ fn less(rows: &[u32; LANES], first: u32) -> [u32; LANES] {
     places
 }
 
-/// Those of eight rods whose ends are in one place, or pinned, one after the other.
+/// Projects those of eight rods whose ends coincide or are pinned, one after the other.
 #[cold]
 fn part(positions: &mut [Vec4], stuck: u32, rows: [[u32; LANES]; 2], rest: &[f32; LANES]) -> f32 {
     let mut worst = 0.0_f32;
-    // What stands there again to fill the lanes is one rod.
+    // Lanes that repeat the first rod count once.
     let again = |lane: usize| lane > 0 && rows.iter().all(|rows| rows[lane] == rows[0]);
     for lane in (0..LANES).filter(|&lane| stuck >> lane & 1 != 0 && !again(lane)) {
         worst = worst.max(project_rod(positions, rows[0][lane], rows[1][lane], rest[lane]));

@@ -1,4 +1,4 @@
-//! Soft distances of a grid as rods that yield: in step, eight by eight in columns. What is in no step is left to the kernel of any soft distances.
+//! Compliant distances of a grid, solved as rods with compliance: strided ones in eights in columns. The others are left to the kernel for any soft distances.
 
 use core::ops::Range;
 
@@ -7,20 +7,21 @@ use super::{Rods, StridedBatch, ends};
 use crate::constraints::{Distance, Softness, SubstepContext, project};
 use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PARTED, Pair, Work, with};
 
-/// In which step soft distances of a stride are.
+/// How compliant distances of one stride follow each other.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Pattern {
-    /// By two rows, so that both their first and their second ends are neighbours in a column.
+    /// At two rows, so that both their first and their second ends are neighbours in a column.
     Apart,
-    /// By four rows, of particles that are two apart: pairs of neighbours in a column.
+    /// At four rows, between particles two rows apart: pairs of neighbours in a column.
     Neighbours,
 }
 
-/// So many in step are worth lanes of their own.
+/// Fewest distances that are worth a batch of their own.
 const WORTH: usize = 2;
 
 impl Pattern {
-    /// What is read for a lane without one is written back, and may not have been moved meanwhile: so the first and the second ones have no row in common.
+    /// Unused lanes are written back as they were read, so their particles must not be moved in between: the first and the second ends may have no row in
+    /// common.
     fn of(stride: u32) -> Option<Self> {
         match stride {
             2 => Some(Self::Neighbours),
@@ -29,18 +30,18 @@ impl Pattern {
         }
     }
 
-    /// How many rows it goes on by.
+    /// Rows from one to the next.
     fn step(self) -> u32 {
         if self == Self::Apart { 2 } else { 4 }
     }
 
-    /// In which lane the one is that is so many steps behind the first.
+    /// Lane of the distance that follows the first one by this many steps.
     fn lane(self, steps: usize) -> usize {
         if self == Self::Apart { steps } else { PARTED[steps] }
     }
 }
 
-/// The compliance of what may be swept here, m/N: what yields both ways and by nothing else.
+/// The compliance, m/N, of a distance that can be swept here: a compliant one without damping; `None` for any other.
 pub(in crate::solve) fn compliance(d: &Distance) -> Option<f32> {
     match d.softness {
         Softness::Compliant { compliance, damping: 0.0 } if compliance > 0.0 => Some(compliance),
@@ -49,7 +50,7 @@ pub(in crate::solve) fn compliance(d: &Distance) -> Option<f32> {
 }
 
 impl Rods {
-    /// Takes soft distances of one colour in a cluster batch of so many rows: returns which strided batches they are, and what is in no step.
+    /// Adds soft distances of one colour in a cluster batch of these rows. Returns the range of their strided batches, and the distances that are not strided.
     pub(crate) fn add_soft_to_columns(
         &mut self,
         distances: &[Distance],
@@ -57,14 +58,14 @@ impl Rods {
     ) -> (Range<usize>, Vec<Distance>) {
         let (begin, mut loose) = (self.strided_batches.len(), Vec::new());
         self.widen(rows.len());
-        // Those that may be in one batch, and within it those that may be in one eight.
+        // Distances that may be in one batch, and within it those that may be in one group of eight.
         let batch = |d: &Distance| {
             let compliance = compliance(d).unwrap_or(0.0);
             (ends(d).1 - ends(d).0, compliance.to_bits())
         };
         let class =
             |d: &Distance| Pattern::of(batch(d).0).map_or(0, |pattern| ends(d).0 % pattern.step());
-        // They come by their first rows, and those of a class stay so.
+        // Stable sort: the input is sorted by first row, and each class stays so.
         let mut sorted = distances.to_vec();
         sorted.sort_by_key(|d| (batch(d), class(d)));
         for own in sorted.chunk_by(|one, other| batch(one) == batch(other)) {
@@ -86,7 +87,7 @@ impl Rods {
         (begin..self.strided_batches.len(), loose)
     }
 
-    /// Takes those of one class, ascending. A lane without one has NaN for a rest length.
+    /// Adds the distances of one class, ascending. Unused lanes have the rest length NaN.
     fn add_eights(
         &mut self,
         mut left: &[Distance],
@@ -117,9 +118,9 @@ impl Rods {
         }
     }
 
-    /// Projects soft strided batches once, in their order, on particles that are in columns; `rows` are the first of their cluster batch, and that of the
-    /// columns. `sums` are what they have summed up, and others behind them; none where nothing is. Returns how far the farthest moved, metres, and how
-    /// many sums were theirs.
+    /// Projects soft strided batches once, in order, on particles in columns; `rows` are the first row of the cluster batch and the first row of the columns.
+    /// `sums` are their accumulated multipliers, followed by those of others; empty if none are kept. Returns the largest movement, metres, and the number of
+    /// multipliers used.
     pub(crate) fn sweep_soft(
         &self,
         columns: &mut Columns,
@@ -135,12 +136,12 @@ impl Rods {
     }
 }
 
-/// Such a sweep.
+/// The work of [`Rods::sweep_soft`].
 struct SweepSoft<'a> {
     rods: &'a Rods,
     columns: &'a mut Columns,
     batches: &'a [StridedBatch],
-    /// By so many lanes the first row of the cluster batch is behind that of the columns.
+    /// Number of lanes from the first row of the columns to the first row of the cluster batch.
     from: usize,
     sums: &'a mut [f32],
     substep_context: SubstepContext,
@@ -183,7 +184,7 @@ impl Work for SweepSoft<'_> {
     }
 }
 
-/// What soft ones have summed up, as far as they have been pulled.
+/// Accumulated multipliers of soft distances; `done` of them have been used.
 struct Soft<'a, L> {
     yields: L,
     sums: &'a mut [f32],
@@ -223,7 +224,7 @@ impl<L: Lanes> Yields<L> for Soft<'_, L> {
     }
 }
 
-/// Parts those whose ends are in one place, one after the other: it is rare. What has a direction was projected.
+/// Separates coincident ends, one distance after the other, which is rarely needed. Distances with a direction have been projected already.
 #[cold]
 fn part<'a>(
     columns: &mut Columns,

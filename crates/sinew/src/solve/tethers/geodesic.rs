@@ -1,27 +1,28 @@
-//! The shortest ways along the rods of a graph: over the triangles that they span, not only along the rods.
+//! Shortest paths along the rods of a graph, and across the triangles that the rods form.
 //!
-//! Along the rods of a square with both diagonals a way is up to 8 % longer than the straight line, and a tether of that length would hold too late. So
-//! the way may cross a triangle: from its side of length `c`, whose ends are `a` and `b` from the source, to its third corner, `p` and `q` from those ends.
-//! Unfolded into a plane, the source is where circles of `a` and `b` meet on the one side, the corner where those of `p` and `q` meet on the other:
+//! Along the rods of a square with both diagonals, a path is up to 8 % longer than the straight line, and a tether of that length would engage too late. So a
+//! path may cross a triangle: from its side of length `c`, whose ends are at `a` and `b` from the source, to its third corner, at `p` and `q` from those ends.
+//! Unfolded into a plane, the source is where the circles of radius `a` and `b` meet on one side, and the corner where those of `p` and `q` meet on the other:
 //!
 //! ```text
 //! source (s, -√(a² - s²)),  s = (a² + c² - b²)/2c        corner (t, √(p² - t²)),  t = (p² + c² - q²)/2c
 //! ```
 //!
-//! and if the line between the two crosses the side, it is the way.
+//! If the line between the two crosses the side, it is the path.
 //!
-//! **It is a bound whatever shape the cloth is in**, and however the rods lay when it was made. A point that divides the side as `u : 1 - u` is, by
-//! Stewart's theorem, no farther from the source than `√((1 - u) a² + u b² - u (1 - u) c²)` if its ends are no farther than `a` and `b`, and that is
-//! how far it is in the plane; the rest of the way is within a triangle whose sides are rods. So no tether asks for more than the rods it stands for.
+//! **This is an upper bound whatever shape the cloth is in**, and whatever the rods' positions were when it was computed. By Stewart's theorem, a point that
+//! divides the side as `u : 1 - u` is no farther from the source than `√((1 - u) a² + u b² - u (1 - u) c²)` if the side's ends are no farther than `a` and `b`,
+//! and this is its distance in the plane. The rest of the path lies within a triangle whose sides are rods. So no tether requires more than the rods that it
+//! stands for.
 //!
-//! The order is Dijkstra's; ways over triangles as in Novotni and Klein, *Computing Geodesic Distances on Triangular Meshes*, 2002.
+//! The order is Dijkstra's; paths across triangles are as in Novotni and Klein, *Computing Geodesic Distances on Triangular Meshes*, 2002.
 //!
 //! # Tears
 //!
-//! What is right does not depend on the order in which it is found: each particle has the least of what the ways to its neighbours offer it, and a way leads on
-//! only from what is nearer to the source. So when some rods have changed, a field may be [updated](RodGraph::update) where it depended on those (dynamic shortest
-//! paths; Ramalingam and Reps, *An Incremental Algorithm for a Generalization of the Shortest-Path Problem*, 1996), and has the bits of one made from nothing.
-//! Behind a tear those are its shadow, as seen from the source.
+//! The result does not depend on the order of the search: each particle has the shortest of the paths that its neighbours offer, and a path continues only from
+//! a particle nearer to the source. So when some rods have changed, a field can be [updated](RodGraph::update) where it depended on them (dynamic shortest
+//! paths; Ramalingam and Reps, *An Incremental Algorithm for a Generalization of the Shortest-Path Problem*, 1996), with the bits of one computed from scratch.
+//! Behind a tear those particles are its shadow, as seen from the source.
 
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -31,22 +32,22 @@ use crate::solve::rod_graph::{RodEnd, RodGraph};
 /// No particle, and no rod.
 const NONE: u32 = u32::MAX;
 
-/// How far each particle is from the nearest of some sources.
+/// The distance of each particle from the nearest of some sources.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::solve) struct DistanceField {
     paths: Vec<Path>,
 }
 
-/// The shortest path of a particle. Of several that are equally long, the first in the order of these fields.
+/// The shortest path of a particle. Of several of equal length, the first in the order of these fields.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Path {
     /// Metres; infinite where no rods lead.
     length: f64,
-    /// More than those of what it leads over, so that of two that are equally far one is nearer.
+    /// Greater than the steps of the particles that it crosses, so that of two at equal distance one counts as nearer.
     steps: u32,
-    /// To which of the sources.
+    /// Index of the source.
     source: u32,
-    /// Over which particles it leads: one end of the side that it crosses, the farther one, and the other, if there is one. A source has neither.
+    /// The particles that it crosses: the farther end of the side that it crosses, and the other end, if there is one. A source has neither.
     over: [u32; 2],
 }
 
@@ -61,19 +62,19 @@ impl Path {
         self.is_known() && self.over[0] == NONE
     }
 
-    /// Whether it leads over a particle.
+    /// Whether it crosses a particle.
     fn leads_over(&self, particle: u32) -> bool {
         self.over.contains(&particle)
     }
 
-    /// What particles are ordered by, the nearest first: length, steps and number. The bits of lengths, which are not negative, order as they do.
+    /// The sorting order of particles, nearest first: length, steps and index. The bits of non-negative lengths sort as the lengths do.
     fn order(&self, particle: u32) -> (u64, u32, u32) {
         (self.length.to_bits(), self.steps, particle)
     }
 }
 
 impl DistanceField {
-    /// The particles that rods lead to, less the sources, the farthest first, with the one before each on its way and the number of the rod between.
+    /// The reached particles other than the sources, farthest first, each with the previous one on its path and the index of the rod between them.
     pub(in crate::solve) fn inwards(&self, graph: &RodGraph) -> Vec<(u32, u32, u32)> {
         let known = |i: &u32| {
             let path = self.paths[*i as usize];
@@ -94,14 +95,14 @@ impl DistanceField {
         self.paths[particle as usize].length
     }
 
-    /// Which of the sources it is.
+    /// Index of the nearest source.
     pub(super) fn source(&self, particle: u32) -> u32 {
         self.paths[particle as usize].source
     }
 }
 
 impl RodGraph {
-    /// How far each particle is from the nearest of some.
+    /// The distance of each particle from the nearest of these sources.
     pub(in crate::solve) fn field(&self, sources: &[u32]) -> DistanceField {
         let mut field = DistanceField { paths: vec![Path::UNKNOWN; self.particles()] };
         let mut search = Search::of(self, &mut field);
@@ -112,15 +113,15 @@ impl RodGraph {
         field
     }
 
-    /// Brings a field up to date that was right when these particles, and no others, had other rods: to the bits of a [new one](Self::field).
+    /// Updates a field that was correct before the rods of the `changed` particles, and of no others, changed: to the bits of a [new one](Self::field).
     pub(super) fn update(&self, field: &mut DistanceField, changed: &[u32]) {
-        // A side of a triangle may be between two of them, or have been.
+        // A side of a triangle may be, or have been, between two of them.
         let mut beside: Vec<u32> =
             changed.iter().flat_map(|&one| self.rods_of(one)).map(|rod| rod.to).collect();
         beside.sort_unstable();
         let corners = beside.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
         let mut asked: Vec<u32> = changed.iter().copied().chain(corners).collect();
-        // The nearest first: what their ways lead over is right, or lost.
+        // Nearest first: the paths that theirs depend on are then correct, or discarded.
         asked.sort_unstable_by_key(|&one| field.paths[one as usize].order(one));
         asked.dedup();
         let mut search = Search::of(self, field);
@@ -132,22 +133,23 @@ impl RodGraph {
     }
 }
 
-/// Looks for the shortest ways.
+/// The search for shortest paths.
 ///
-/// Those that are final, as far as is known, lead others on. The others are open: the nearest of them is final, as nothing can offer it a shorter one any more.
+/// Particles that are final, as far as is known, extend paths to others. The others are open: the nearest open particle becomes final, as no shorter path to it
+/// can be found any more.
 struct Search<'a> {
     graph: &'a RodGraph,
     paths: &'a mut [Path],
     states: Vec<State>,
-    /// The open ones, the nearest first; and some that are not what they were.
+    /// The open particles, nearest first; and outdated entries.
     open: BinaryHeap<Reverse<(u64, u32, u32)>>,
-    /// Those that have lost their paths: their neighbours are to be asked again.
+    /// Particles that have lost their paths and have to be recomputed from their neighbours.
     lost: Vec<u32>,
-    /// Beside which particle each was seen last, and how long the rod between the two is.
+    /// For each particle, the neighbour from which it was last marked, and the length of the rod between the two.
     beside: Vec<(u32, f32)>,
 }
 
-/// Where the search for a particle's way is.
+/// State of the search for a particle's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum State {
     Final,
@@ -168,7 +170,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Until all are final.
+    /// Continues until all are final.
     fn run(&mut self) {
         while let Some(Reverse(order)) = self.open.pop() {
             let near = order.2;
@@ -182,7 +184,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Offers the neighbours of one that has become final the ways over it, and over it and another final one.
+    /// Offers the neighbours of a particle that has become final the paths across it, and those across it and another final one.
     fn lead_on(&mut self, near: u32) {
         let (graph, own) = (self.graph, self.paths[near as usize]);
         self.see_from(near);
@@ -203,7 +205,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Gives a particle a way, if it is better than its own. Those whose ways lead over it then have to look for others.
+    /// Assigns a path to a particle if it is shorter than its present one. Paths across that particle are then discarded.
     fn offer(&mut self, particle: u32, path: Path) {
         let at = particle as usize;
         if path >= self.paths[at] {
@@ -217,7 +219,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Takes the way of a particle, and those over it, if its final neighbours do not offer it that one as the best.
+    /// Discards the path of a particle, and those across it, if its final neighbours do not offer the same path as the best one.
     fn ask_again(&mut self, particle: u32) {
         let path = self.paths[particle as usize];
         if self.states[particle as usize] == State::Final
@@ -229,7 +231,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Takes the way of a particle that is no source.
+    /// Discards the path of a particle that is no source.
     fn lose(&mut self, particle: u32) {
         let at = particle as usize;
         if !self.paths[at].is_of_a_source() && self.states[at] != State::Lost {
@@ -247,7 +249,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Takes the ways over those that have lost theirs, and so on.
+    /// Discards the paths across particles that have lost theirs, transitively.
     fn lose_followers(&mut self) {
         let mut next = 0;
         while let Some(&particle) = self.lost.get(next) {
@@ -256,7 +258,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Gives those that have lost their ways the best that their final neighbours offer.
+    /// Assigns the best paths that final neighbours offer to the particles that have lost theirs.
     fn recover(&mut self) {
         while let Some(particle) = self.lost.pop() {
             let best = self.best(particle);
@@ -267,7 +269,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The best way that the final neighbours of a particle offer it.
+    /// The best path that the final neighbours of a particle offer.
     fn best(&mut self, particle: u32) -> Path {
         self.see_from(particle);
         let graph = self.graph;
@@ -288,12 +290,12 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Whether a particle has a way that is final as far as is known.
+    /// Whether a particle has a path that is final as far as is known.
     fn is_final(&self, particle: u32) -> bool {
         self.states[particle as usize] == State::Final && self.paths[particle as usize].is_known()
     }
 
-    /// Notes the neighbours of a particle.
+    /// Marks the neighbours of a particle.
     fn see_from(&mut self, particle: u32) {
         for &RodEnd { to, rest, .. } in self.graph.rods_of(particle) {
             self.beside[to as usize] = (particle, rest);
@@ -305,7 +307,7 @@ fn first_of(one: Path, other: Path) -> Path {
     if other < one { other } else { one }
 }
 
-/// On from a particle along a rod of length `p`.
+/// The path extended from a particle along a rod of length `p`.
 fn along(own: &Path, near: u32, p: f32) -> Path {
     Path {
         length: own.length + f64::from(p),
@@ -315,8 +317,8 @@ fn along(own: &Path, near: u32, p: f32) -> Path {
     }
 }
 
-/// On across the side of length `c` between two particles, from which it is `p` and `q` to the corner. Unknown if their ways are to two sources, or it were nearer
-/// than they are: then it has a way over others.
+/// The path across the side of length `c` between two particles, which are at `p` and `q` from the corner. Unknown if their paths lead to different sources, or
+/// if the corner would be nearer than they are: then its path crosses other particles.
 fn across_side(ends: [Path; 2], numbers: [u32; 2], c: f32, rods: [f32; 2]) -> Path {
     let second = ends[0].order(numbers[0]) < ends[1].order(numbers[1]);
     let [far, near] = if second { [1, 0] } else { [0, 1] };
@@ -337,12 +339,12 @@ fn across_side(ends: [Path; 2], numbers: [u32; 2], c: f32, rods: [f32; 2]) -> Pa
     }
 }
 
-/// The way across a side of length `c`, as above; infinite if the straight line does not cross it, or those lengths make no triangles.
+/// The length of the path across a side of length `c`, as above; infinite if the straight line does not cross it, or if the lengths form no triangles.
 fn across([a, b]: [f64; 2], c: f64, [p, q]: [f64; 2]) -> f64 {
     let along = |near: f64, far: f64| (near * near + c * c - far * far) / (2.0 * c);
     let (s, t) = (along(a, b), along(p, q));
     let (below, above) = (a * a - s * s, p * p - t * t);
-    // Also of a side of no length.
+    // False also for a side of no length.
     if !(below > 0.0 && above > 0.0) {
         return f64::INFINITY;
     }

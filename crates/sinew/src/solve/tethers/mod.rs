@@ -1,21 +1,22 @@
-//! Tethers (long range attachments; Kim, Chentanez, Müller, *Long Range Attachments: A Method to Simulate Inextensible Clothing in Computer Games*, 2012):
-//! what hangs on a pin through many rods is held at once to no more than the way through them.
+//! Tethers (long range attachments; Kim, Chentanez, Müller, *Long Range Attachments: A Method to Simulate Inextensible Clothing in Computer Games*, 2012): a
+//! particle that hangs on a pin through many rods is kept directly within the length of the path through them.
 //!
-//! A sweep hands a pull on by some rods, and a thread of N pieces under an acceleration `a` is stretched by about `N a h²` in one sweep of a substep.
-//! A tether is the bound that those rods imply together: a particle is no farther from its pin than the shortest way along the cloth. It asks for nothing
-//! that the rods do not ask for, so what is solved to the end is the same with and without, and it takes one projection where the rods take N sweeps.
-//! As its other end does not move, tethers need no colours.
+//! A sweep propagates a pull by a few rods only, and a thread of N pieces under an acceleration `a` is stretched by about `N a h²` in one sweep of a substep. A
+//! tether is the bound that those rods imply together: a particle is no farther from its pin than the shortest path along the cloth. It requires nothing that
+//! the rods do not require, so the converged solution is the same with and without it, and one projection replaces N sweeps of the rods. As its other end does
+//! not move, tethers need no colours.
 //!
-//! They follow from the rods and from what is pinned, and from nothing else: nobody adds them, nothing saves them, and a tear or an unpinned corner has
-//! others in the same step. Each particle has up to two: to the pin nearest to it, and to the farthest of two pins that are far from each other. A flag's
-//! outer end hangs by its upper corner as well as by the pin at its own height.
+//! Tethers are derived from the rods and the pins alone: they are neither added by a user nor saved, and after a tear or an unpinned corner they change in the
+//! same step. Each particle has up to two: to the nearest pin, and to the farther of two pins that are far from each other. The outer end of a flag thus hangs
+//! by its upper corner as well as by the pin at its own height.
 //!
-//! Small islands are held once in a substep, and large ones before each sweep of it; large grid cloth, which has [spans](spans), after each sweep, too.
+//! Small islands apply tethers once in a substep, large ones before each sweep; large grid cloth, which has [spans](spans), after each sweep, too.
 //!
-//! Without them a hanging rope is stretched by the square of the substep. It then is a spring that is the stiffer the shorter the substep is, and where
-//! the length of the step changes that pumps: of 20 pieces, or of 5 with a load, it came to the most speed in ticks of 1/120 and 1/60 s in turn.
+//! Without tethers a hanging rope stretches in proportion to the square of the substep. It acts as a spring that is stiffer the shorter the substep is, and
+//! where the length of the step varies this pumps in energy: a rope of 20 pieces, or of 5 with a load, reached the speed limit in alternating ticks of 1/120
+//! and 1/60 s.
 //!
-//! Between particles that are all free, [spans](spans) do the same at a smaller scale.
+//! Between particles that are all free, [spans](spans) do the same on a smaller scale.
 
 mod geodesic;
 mod pin_fields;
@@ -38,7 +39,7 @@ pub(super) use project::hold;
 use project::hold_one;
 pub(super) use spans::Spans;
 
-/// An island of no more particles has no tethers where everything walks to rest: by tethers a rope between two pins still moved by micrometres after 20 000 such steps.
+/// Statics islands of no more particles have no tethers: with them, a rope between two pins still moved by micrometres after 20 000 such steps.
 const SMALL_IN_STATICS: usize = 64;
 
 /// The tethers of a plan. Derived from its rods and the pins; scratch, never saved.
@@ -48,47 +49,47 @@ pub(crate) struct Tethers {
     pub(in crate::solve) spans: Vec<Spans>,
     /// The hard rods of islands that take microsteps: for tethers, and for strain limiting.
     pub(in crate::solve) graphs: Vec<RodGraph>,
-    /// What is tied to them.
+    /// Their rods near ties to other bodies, which are swept more often.
     pub(in crate::solve) tie_rods: Vec<TieRods>,
-    /// Whether the plan was compiled since they were made.
+    /// Whether the plan was compiled since they were computed.
     pub(in crate::solve) stale: bool,
 }
 
-/// Those of one island.
+/// The tethers of one island.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct IslandTethers {
-    /// A hash of the rods and of what is pinned. The same rods of another island, or of this one in another plan, have the same.
+    /// A hash of the rods and of the pins. Equal for the same rods in another island, or in this one in another plan.
     pub(in crate::solve) key: u64,
     /// The rows of its pinned particles, ascending.
     pub(in crate::solve) pins: Vec<u32>,
-    /// How far its members are from those. None of what was found to be like another island.
+    /// Distances of its members from the pins. `None` without pins, and where the lengths were copied from an identical island.
     pub(in crate::solve) fields: Option<PinFields>,
-    /// Of each member, to which of the pins, and how long, metres; infinite without.
+    /// For each member the index of the pin and the length of both tethers, metres; infinite where there is none.
     pub(in crate::solve) each: Vec<[(u32, f32); 2]>,
-    /// Whether any member has a first one, and whether any has a second one.
+    /// Whether any member has a first tether, and whether any has a second one.
     are_there: [bool; 2],
     pub(in crate::solve) blocks: Vec<TetherBlock>,
-    /// Along which rods they are, where that is asked for.
+    /// The paths of the tethers along rods, where loads are measured.
     pub(in crate::solve) ways: Option<TetherPaths>,
 }
 
-/// The ways of tethers along rods: to the nearest pin, and to either of two that are far from each other.
+/// The paths of tethers along rods: to the nearest pin, and to each of two that are far from each other.
 #[derive(Clone, Debug)]
 pub(in crate::solve) struct TetherPaths {
-    /// Which of the pins those two are.
+    /// Indices of those two pins.
     pub(in crate::solve) far: [u32; 2],
-    /// Of each of the three, all members from the farthest on: which one, the one before it on its way, and the plan's number of the rod between.
+    /// For each of the three, all members from the farthest on: the member, the previous one on its path, and the plan's index of the rod between them.
     pub(in crate::solve) inwards: [Vec<(u32, u32, u32)>; 3],
 }
 
-/// Tethers of eight members, each the second after the one before: as columns have them side by side.
+/// Tethers of eight members, every second one, which are neighbours in a column.
 #[derive(Clone, Debug)]
 pub(in crate::solve) struct TetherBlock {
-    /// The first of the members, counted from that of the island.
+    /// The first member, counted from the island's first.
     member: u32,
-    /// Their rows. Where there are fewer than eight, the first again.
+    /// Their rows. Unused lanes repeat the first.
     rows: [u32; LANES],
-    /// To which of the island's pins, and whether that is one for all.
+    /// Indices of their pins among the island's, and whether all are the same.
     pins: [u32; LANES],
     one_pin: bool,
     /// Metres; infinite where there is none.
@@ -96,12 +97,12 @@ pub(in crate::solve) struct TetherBlock {
 }
 
 impl Tethers {
-    /// The plan has been compiled.
+    /// Marks all tethers as out of date, after the plan was compiled.
     pub(super) fn expire(&mut self) {
         self.stale = true;
     }
 
-    /// Those by which an island is to be solved, if it has any.
+    /// The tethers by which an island is to be solved, if any.
     pub(super) fn of(&self, island: &Island) -> Option<&IslandTethers> {
         let settings = &island.settings;
         let walks = settings.statics && island.members.len() <= SMALL_IN_STATICS;
@@ -109,7 +110,7 @@ impl Tethers {
         self.made(island).filter(|own| wanted && !own.blocks.is_empty())
     }
 
-    /// The spans by which an island is to be solved, if it has any.
+    /// The spans by which an island is to be solved, if any.
     pub(super) fn spans_of(&self, island: &Island) -> Option<&Spans> {
         let wanted = island.settings.long_range && island.microsteps > 1;
         let own = self.spans.get(island.spans? as usize);
@@ -132,14 +133,14 @@ impl Tethers {
     }
 }
 
-/// How long a tether of a way of so many metres is: rounded up, for it must not ask for more than the rods do.
+/// The length of a tether for a path of this many metres: rounded up, since it must not require more than the rods do.
 fn taut(length: f64) -> f32 {
     (length * (1.0 + 1e-6)) as f32
 }
 
 impl IslandTethers {
-    /// Of an island of such members, of which a run may be in columns: the hash of its rods and pins, and those; how far its members are from them, if that was reckoned; and to which of the pins
-    /// each is tied, and how long, metres; infinite without.
+    /// The tethers of an island with these `members`, of which `run` may be in columns. `key` is the hash of its rods and pins; `fields` are the distances from
+    /// the pins, if they were computed; `each` holds the index of the pin and the length, metres, of both tethers of each member; infinite where there is none.
     pub(super) fn of(
         (members, run): (&[u32], Range<usize>),
         (key, pins): (u64, Vec<u32>),
@@ -152,12 +153,12 @@ impl IslandTethers {
         Self { key, pins, fields, each, are_there, blocks, ways: None }
     }
 
-    /// Where its pins are, in columns that begin with the row `first`.
+    /// Positions of its pins, in an array that begins with row `first`.
     pub(super) fn pins(&self, position: &[Vec4], first: u32) -> impl Iterator<Item = Vec4> {
         self.pins.iter().map(move |row| position[(row - first) as usize])
     }
 
-    /// The tethers of a member: where its pin is, in columns that begin with the row `first`, and how long each is, metres; infinite without.
+    /// The tethers of a member: the position of the pin, in an array that begins with row `first`, and the length in `w`, metres; infinite where there is none.
     pub(super) fn of_member(&self, member: usize, position: &[Vec4], first: u32) -> [Vec4; 2] {
         let [near, far] = self.each[member];
         let tether = |(pin, length): (u32, f32)| {
@@ -167,12 +168,12 @@ impl IslandTethers {
         [tether(near), tether(far)]
     }
 
-    /// Whether any member has a first one, and whether any has a second one.
+    /// Whether any member has a first tether, and whether any has a second one.
     pub(super) fn are_there(&self) -> [bool; 2] {
         self.are_there
     }
 
-    /// Whether another island has the same tethers, to pins of the same places among its members.
+    /// Whether another island has the same tethers, to pins of the same member indices.
     pub(super) fn are_like(&self, other: &Self) -> bool {
         self.key == other.key
     }
@@ -182,13 +183,13 @@ impl IslandTethers {
         &self.pins
     }
 
-    /// Of each member, to which of the pins its tethers are, and how long, metres; infinite without.
+    /// For each member the index of the pin and the length of both tethers, metres; infinite where there is none.
     pub(super) fn each(&self) -> &[[(u32, f32); 2]] {
         &self.each
     }
 
-    /// Puts the members that are too far from their pins where they may be, one after the other, and adds what that took to what their tethers did, kg·m.
-    /// Returns how far out the farthest was, metres.
+    /// Moves members that are too far from their pins to the allowed distance, one after the other, and adds the impulse of each tether times the substep to
+    /// `did`, kg·m. Returns the largest excess found, metres.
     pub(super) fn project_noting(
         &self,
         places: &mut Places,
@@ -210,14 +211,14 @@ impl IslandTethers {
         worst
     }
 
-    /// Puts a member where its tethers let it be, in positions that begin with the row `first`; returns whether it was elsewhere.
+    /// Moves a member to the distance that its tethers allow, in positions that begin with row `first`; returns whether it was farther away.
     pub(super) fn hold_member(&self, member: usize, position: &mut [Vec4], first: u32) -> bool {
         let pins = self.of_member(member, position, first);
         let out = pins.map(|pin| hold_one(&mut position[member], pin, pin.w));
         out.into_iter().any(|far| far > 0.0)
     }
 
-    /// Hands what the tethers of each member did, kg·m, on to the rods on their ways: each is told what it would have borne.
+    /// Distributes what the tethers of each member did, kg·m, to the rods on their paths: `bears` is called with each rod and what it would have carried.
     pub(super) fn hand_on(
         &self,
         did: &[[f64; 2]],
@@ -231,7 +232,7 @@ impl IslandTethers {
                 0 => did[0],
                 _ => {
                     let far = ways.far[which - 1];
-                    // Both may be one and the same.
+                    // Both pins may be the same one.
                     let first = which == 1 || ways.far[0] != far;
                     if first && tethers[1].0 == far { did[1] } else { 0.0 }
                 }
@@ -246,7 +247,7 @@ impl IslandTethers {
         }
     }
 
-    /// The blocks of some members, of which the first and the end are multiples of 16 from where a section begins.
+    /// The blocks of some members, whose start and end are multiples of 16 from the beginning of a section.
     fn among(&self, members: &Range<usize>) -> &[TetherBlock] {
         &self.blocks[self.places_among(members)]
     }
@@ -257,10 +258,10 @@ impl IslandTethers {
     }
 }
 
-/// Puts the tethers of a section of members eight by eight: first those to the nearest pins, then the others.
+/// Packs the tethers of a section of members in eights: first those to the nearest pins, then the others.
 fn blocks(members: &[u32], each: &[[(u32, f32); 2]], section: Range<usize>) -> Vec<TetherBlock> {
     let mut blocks = Vec::new();
-    // Without a pin there is none.
+    // Without a pin there are no tethers.
     let section = if each.is_empty() { 0..0 } else { section };
     for begin in section.clone().step_by(2 * LANES) {
         for (which, parity) in [(0, 0), (0, 1), (1, 0), (1, 1)] {

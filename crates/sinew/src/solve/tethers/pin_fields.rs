@@ -1,33 +1,33 @@
-//! How far the particles of an island are from its pins: from the nearest, and from two that are far from each other. Kept from one plan to the next, so that a tear
-//! has only those looked at again whose ways it cut.
+//! Distances of an island's particles from its pins: from the nearest pin, and from two that are far from each other. Kept from one plan to the next, so that a
+//! tear recomputes only the particles whose paths it cut.
 
 use super::geodesic::DistanceField;
 use super::taut;
 use crate::solve::rod_graph::RodGraph;
 
-/// Where more than one in so many particles has other rods, it is as quick to begin anew.
+/// If more than one particle in this many has changed rods, computing from scratch is as fast.
 const FEW: usize = 16;
 
 /// No tether.
 const NONE: (u32, f32) = (0, f32::INFINITY);
 
-/// How far members are from the pins of their island.
+/// Distances of members from the pins of their island.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::solve) struct PinFields {
-    /// The pins among the members.
+    /// Member indices of the pins.
     sources: Vec<u32>,
-    /// Of each member a [hash](RodGraph::hashes) of its rods.
+    /// For each member a [hash](RodGraph::hashes) of its rods.
     hashes: Vec<u64>,
-    /// From the nearest; none where there are two pins at the most, and that is the nearer of those.
+    /// Distances from the nearest pin. `None` with at most two pins, where it is the nearer of `from`.
     nearest: Option<DistanceField>,
-    /// From single pins: the first one, and two that are far from each other.
+    /// Distances from single pins: the first one, and two that are far from each other.
     from: Vec<(u32, DistanceField)>,
-    /// Which of the pins those two are.
+    /// Indices of those two pins.
     pub(in crate::solve) far: [u32; 2],
 }
 
 impl PinFields {
-    /// Of an island with these rods, and with pins, of which there is one at least; out of what was `known` of an island, to the same bits.
+    /// For an island with these rods and at least one pin. Updates the `known` distances where possible, with the same bits as computing from scratch.
     pub(in crate::solve) fn of(graph: &RodGraph, sources: Vec<u32>, known: Option<Self>) -> Self {
         let hashes = graph.hashes();
         let same = |known: &Self| known.sources == sources && known.hashes.len() == hashes.len();
@@ -65,7 +65,7 @@ impl PinFields {
             let reached = each.filter(|(_, length)| length.is_finite());
             reached.fold((0, 0.0), |far, own| if own.1 > far.1 { own } else { far }).0
         };
-        // The farthest from any, and the farthest from that.
+        // The farthest pin from the first one, and the farthest from that.
         let one = farthest(0);
         let far = [one, farthest(one)];
         farthest(far[1]);
@@ -73,12 +73,12 @@ impl PinFields {
         Self { sources, hashes, nearest, from, far }
     }
 
-    /// From one of the two that are far from each other.
+    /// Distances from one of the two pins that are far from each other.
     pub(in crate::solve) fn from(&self, which: usize) -> Option<&DistanceField> {
         self.from.iter().find(|(of, _)| *of == self.far[which]).map(|(_, own)| own)
     }
 
-    /// Of each member to which of the pins it is tethered, and how long that is, metres; infinite without.
+    /// For each member the index of the pin and the length of both tethers, metres; infinite where there is none.
     pub(in crate::solve) fn lengths(&self) -> Vec<[(u32, f32); 2]> {
         let ends = [0, 1].map(|which| (self.far[which], self.from(which)));
         let mut each: Vec<_> = (0..self.hashes.len() as u32)
@@ -87,7 +87,7 @@ impl PinFields {
                 let ends = ends.map(|(pin, field)| (pin, field.map_or(f64::INFINITY, from)));
                 let near = match &self.nearest {
                     Some(nearest) => (nearest.source(member), nearest.length(member)),
-                    // Of two that are equally far, the first of the pins.
+                    // Of two equally near pins, the one with the lower index.
                     None if (ends[1].1, ends[1].0) < (ends[0].1, ends[0].0) => ends[1],
                     None => ends[0],
                 };
@@ -100,7 +100,7 @@ impl PinFields {
         for &source in &self.sources {
             each[source as usize] = [NONE; 2];
         }
-        // What nothing hard leads to.
+        // Members to which no hard rods lead.
         for tethers in &mut each {
             *tethers = tethers.map(|own| if own.1.is_finite() { own } else { NONE });
         }

@@ -1,4 +1,4 @@
-//! Projecting tethers, eight by eight: on packed particles, and on particles in columns.
+//! Projection of tethers in eights: on packed particles, and on particles in columns.
 
 use core::ops::Range;
 
@@ -8,8 +8,8 @@ use super::{IslandTethers, TetherBlock};
 use crate::lanes::{Columns, InstructionSet, LANES, Lanes, Vector, Work, with};
 
 impl IslandTethers {
-    /// Puts the particles of an island that are too far from their `pins` where they may be, in columns of positions that begin with row `first`. Returns
-    /// how far out the farthest was, metres.
+    /// Moves the particles of an island that are too far from their `pins` to the allowed distance, in positions that begin with row `first`. Returns the
+    /// largest excess found, metres.
     pub(in crate::solve) fn project(
         &self,
         position: &mut [Vec4],
@@ -20,7 +20,7 @@ impl IslandTethers {
         with(instructions, ProjectTethers { blocks: &self.blocks, position, first, pins })
     }
 
-    /// The same of some members that are in columns, which begin with the member `first`, an even number from their own.
+    /// Like [`project`](Self::project), for some members in columns. The columns begin with member `first`, an even number of members before theirs.
     pub(in crate::solve) fn project_columns(
         &self,
         columns: &mut Columns,
@@ -32,7 +32,7 @@ impl IslandTethers {
         with(instructions, ProjectColumns { blocks: self.among(members), columns, first, pins })
     }
 
-    /// As [`project`](Self::project), of all but some members, which are one section.
+    /// Like [`project`](Self::project), for all but some members, which form one section.
     pub(in crate::solve) fn project_others(
         &self,
         position: &mut [Vec4],
@@ -53,7 +53,7 @@ impl IslandTethers {
     }
 }
 
-/// Puts one particle where a tether of some length to a pin lets it be, as [`hold`] does eight; returns how far out it was, metres.
+/// Moves one particle to the distance that a tether allows, as [`hold`] does for eight; returns the excess, metres.
 #[inline]
 pub(super) fn hold_one(q: &mut Vec4, pin: Vec4, length: f32) -> f32 {
     let d = (*q - pin).truncate();
@@ -123,7 +123,7 @@ impl Work for ProjectColumns<'_> {
 }
 
 impl TetherBlock {
-    /// Where the pins of the eight are.
+    /// The positions of the pins of the eight.
     #[inline(always)]
     fn pins_of<L: Lanes>(&self, pins: &[Vec4]) -> [L; 4] {
         if self.one_pin {
@@ -134,9 +134,9 @@ impl TetherBlock {
     }
 }
 
-/// Eight particles, each no farther from its pin than its tether is long; how far out they were, metres, and a mask of those that were.
+/// Moves eight particles to within the lengths of their tethers. Returns the positions, the excess of each, metres, and a mask of those that were too far away.
 ///
-/// `C = ‖d‖ - L ≤ 0` with `d = p - q` and a pin of infinite mass: all of the correction is the particle's, `Δp = -C d/‖d‖`.
+/// `C = ‖d‖ - L ≤ 0` with `d = p - q` and a pin of infinite mass: all of the correction goes to the particle, `Δp = -C d/‖d‖`.
 #[inline(always)]
 pub(in crate::solve) fn hold<L: Lanes>(
     p: Vector<L>,

@@ -1,18 +1,19 @@
-//! Spans: what rods in a row imply of the two particles at its ends, `K` rods apart: that they are no farther from each other than those rods are long together.
+//! Spans: the bound that `K` consecutive rods imply for the two particles at their ends: these are no farther apart than the rods are long together.
 //!
-//! A sweep hands a pull on by a rod or two, so that a jerk goes through cloth at some 2 rods a step, and where a part of it that moves at `v` gets taut, rods are
-//! stretched by about `v` over that speed, whatever they are made of. What hangs on pins has [tethers](super); between particles that are all free a span does the
-//! same at a smaller scale: a pull goes on by `K` rods at once. As a tether, a span asks for nothing that the rods do not ask for, and does nothing while it is slack.
-//! They are the coarse level of multigrid (hierarchical position based dynamics; Müller 2008) on a grid of which no particle is left out, so that nothing has to be
-//! interpolated.
+//! A sweep propagates a pull by a rod or two, so a jerk travels through cloth at about 2 rods a step. Where a part that moves at `v` becomes taut, rods are
+//! stretched by about `v` over that speed, whatever their material. Cloth on pins has [tethers](super); between particles that are all free, a span does the
+//! same on a smaller scale: it propagates a pull by `K` rods at once. Like a tether, a span requires nothing that the rods do not require, and does nothing
+//! while it is slack. Spans are the coarse level of multigrid (hierarchical position based dynamics; Müller 2008) on a grid from which no particle is left out,
+//! so that nothing has to be interpolated.
 //!
-//! They have the last word in a sweep: what rods leave is worst where they were last.
+//! Spans are projected last in a sweep: the strain that remains is largest where rods come last.
 //!
-//! Where the island is swept in columns, they are held there: four loads for eight particles, where particles as they lie have to be turned for each span.
+//! Where the island is swept in columns, spans are projected there: four loads serve eight particles, while packed particles have to be transposed for each
+//! span.
 //!
-//! They are found where rods run in step, as along the rows and the columns of a grid: of two strides, those of the shortest rods. Diagonals are left out, and so are
-//! meshes that are numbered in another order. `K` is the largest power of two that is no more than the root of how many particles such a row has: as many spans
-//! side by side reach through it as a span has rods.
+//! Spans are found where rods are strided, as along the rows and the columns of a grid: the two strides with the shortest rods are used. Diagonals are left
+//! out, and so are meshes with another numbering. `K` is the largest power of two that is no more than the square root of the number of particles in such a
+//! row: a row then takes as many consecutive spans as a span has rods.
 
 use core::ops::Range;
 
@@ -23,60 +24,60 @@ use crate::constraints::Distance;
 use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PARITY, Vector, Work, with};
 use crate::threads::{ExecutionContext, each};
 
-/// The spans of one island: colour by colour, of which no two share a particle.
+/// The spans of one island, by colour. No two spans of a colour share a particle.
 #[derive(Clone, Debug, Default)]
 pub(in crate::solve) struct Spans {
     blocks: Vec<SpanBlock>,
     parts: Vec<SpanPart>,
 }
 
-/// A stretch of the spans of one colour, which shares no particle with the others of its colour.
+/// A range of the spans of one colour, which shares no particle with the other ranges of its colour.
 #[derive(Clone, Debug)]
 struct SpanPart {
-    /// Counted through all strides.
+    /// Numbered through all strides.
     colour: u32,
     rows: Range<u32>,
-    /// From each span's first particle to its second, rows.
+    /// Number of rows from each span's first particle to its second.
     reach: u32,
     blocks: Range<usize>,
 }
 
-/// Spans from eight rows in a row, even ones of the eight first, as [columns](Columns) have them.
+/// Spans that begin at eight consecutive rows, the even rows of the eight first, as [columns](Columns) store them.
 #[derive(Clone, Debug)]
 struct SpanBlock {
     /// The first of the rows, counted from that of the part: a span begins there.
     a: u32,
-    /// Metres; infinite where none begins.
+    /// Metres; infinite where no span begins.
     length: [f32; LANES],
 }
 
-/// Rods in step: from each particle to that a stride farther on.
+/// The rods of one stride: from a particle to the one that many rows farther on.
 struct Strided {
-    /// Of each particle, how long its rod is, metres; NaN without.
+    /// Length of the rod that begins at each particle, metres; NaN where there is none.
     rests: Vec<f32>,
     stride: usize,
-    /// How many there are, and how long all of them are together, metres.
+    /// Number of rods, and their total length, metres.
     count: usize,
     sum: f64,
 }
 
-/// So many rods of a stride are worth spans, as a share of the particles: those of a grid have nearly as many.
+/// Least number of rods of a stride that get spans, as a share of the particles. A grid's strides have nearly as many rods as particles.
 const MANY: f64 = 0.75;
 
-/// Of so many strides rods are looked at: a grid has four.
+/// Most strides that are considered: a grid has four.
 const MOST_STRIDES: usize = 16;
 
-/// Particles in a part, at least: some microseconds of work.
+/// Least number of particles in a part: some microseconds of work.
 const PART: usize = 4096;
 
-/// No more parts than that in a colour, so that tasks are listed without a heap.
+/// Most parts of a colour, so that tasks are listed without heap allocation.
 const MOST_PARTS: usize = 32;
 
-/// The fewest rods that a span has.
+/// Fewest rods of a span.
 const FEWEST: usize = 4;
 
 impl Spans {
-    /// Of an island whose particles are the consecutive rows from its first on.
+    /// The spans of an island whose particles are the consecutive rows from `first` on.
     pub(in crate::solve) fn of<'a>(
         first: u32,
         members: usize,
@@ -91,7 +92,7 @@ impl Spans {
         spans
     }
 
-    /// Holds particles, in positions that begin with row `first`, to what their spans allow: by as many workers as there are, to the same bits.
+    /// Projects the spans, in positions that begin with row `first`: with all workers, and with the same bits for any number of them.
     pub(in crate::solve) fn project(
         &self,
         position: &mut [Vec4],
@@ -112,7 +113,7 @@ impl Spans {
         }
     }
 
-    /// The same on particles that are in columns, which begin with row `first`.
+    /// Like [`project`](Self::project), on particles in columns that begin with row `first`.
     pub(in crate::solve) fn project_columns(
         &self,
         columns: &mut Columns,
@@ -122,7 +123,7 @@ impl Spans {
         with(instructions, SpanColumns { spans: self, columns, first });
     }
 
-    /// All of them: the rows of their ends, in an island that begins with row 0, and their lengths, metres.
+    /// All spans: the rows of their ends, in an island that begins with row 0, and their lengths, metres.
     #[cfg(test)]
     pub(super) fn listed(&self) -> Vec<(u32, u32, f32)> {
         let each = self.parts.iter().flat_map(|part| {
@@ -144,7 +145,7 @@ impl Spans {
     }
 }
 
-/// The rods of each stride that many have.
+/// The rods of each frequent stride.
 fn strides<'a>(
     first: u32,
     members: usize,
@@ -153,7 +154,7 @@ fn strides<'a>(
     let (mut strides, mut last) = (Vec::<Strided>::new(), 0);
     for d in rods {
         let (a, stride) = ((d.a.min(d.b) - first) as usize, d.a.abs_diff(d.b) as usize);
-        // In the order of a plan, most have the stride of the one before.
+        // In plan order, most rods have the stride of the previous one.
         if strides.get(last).is_none_or(|own| own.stride != stride) {
             last = match strides.iter().position(|own| own.stride == stride) {
                 Some(known) => known,
@@ -166,7 +167,7 @@ fn strides<'a>(
             };
         }
         let Strided { rests, count, sum, .. } = &mut strides[last];
-        // Of two between the same particles, the shorter one counts.
+        // Of two rods between the same particles, the shorter one counts.
         rests[a] = if rests[a] <= d.rest { rests[a] } else { d.rest };
         *count += 1;
         *sum += f64::from(d.rest);
@@ -180,9 +181,9 @@ impl Strided {
         self.sum / self.count as f64
     }
 
-    /// How many rods a span has: none if rows are too short.
+    /// The number of rods of a span; 0 if rows are too short.
     fn rods(&self) -> usize {
-        // Of each particle, how many rods follow each other from it on.
+        // For each particle, the number of consecutive rods from it on.
         let (mut follow, mut most) = (vec![0_usize; self.rests.len()], 0);
         for a in (0..self.rests.len()).rev() {
             if self.rests[a] >= 0.0 {
@@ -194,7 +195,7 @@ impl Strided {
         if rods < FEWEST { 0 } else { rods }
     }
 
-    /// Lists its spans, one colour after the other: by which of `K` strides they begin in, as [colours](crate::solve::plan) of strides do.
+    /// Lists the spans, one colour after the other: by the parity of `a / reach`, as for the [colours](crate::solve::plan) of strides.
     fn list(&self, first: u32, spans: &mut Spans) {
         let rods = self.rods();
         if rods == 0 {
@@ -204,7 +205,7 @@ impl Strided {
         let length = |a: usize| -> f64 {
             (0..rods).map(|rod| f64::from(self.rests[a + rod * self.stride])).sum()
         };
-        // Whole pairs of bands: in one the spans of a colour begin, in the next they end.
+        // Whole pairs of bands: the spans of a colour begin in one band and end in the next.
         let part = PART.max(members / MOST_PARTS).next_multiple_of(2 * reach);
         let Spans { blocks, parts } = spans;
         let colour = parts.last().map_or(0, |part| part.colour + 1);
@@ -214,11 +215,11 @@ impl Strided {
                 let own = (begin..end.saturating_sub(reach))
                     .filter(|a| a / reach % 2 == parity)
                     .map(|a| ((a - begin) as u32, taut(length(a))))
-                    // Not where a row ends, or has a gap.
+                    // Not where a row ends or has a gap.
                     .filter(|span| !span.1.is_nan());
                 let before = blocks.len();
                 for (a, length) in own {
-                    // Not across the end of a band: there, what the first eight write back would be old to the other eight.
+                    // Not across the end of a band: what is written back for the first eight would be out of date for the other eight.
                     let band = (a as usize + begin) / reach;
                     let fits = |block: &&mut SpanBlock| {
                         a < block.a + LANES as u32 && (block.a as usize + begin) / reach == band
@@ -245,7 +246,7 @@ impl Strided {
     }
 }
 
-/// Projects some spans, whose part has these positions.
+/// The work of projecting some spans; the positions are those of their part.
 struct ProjectSpans<'a> {
     blocks: &'a [SpanBlock],
     reach: u32,
@@ -261,12 +262,12 @@ impl Work for ProjectSpans<'_> {
         for SpanBlock { a, length } in blocks {
             let (mut ones, mut others) = ([*a; LANES], [*a + reach; LANES]);
             for lane in 0..LANES {
-                // Where no span begins, the first is taken again: what is there may not exist.
+                // Where no span begins, the first one is repeated, since the row may not exist.
                 let row = if length[lane].is_finite() { PARITY[lane] as u32 } else { 0 };
                 (ones[lane], others[lane]) = (a + row, a + row + reach);
             }
             let (one, other) = (L::rows(position, &ones), L::rows(position, &others));
-            // Of rows that are written twice the last lane stays.
+            // Where a row is written twice, the last lane prevails.
             let mut again = *length;
             for (lane, length_) in again.iter_mut().enumerate() {
                 *length_ = if length[lane].is_finite() { *length_ } else { length[0] };
@@ -278,11 +279,11 @@ impl Work for ProjectSpans<'_> {
     }
 }
 
-/// Projects all spans of an island whose particles are in columns.
+/// The work of projecting all spans of an island whose particles are in columns.
 struct SpanColumns<'a> {
     spans: &'a Spans,
     columns: &'a mut Columns,
-    /// The row with which they begin.
+    /// The row with which the columns begin.
     first: u32,
 }
 
@@ -301,7 +302,7 @@ impl Work for SpanColumns<'_> {
                 let mut eights = columns.eights();
                 let held = hold(eights.load_run::<L>(one), eights.load_run(other), L::load(length));
                 let Some((moved, others)) = held else { continue };
-                // In this order: of the first eight, rows in which no span begins may be among the other eight.
+                // In this order: rows of the first eight at which no span begins may be among the other eight.
                 eights.put_run(one, moved);
                 eights.put_run(other, others);
             }
@@ -309,9 +310,9 @@ impl Work for SpanColumns<'_> {
     }
 }
 
-/// Both ends of eight spans where they may be; `None` if all are there already. What is no farther than it may be stays as it is, to the bit.
+/// Moves both ends of eight spans to the allowed distance; `None` if all are within it. Ends within it stay as they are, to the bit.
 ///
-/// As of a rope: with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`.
+/// As for a rope: with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`.
 #[inline(always)]
 fn hold<L: Lanes>(one: [L; 4], other: [L; 4], length: L) -> Option<([L; 4], [L; 4])> {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));

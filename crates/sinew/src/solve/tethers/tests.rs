@@ -1,4 +1,4 @@
-//! Tethers are as long as the way over the cloth, ask for no more than its rods do, and follow what is cut and what is pinned.
+//! Tethers are as long as the path over the cloth, require no more than its rods do, and follow tears and pins.
 
 use glam::{Quat, Vec3};
 
@@ -27,7 +27,7 @@ fn cloth(pins: &[u32], shaped: impl Fn(Vec3) -> Vec3) -> Simulation {
     world
 }
 
-/// Each particle with a tether: its row, that of its pin, and how long it is.
+/// All tethers: row of the particle, row of its pin, and length.
 fn tethers(world: &Simulation) -> Vec<(usize, usize, f32)> {
     let plan = world.plan();
     let own = plan.tethers.of(&plan.islands.list[0]).unwrap();
@@ -49,7 +49,7 @@ fn in_flat_cloth_they_are_straight_lines() {
     }
 }
 
-/// They are bounds that the rods imply: where all rods have their lengths, no tether is shorter than the particle is far from its pin.
+/// Tethers are bounds that the rods imply: where all rods have their rest lengths, no tether is shorter than the distance of the particle from its pin.
 #[test]
 fn none_asks_for_more_than_the_rods_do() {
     let dome = |p: Vec3| Vec3::new(p.x, p.y, 0.8 - 1.6 * (p.x * p.x + p.y * p.y));
@@ -93,7 +93,7 @@ fn a_slit_is_gone_around_and_what_is_cut_off_is_free_in_the_same_step() {
     assert!(plan.islands.list.iter().all(|island| plan.tethers.of(island).is_none()));
 }
 
-/// Rods of a cloth of so many particles to a side, with both diagonals, some of them twice.
+/// The rods of a cloth with `side` particles on each side, with both diagonals; some rods occur twice.
 fn rods_of_cloth(side: u32) -> Vec<(u32, u32, f32, bool)> {
     let mut rods = Vec::new();
     for a in 0..side * side {
@@ -111,7 +111,7 @@ fn rods_of_cloth(side: u32) -> Vec<(u32, u32, f32, bool)> {
     rods
 }
 
-/// After each of many changes (rods torn, put back, made longer, of no length) what is kept of how far particles are from pins is what is reckoned anew.
+/// After each of many changes (rods torn, put back, made longer, of no length) the updated distances from pins equal those computed from scratch.
 #[test]
 fn what_a_tear_leaves_of_distances_is_what_a_new_reckoning_gives() {
     let side = 24;
@@ -146,7 +146,7 @@ fn what_a_tear_leaves_of_distances_is_what_a_new_reckoning_gives() {
     }
 }
 
-/// Two cloths from which rods are torn, to which others are tied, and of which other particles are pinned, are tethered as a world is that was so from the first.
+/// Two cloths go through tears, new ties and changed pins. After each change their tethers equal those of a new world that has the same rods and pins.
 #[test]
 fn after_tears_and_other_pins_tethers_are_those_of_a_world_that_was_always_so() {
     let mut world = cloth(&[0, 20], |p| p);
@@ -194,7 +194,7 @@ fn after_tears_and_other_pins_tethers_are_those_of_a_world_that_was_always_so() 
     assert!(different > 40, "{different}");
 }
 
-/// By how much a rope of a hundred pieces is longer, with a weight of twice its own at its end, two seconds after it was hung up straight.
+/// Relative stretch of a rope of a hundred pieces with a weight of twice its own at its end, two seconds after it was hung up straight.
 fn hung(gradient_at: GradientAt) -> f32 {
     let mut world = Simulation::default();
     world.settings.gradient_at = gradient_at;
@@ -215,7 +215,7 @@ fn hung(gradient_at: GradientAt) -> f32 {
 fn a_weight_on_a_long_rope_hangs_by_its_hook() {
     let longer = hung(GradientAt::Current);
     assert!(longer.abs() < 1e-3, "{longer}");
-    // Where energy is to be kept there are none, and the rope is as long as the sweeps let it be.
+    // Without tethers, where energy is to be kept, the rope is as long as the sweeps leave it.
     let swept = hung(GradientAt::StepStart);
     assert!(swept > 0.05, "{swept}");
 }
@@ -223,7 +223,7 @@ fn a_weight_on_a_long_rope_hangs_by_its_hook() {
 #[test]
 fn a_turned_world_has_the_same_tethers() {
     let turn = Quat::from_rotation_z(0.3);
-    // Which of two that are equally far comes first is a matter of round-off.
+    // Round-off decides which of two equally distant pins comes first.
     let by_pins = |world: &Simulation| {
         let mut all = tethers(world);
         all.sort_by_key(|&(row, pin, _)| (row, pin));
@@ -235,7 +235,7 @@ fn a_turned_world_has_the_same_tethers() {
     }
 }
 
-/// Each span once: the rows of its ends, and how long it is.
+/// Each span once: the rows of its ends, and its length.
 fn spans(world: &Simulation) -> Vec<(u32, u32, f32)> {
     let plan = world.plan();
     let Some(own) = plan.tethers.spans_of(&plan.islands.list[0]) else { return Vec::new() };
@@ -249,7 +249,7 @@ fn spans(world: &Simulation) -> Vec<(u32, u32, f32)> {
 fn spans_are_as_long_as_the_rods_between_their_ends_and_none_leads_over_a_gap() {
     let mut world = cloth(&[], |p| p);
     let all = spans(&world);
-    // Rows and columns of 21 particles, four rods a span.
+    // Rows and columns of 21 particles, four rods to a span.
     assert_eq!(all.len(), 2 * 21 * 17);
     for &(a, b, length) in &all {
         let straight = world.particles.separation(a as usize, b as usize).length();
@@ -259,7 +259,7 @@ fn spans_are_as_long_as_the_rods_between_their_ends_and_none_leads_over_a_gap() 
     world.distances_mut().retain(|d| [d.a, d.b] != [210, 211]);
     world.begin_step(1.0 / 60.0).unwrap();
     let cut = spans(&world);
-    // Row 10 begins with 210: only the one from its first particle on had that rod.
+    // Row 10 begins with particle 210: only the span that begins there had that rod.
     assert_eq!(cut.len(), all.len() - 1);
     assert!(cut.iter().all(|span| span.0 != 210 || span.1 != 214));
 }

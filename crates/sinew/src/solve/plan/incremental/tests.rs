@@ -1,4 +1,4 @@
-//! An incrementally updated plan is the plan that compiling afresh would have given.
+//! An incrementally updated plan equals the plan that compiling from scratch gives.
 
 use super::super::Distance;
 use super::super::changes::{Change, MOST};
@@ -13,7 +13,7 @@ fn below(state: &mut u64, below: usize) -> usize {
     (*state % below as u64) as usize
 }
 
-/// The lists of a world, and what became different in them.
+/// The input lists of a world, and their changes since the last update.
 #[derive(Clone, Default)]
 struct Lists {
     distances: Vec<Distance>,
@@ -48,7 +48,7 @@ impl Lists {
         lists
     }
 
-    /// Cloth: a grid with rods along its edges and one diagonal each, and soft ties past each particle.
+    /// Cloth: a grid with rods along its edges and one diagonal each, and soft distances to the second neighbour.
     fn woven(side: u32) -> Self {
         let mut lists = Self { particles: (side * side) as usize, ..Self::default() };
         for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
@@ -67,7 +67,7 @@ impl Lists {
         lists
     }
 
-    /// A mesh without any order: rods between random particles that are not far apart.
+    /// A mesh in no particular order: rods between random particles that are not far apart.
     fn tangle(particles: usize, rods: usize) -> Self {
         let mut state = 0x9E37_79B9_7F4A_7C15;
         let mut lists = Self { particles, ..Self::default() };
@@ -111,7 +111,7 @@ impl Lists {
         self.changes.note(Change::Added(List::Constraints, at));
     }
 
-    /// One change, of whatever kind.
+    /// One random change.
     fn change(&mut self, state: &mut u64) {
         let distances = self.distances.len();
         match below(state, 5) {
@@ -128,7 +128,7 @@ impl Lists {
                 let (a, far) = (below(state, self.particles - 12), 1 + below(state, 11));
                 let (bound, rest) = match below(state, 8) {
                     0 => (Bound::AtMost, 1.0),
-                    // A faulty one, which has a number and no place.
+                    // An invalid one, which has an index and no key.
                     1 => (Bound::Equal, f32::NAN),
                     _ => (Bound::Equal, 2.0),
                 };
@@ -146,7 +146,7 @@ fn bend(rows: &[u32; 4]) -> Constraint {
     Constraint { rows: Rows::from_slice(rows), kind: ConstraintKind::Bend(bend) }
 }
 
-/// Brings a plan up to date, to what compiling afresh gives; whether it could be mended for that.
+/// Updates a plan and checks that it equals a compilation from scratch; returns whether the incremental update succeeded.
 fn mended(plan: &mut Plan, lists: &mut Lists) -> bool {
     let mut compiling = core::mem::take(&mut plan.compiling);
     let (given, changes) = (lists.given(), &lists.changes);
@@ -194,7 +194,7 @@ fn a_tear_in_a_grid_is_mended_wherever_it_is() {
 
 #[test]
 fn five_hundred_changes_one_after_the_other_leave_the_plan_of_what_is_left() {
-    // Nothing in cloth leads as far along a row as some of the random ones, which hold nothing together when they go.
+    // No constraint of cloth reaches as far along a row as some of the random ones, whose removal can split an island.
     let all = [(Lists::grid(24), 50), (Lists::woven(24), 100), (Lists::tangle(600, 2400), 100)];
     let afresh = all.map(|(mut lists, most)| {
         let (mut plan, mut state, mut afresh) = (lists.compiled(), 88_172_645_463_325_252, 0);
@@ -221,7 +221,7 @@ fn what_falls_apart_or_grows_together_is_compiled_afresh() {
     let mut tied = lists.clone();
     tied.insert_distance(18, Distance::new(9, 10, 1.0));
     assert!(!mended(&mut plan.clone(), &mut tied));
-    // Another length is no tear: the same two are bound again.
+    // Replacing a rod by one of another length is no tear: the same two particles are connected again.
     lists.remove_distance(4);
     lists.insert_distance(4, Distance::new(4, 5, 2.0));
     assert!(mended(&mut plan, &mut lists));

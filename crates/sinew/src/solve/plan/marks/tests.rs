@@ -1,21 +1,21 @@
-//! What is compiled behind a mark is what would be compiled afresh, whatever came and went before.
+//! Compiling from a mark on gives the same plan as compiling from scratch, whatever was added and removed before.
 
 use super::super::*;
 use crate::constraints::{Bend, ConstraintKind, Softness};
 
-/// Bodies one behind the other, and ties between them.
+/// Bodies one after the other, and ties between them.
 #[derive(Clone, Default)]
 struct Bodies {
     sizes: Vec<Body>,
-    /// From which particle of which body to which of which.
+    /// Each tie connects a particle of one body to a particle of another: (body, particle) twice.
     ties: Vec<[(usize, u32); 2]>,
 }
 
 #[derive(Clone, Copy)]
 enum Body {
-    /// Of so many columns and as many rows, with bends along its rows.
+    /// A square grid of this many rows and columns, with bends along its rows.
     Cloth(u32),
-    /// Of so many particles.
+    /// This many particles.
     Rope(u32),
 }
 
@@ -109,7 +109,7 @@ fn bend(rows: [u32; 4]) -> Constraint {
     Constraint::new(rows, ConstraintKind::Bend(bend))
 }
 
-/// All that a plan has of its constraints and its islands.
+/// All contents of a plan that depend on its constraints and islands.
 fn contents(plan: &Plan) -> [String; 13] {
     let Plan { distances, constraints, rods, constraint_batches, loose_distances, .. } = plan;
     let Plan { groups, cluster_batches, shared_rows, tasks, islands, instance_batches, .. } = plan;
@@ -162,7 +162,7 @@ fn what_comes_and_goes_leaves_the_plan_of_what_is_there() {
     assert!(kept > 200, "there is hardly ever a mark: {kept}");
 }
 
-/// What is spawned last costs itself: what stands before it keeps its place in memory and its keys.
+/// Spawning a body last compiles that body alone: the bodies before it keep their keys and their place in memory.
 #[test]
 fn what_is_added_behind_is_all_that_is_compiled() {
     let mut bodies = Bodies::default();
@@ -178,7 +178,7 @@ fn what_is_added_behind_is_all_that_is_compiled() {
     assert_eq!(added.sound_from(same).len(), 4);
     plan.compile_changed(added, same);
     assert_eq!(plan.compiling.of_island.len(), 4);
-    // A rope tied to the second cloth has that one compiled again, and the third, which comes after it.
+    // A rope tied to the second cloth causes that cloth to be compiled again, and the third, which comes after it.
     bodies.ties.push([(1, 3), (3, 0)]);
     let same = [distances.len(), constraints.len()];
     let (distances, constraints, particles) = bodies.lists();
