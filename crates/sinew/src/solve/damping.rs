@@ -1,14 +1,14 @@
-//! Friction inside a body: what its particles do against each other dies away, and what all of it does together stays.
+//! Internal friction of a body: relative motion of its particles is damped, and its rigid motion is kept.
 //!
-//! A joint without friction never comes to rest: the head of a figure that lies on stairs swings from its neck for minutes, and keeps all of it from
-//! falling asleep. Air would stop that, and every fall too. So the particles of a body are taken towards what a rigid body with the same momentum and
-//! angular momentum would do, at the rate `λ` (Müller, Heidelberger, Hennix, Ratcliff, *Position Based Dynamics*, 2007, section 3.5):
+//! A joint without friction never comes to rest: the head of a figure that lies on stairs swings from its neck for minutes, and keeps the whole figure from
+//! falling asleep. Air drag would stop that, but would slow every fall too. So the velocities of a body's particles are moved towards those of a rigid body
+//! with the same momentum and angular momentum, at the rate `λ` (Müller, Heidelberger, Hennix, Ratcliff, *Position Based Dynamics*, 2007, section 3.5):
 //!
 //! ```text
 //! v ← v + (1 - e^(-λ dt)) (v̄ + ω × (q - q̄) - v)        Σ m v and Σ m q × v stay
 //! ```
 //!
-//! Once a step is enough: it is slow against anything that a body does in one.
+//! Once a step is enough: the rate is slow compared with the motion within a step.
 
 use core::ops::Range;
 
@@ -18,24 +18,24 @@ use super::momentum::MomentumSums;
 use crate::particles::Particles;
 use crate::settings::BodySettings;
 
-/// What is summed up over each body that has such friction, and nobody saves.
+/// Momentum sums of each body with internal friction. Scratch, never saved.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Damping(Vec<Option<Body>>);
 
-/// One of them.
+/// The sums of one body.
 #[derive(Clone, Debug, Default)]
 struct Body {
-    /// The first of its rows, which places are measured from.
+    /// Its first row, relative to which positions are measured.
     first: usize,
     sums: MomentumSums,
-    /// What a rigid body would do: its barycentre, metres, that one's velocity, m/s, and its angular velocity, rad/s.
+    /// The equivalent rigid motion: barycentre, metres, its velocity, m/s, and the angular velocity, rad/s.
     rigid: [DVec3; 3],
-    /// Which part of what differs from that goes.
+    /// Share of the difference from the rigid motion that is removed.
     share: f64,
 }
 
 impl Damping {
-    /// Takes a step of `dt` seconds of it off what is free.
+    /// Applies a step of `dt` seconds to the particles that are not pinned.
     pub(crate) fn apply(&mut self, particles: &mut Particles, bodies: &[BodySettings], dt: f32) {
         let rate = |body: &BodySettings| {
             if body.damping.is_finite() { body.damping.max(0.0) } else { 0.0 }
@@ -86,7 +86,7 @@ impl Damping {
     }
 }
 
-/// Rows that follow each other and are of one body, and its number.
+/// Consecutive rows of one body, with the body's index.
 fn runs(body: &[u32]) -> impl Iterator<Item = (usize, Range<usize>)> {
     let mut begin = 0;
     body.chunk_by(|one, next| one == next).map(move |run| {

@@ -1,15 +1,15 @@
-//! Loads: with what force single distances and constraints held in a step, for whoever wants something to break.
+//! Loads: the forces that selected distances and constraints exerted in a step, for example to decide whether they break.
 //!
-//! The force is the sum of what a constraint did, `f = Σ m Δx / h²` over the sweeps of a substep, in the mean over the substeps of a step. Where what hangs
-//! on it is at rest it is the weight, however few sweeps there are and however far they are from done: what moves nothing balances. In the first substep after
-//! a position or a velocity was set it is half of that, for so far Verlet falls there.
+//! The force is the sum of a constraint's corrections, `f = Σ m Δx / h²` over the sweeps of a substep, averaged over the substeps of a step. If what hangs on
+//! the constraint is at rest, the force is its weight, however few sweeps there are and however far they are from convergence, since the forces on a body at
+//! rest balance. In the first substep after a position or a velocity was set it is half of that, because Verlet falls by `½ g h²` there.
 //!
-//! [Tethers](super::tethers) carry what rods would have to hand on, and a rod beside one feels nothing. So an island with loads to be measured has what its
-//! tethers did counted as well, and each rod on the way of a tether is given the force of it: that is what the rods would hand on. Such an island has
-//! tethers however small it is. Without them, ten sweeps through a rope of a hundred pieces let it sag and swing back, and the first pull would be nearly
-//! twice its weight.
+//! [Tethers](super::tethers) carry loads that rods would otherwise transmit, and a rod beside a tether carries nothing. So in an island with measured loads the
+//! work of the tethers is recorded as well, and each rod on the path of a tether is given the tether's force, which is what the rods would transmit. Such an
+//! island has tethers however small it is. Without them, ten sweeps through a rope of a hundred pieces let it sag and swing back, and the first pull would be
+//! nearly twice its weight.
 //!
-//! Islands with loads to be measured are solved constraint by constraint, before the others, on one thread: what is done is done in the order of a sweep.
+//! Islands with measured loads are solved constraint by constraint, before the others, on one thread, in the order of a sweep.
 
 use glam::{DVec3, Vec3};
 
@@ -27,44 +27,44 @@ use crate::constraints::GradientAt;
 use crate::islands::Island;
 use crate::particles::{Particles, Places};
 
-/// Stands where a number has no place.
+/// No index.
 const NONE: u32 = u32::MAX;
 
-/// Whose loads are measured, and what they have been in the last step.
+/// The constraints whose loads are measured, and the loads of the last step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Loads {
     distances: Wanted,
     constraints: Wanted,
-    /// Whether the plan may have changed since its places were looked up.
+    /// Whether the plan may have changed since its indices were looked up.
     stale: bool,
-    /// Numbers of the islands that have any, ascending.
+    /// Indices of the islands with measured loads, ascending.
     islands: Vec<u32>,
-    /// What the tethers of the members of those islands did, each island after the one before, kg·m.
+    /// What both tethers of each member of those islands did, island after island, kg·m.
     tethers: Vec<[f64; 2]>,
     constraint_refs: Vec<ConstraintRef>,
     local: Local,
     eliminated: Vec<Eliminated<f32>>,
-    /// Of reading off: what the tethers of each member of an island pull with.
+    /// Scratch for reading: the pull of the tethers of each member of an island.
     carried: Vec<f64>,
 }
 
-/// Some constraints of one list.
+/// Measured constraints of one list.
 #[derive(Clone, Debug, Default)]
 struct Wanted {
-    /// Their numbers in the list of the simulation, ascending.
+    /// Their indices in the simulation's list, ascending.
     numbers: Vec<u32>,
-    /// Their places in the plan.
+    /// Their indices in the plan.
     places: Vec<u32>,
-    /// Of each constraint of the plan, which of these it is.
+    /// For each constraint of the plan its index among these.
     slots: Vec<u32>,
-    /// What each did to the first of its sides, kg·m.
+    /// Accumulated correction of the first of its sides, kg·m.
     pulls: Vec<DVec3>,
-    /// What tethers on the way of which it is did, kg·m.
+    /// Accumulated correction by the tethers whose paths it lies on, kg·m.
     along: Vec<f64>,
 }
 
 impl Wanted {
-    /// Whether others are wanted than before.
+    /// Sets the constraints to measure; returns whether they changed.
     fn set(&mut self, numbers: impl Iterator<Item = usize> + Clone) -> bool {
         if numbers.clone().eq(self.numbers.iter().map(|&number| number as usize)) {
             return false;
@@ -76,7 +76,7 @@ impl Wanted {
         true
     }
 
-    /// Looks up the places in the plan, of which the constraints have these numbers.
+    /// Looks up their indices in the plan, given the simulation's index of each constraint of the plan.
     fn find(&mut self, planned: &[u32]) {
         let Self { numbers, places, slots, .. } = self;
         places.clear();
@@ -105,7 +105,7 @@ impl Wanted {
 }
 
 impl Loads {
-    /// Wants the loads of distances and constraints with these numbers, and of no others.
+    /// Selects the distances and constraints whose loads are measured, in place of the previous ones.
     pub(crate) fn want(
         &mut self,
         distances: impl Iterator<Item = usize> + Clone,
@@ -115,22 +115,22 @@ impl Loads {
         self.stale |= self.constraints.set(constraints) | changed;
     }
 
-    /// Whether none is wanted.
+    /// Whether none is selected.
     pub(crate) fn is_empty(&self) -> bool {
         self.distances.numbers.is_empty() && self.constraints.numbers.is_empty()
     }
 
-    /// The plan has been compiled.
+    /// Marks the plan's indices as out of date, after it was compiled.
     pub(crate) fn expire(&mut self) {
         self.stale = true;
     }
 
-    /// Whether the plan has to be looked at again.
+    /// Whether the plan's indices are out of date.
     pub(crate) fn is_stale(&self) -> bool {
         self.stale
     }
 
-    /// Looks up what is wanted in a plan whose distances and constraints have these numbers, and marks its islands.
+    /// Looks up the selected constraints in a plan, given the simulation's indices of its distances and constraints, and marks their islands as measured.
     pub(crate) fn find(&mut self, plan: &mut Plan, distances: &[u32], constraints: &[u32]) {
         self.stale = false;
         self.distances.find(distances);
@@ -159,8 +159,8 @@ impl Loads {
         self.tethers.resize(members.sum(), [0.0; 2]);
     }
 
-    /// Solves the islands that are measured, as [`solve_all`](super::solve_all) does others; what their corrections gave them and should not have is
-    /// added to a list, with the number of the island.
+    /// Solves the islands with measured loads, as [`solve_all`](super::solve_all) does the others. The momentum drift of their corrections is appended to a
+    /// list, with the index of the island.
     pub(super) fn solve(
         &mut self,
         context: SolveContext,
@@ -196,7 +196,7 @@ impl Loads {
         }
     }
 
-    /// Ends a step: hands what tethers did on to the rods on their way.
+    /// Ends a step: adds the work of tethers to the rods on their paths.
     pub(crate) fn end(&mut self, plan: &Plan) {
         let Self { distances, islands, tethers, carried, .. } = self;
         let mut first = 0;
@@ -214,8 +214,8 @@ impl Loads {
         }
     }
 
-    /// The tension of the distance with a number in the list of the simulation, N, in the mean over a step of so many substeps of `h` seconds; negative
-    /// under pressure. `None` if it was not measured.
+    /// The tension of a distance, given by its index in the simulation's list, N, averaged over a step of `substeps` substeps of `h` seconds; negative under
+    /// compression. `None` if it was not measured.
     pub(crate) fn distance(
         &self,
         number: usize,
@@ -227,26 +227,26 @@ impl Loads {
         let d = plan.distances.get(self.distances.places[slot] as usize)?;
         let apart = particles.separation(d.b as usize, d.a as usize).as_dvec3();
         let size = pull.length();
-        // One of no length, a joint, has no direction, and pulls wherever it pulls.
+        // A distance of zero length, a joint, has no direction, so its tension is the magnitude of the force.
         let own = if d.rest > 0.0 { size.copysign(pull.dot(apart)) } else { size };
         Some(((own + along) * per_square(h, substeps)) as f32)
     }
 
-    /// The force of another constraint on the first of its sides, N; `None` if it was not measured.
+    /// The magnitude of the force of another constraint on the first of its sides, N; `None` if it was not measured.
     pub(crate) fn constraint(&self, number: usize, (h, substeps): (f32, u32)) -> Option<f32> {
         let slot = self.constraints.slot(number)? as usize;
         Some((self.constraints.pulls.get(slot)?.length() * per_square(h, substeps)) as f32)
     }
 }
 
-/// From what was summed up over the substeps of a step, kg·m, to newtons.
+/// Conversion factor from the sum over the substeps of a step, kg·m, to newtons.
 fn per_square(h: f32, substeps: u32) -> f64 {
     let h = f64::from(h);
     1.0 / (h * h * f64::from(substeps.max(1)))
 }
 
 impl Loads {
-    /// Sweeps an island, whose tethers begin with number `first`, one constraint after the other, and notes what those do that are measured.
+    /// Sweeps an island, whose tethers begin at index `first`, one constraint after the other, and records the corrections of the measured ones.
     fn sweep(
         &mut self,
         (plan, island, first): (&Plan, &Island, usize),
@@ -257,7 +257,7 @@ impl Loads {
         let Self { constraint_refs, local, eliminated, distances, constraints, tethers, .. } = self;
         let tethers = &mut tethers[first..first + island.members.len()];
         let mut worst = 0.0_f32;
-        // As for others: not where corrections are to keep energy.
+        // As for other islands: not where corrections are to conserve energy.
         if mode.tethers
             && mode.gradient_at == GradientAt::Current
             && let Some(made) = plan.tethers.of(island)
@@ -295,7 +295,7 @@ impl Loads {
                 GroupKind::Constraints => plan.constraints[one.number as usize].kind.first_side(),
                 _ => 1,
             };
-            // What nothing moves says nothing: then the other side does, with the other sign.
+            // A side of pinned particles is not moved and shows no force: then the other side is recorded, with the opposite sign.
             let held = |row: &u32| places.position[places.at(*row)].w == 0.0;
             let (rows, sign) = match rows.split_at(side.min(rows.len())) {
                 (first, others) if first.iter().all(held) => (others, -1.0),
@@ -309,7 +309,7 @@ impl Loads {
     }
 }
 
-/// `Σ m x` of some particles that are not pinned, kg·m.
+/// `Σ m x` of those of some particles that are not pinned, kg·m.
 fn weighted(places: &Places, rows: &[u32]) -> DVec3 {
     let mut sum = DVec3::ZERO;
     for &row in rows {

@@ -1,15 +1,15 @@
-//! Microsteps (multirate integration): a large soft island takes what sweeps it may have in a substep as steps of its own, one sweep in each.
+//! Microsteps (multirate integration): a large soft island replaces the sweeps of a substep by shorter steps of its own, with fewer sweeps in each.
 //!
 //! A thread of N pieces under an acceleration `a` is stretched by about `N a h²/s` after `s` sweeps in a substep of `h`: twice the sweeps halve that, half the
-//! substep quarters it (Macklin et al., *Small Steps in Physics Simulation*, 2019). So an island that may have four sweeps goes through its substep in two
-//! microsteps of one: half of the projections, at the same strain. What acts from outside is what the substep has summed up: forces are the same in all
-//! microsteps, pins are led in equal parts, moving colliders are where they are at each.
+//! substep quarters it (Macklin et al., *Small Steps in Physics Simulation*, 2019). So an island with four sweeps goes through its substep in two microsteps of
+//! one sweep: half of the projections, at the same strain. External influences are those of the substep: forces are the same in all microsteps, kinematic pins
+//! move in equal parts, and moving colliders are at their interpolated positions.
 //!
-//! Towards everybody else a substep stays one step. Where contacts between bodies follow, they meet a particle that began where the substep began and has
-//! come to where it is. After them it goes on as its last microstep left it, and with what they have moved it by.
+//! For the other islands a substep remains one step. Contacts between bodies that follow act on a particle that moved from its position at the beginning of the
+//! substep to its present one. After them it continues with the velocity of its last microstep plus what the contacts changed.
 //!
-//! Substeps are taken as they are by small islands; by ropes and what else has few constraints for a particle, where integration would cost more than is
-//! gained; by what keeps a volume, or moves as an explicit rigid body; where springs pull, whose forces change with every bit of the way; and where
+//! Microsteps are not used for small islands; for ropes and other islands with few constraints for each particle, where integration would cost more than is
+//! gained; for islands that keep a volume or move as an explicit rigid body; where springs pull, whose forces change along the way; and where
 //! [loads](super::loads) are measured.
 
 use core::ops::Range;
@@ -33,17 +33,17 @@ use crate::lanes::{LANES, with};
 use crate::particles::Places;
 use crate::settings::{Order, SolverSettings};
 
-/// As many sweeps of a substep are worth one microstep with one.
+/// Number of sweeps of a substep that are replaced by one microstep with one sweep.
 const SWEEPS: u32 = 2;
 
-/// An island whose rows are in more stretches than this takes substeps as they are.
+/// An island with more contiguous ranges of rows than this takes no microsteps.
 const MOST_RUNS: usize = 32;
 
-/// No microstep is shorter than this, seconds: positions are rounded to some 3e-8 of a metre, and what a step is rounded by is a speed.
+/// Least length of a microstep, seconds: positions are rounded to about 3e-8 m, and in a shorter step that becomes a noticeable velocity.
 const SHORTEST: f32 = 1.0 / 2500.0;
 
-/// Decides how an island of the `plan` goes through substeps of `h` seconds, when its settings are those of its bodies; `most` are those of the body that most of it
-/// is of. Of cloth that something else is tied to, which asks for more sweeps, that gets more in each sweep.
+/// Decides how island `number` goes through substeps of `h` seconds. Its settings are those of its bodies; `most` are the settings of the body to which most of
+/// the island belongs. Where bodies tied to cloth require more sweeps than the cloth, they get several sweeps in each sweep of the cloth.
 pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32, most: SolverSettings) {
     let island = &plan.islands.list[number];
     let settings = &island.settings;
@@ -64,7 +64,7 @@ pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32, most: SolverSetting
         island.settings.max_sweeps = most.max_sweeps;
     }
     let sweeps = island.settings.max_sweeps;
-    // A power of two: the instants of those that take few are among the instants of those that take many.
+    // A power of two, so that the instants of islands with few microsteps are among the instants of those with many.
     let most = (sweeps / SWEEPS).min((h / SHORTEST) as u32).max(1).ilog2();
     island.microsteps = if suits { 1 << most } else { 1 };
     if island.microsteps > 1 {
@@ -80,8 +80,8 @@ impl Plan {
             .map(move |run| StepRows { rows: run.start as usize..run.end as usize, microsteps })
     }
 
-    /// Whether an island is cloth, and what is tied to it: of which each particle has several constraints, so that integration, which microsteps have more
-    /// of, is the smaller part, and none keeps a volume, an area or a rigid shape.
+    /// Whether an island is cloth with what is tied to it: each particle has several constraints, so that integration, which microsteps multiply, is the
+    /// smaller part, and no constraint keeps a volume, an area or a rigid shape.
     fn is_cloth(&self, island: &Island) -> bool {
         let mut constraints = 0;
         let mut groups = self.groups[island.groups.clone()].iter();
@@ -95,15 +95,15 @@ impl Plan {
     }
 }
 
-/// Whether it is a bend, a joint or a tie.
+/// Whether a constraint is a bend, a joint or a tie.
 fn bends_or_ties(kind: &ConstraintKind) -> bool {
     use ConstraintKind::{Anchors, Angle, Bend, Cone, Hinge};
     matches!(kind, Anchors(_) | Angle(_) | Bend(_) | Cone(_) | Hinge(_))
 }
 
 impl TaskSlice<'_> {
-    /// Solves an island through a substep of which the first microstep has been predicted: whole, and returns what is to be taken off when its velocities are
-    /// derived, as [`solve`] does; or in its microsteps, and then that is done.
+    /// Solves an island through a substep of which the first microstep has been predicted. Either as a whole, and returns the momentum drift to be removed when
+    /// its velocities are derived, as [`solve`] does; or in microsteps, which derive the velocities themselves.
     pub(super) fn solve_substep(
         &mut self,
         number: usize,
@@ -117,8 +117,8 @@ impl TaskSlice<'_> {
         solve(self.context, number, self.island(number), sweep)
     }
 
-    /// Takes an island, whose first microstep has been predicted, through all of them: its velocities are derived, and have bounced. If they are to be derived
-    /// once more, after contacts between bodies, what is to be taken off of each row then is noted.
+    /// Takes an island, whose first microstep has been predicted, through all microsteps, including velocities and restitution. If velocities are to be derived
+    /// again, after contacts between bodies, the correction of each row that is then needed is recorded.
     fn take_microsteps(
         &mut self,
         number: usize,
@@ -190,19 +190,19 @@ impl TaskSlice<'_> {
     }
 }
 
-/// What taking microsteps needs. Scratch.
+/// Scratch for microsteps.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MicrostepScratch {
-    /// Where the particles of the island are among the places, stretch by stretch.
+    /// Ranges of the island's particles among the places.
     runs: Vec<Range<usize>>,
-    /// Where each particle was when the substep began.
+    /// Position of each particle at the beginning of the substep.
     start: Vec<Vec4>,
-    /// The places of pinned particles that are led, and where to.
+    /// Indices of kinematic pins, and their target positions.
     led: Vec<(usize, Vec4)>,
-    /// How far a relaxation moved each particle.
+    /// Displacement of each particle by relaxation.
     moved: Vec<Vec4>,
     strain: StrainScratch,
-    /// Inverse masses of what a relaxation held, 1/kg.
+    /// Inverse masses of the particles that relaxation treats as pinned, 1/kg.
     masses: Vec<f32>,
     /// Rows of a task that take microsteps.
     pub(super) apart: Vec<StepRows>,
@@ -219,7 +219,7 @@ impl MicrostepScratch {
             }
             let all = places.position[run.clone()].chunks(2 * LANES);
             for (begin, some) in run.step_by(2 * LANES).zip(all) {
-                // Few are pinned: it is asked of several at once.
+                // Few particles are pinned, so several are tested at once.
                 if some.iter().fold(false, |pinned, end| pinned | (end.w == 0.0)) {
                     let each = (begin..).zip(some);
                     let moves = each.filter(|(i, end)| end.w == 0.0 && **end != places.start[*i]);
@@ -229,7 +229,7 @@ impl MicrostepScratch {
         }
     }
 
-    /// Leads pinned particles by one of so many equal parts of what they have left.
+    /// Moves kinematic pins by one of `remaining` equal parts of the rest of their way.
     fn lead(&self, places: &mut Places, remaining: u32) {
         for &(i, end) in &self.led {
             let from = places.start[i];
@@ -238,8 +238,8 @@ impl MicrostepScratch {
         }
     }
 
-    /// Makes one step of `h` seconds of all microsteps: from where the first began, at the mean velocity. What [`resume`] gives each its own velocity back by
-    /// goes to `later`.
+    /// Combines all microsteps into one step of `h` seconds: from the first position, at the mean velocity. Stores in `later` the velocity that [`resume`]
+    /// restores.
     fn join(&self, places: &mut Places, runs: &[Range<usize>], h: f32, later: &mut [Vec4]) {
         for (i, start) in runs.iter().cloned().flatten().zip(&self.start) {
             let own = places.velocity[i];
@@ -251,9 +251,9 @@ impl MicrostepScratch {
     }
 }
 
-/// Gives rows, whose microsteps have been [joined](MicrostepScratch::join), the velocities that they had after the last of them, and what contacts between bodies
-/// have moved them by since, in a substep of `h` seconds. Who has not been moved has what it had, bit by bit: it is nothing to it that others touch
-/// each other somewhere.
+/// Restores to rows whose microsteps have been [joined](MicrostepScratch::join) the velocities after the last of them, plus what contacts between bodies have
+/// moved them by since, in a substep of `h` seconds. Particles that have not been moved get their own velocity back bit by bit, so contacts elsewhere do not
+/// affect them.
 pub(super) fn resume(places: &mut Places, rows: Range<usize>, momentum_drift: &[Vec4], h: f32) {
     let (position, start) = (&places.position[rows.clone()], &places.start[rows.clone()]);
     let drifts = &momentum_drift[rows.clone()];
@@ -266,13 +266,13 @@ pub(super) fn resume(places: &mut Places, rows: Range<usize>, momentum_drift: &[
     }
 }
 
-/// From one place to another within `1/per_second` seconds, m/s: one formula, for it is asked whether it comes to the same again.
+/// The mean velocity from one position to another within `1/per_second` seconds, m/s. One function, because [`resume`] relies on the same result bit by bit.
 #[inline(always)]
 fn mean_velocity(to: Vec4, from: Vec4, per_second: f32) -> Vec3 {
     ((to - from) * per_second).truncate()
 }
 
-/// Lists rows that are left of a task by the microsteps they take, counted from the first row of the task. `apart` is scratch.
+/// Lists the remaining rows of a task by the microsteps that they take, counted from the first row of the task. `apart` is scratch.
 pub(super) fn list_step_rows(
     plan: &Plan,
     first: u32,
@@ -298,7 +298,7 @@ pub(super) fn list_step_rows(
     }
 }
 
-/// Derives the velocities of rows that have taken a substep whole. Of others they are derived.
+/// Derives the velocities of rows that took the substep as a whole. Those of the others have been derived.
 pub(super) fn derive_whole_steps(
     places: &mut Places,
     step_rows: &[StepRows],

@@ -1,20 +1,20 @@
-//! Pressed cloth: where a shape of another body presses on large cloth, contacts and rods take turns.
+//! Pressed cloth: where a collider of another body presses on large cloth, contacts and rods are solved alternately.
 //!
-//! A particle of cloth weighs next to nothing beside a crate. A contact between the two moves the particle, and hardly the crate: it brakes that by as much
-//! as one particle weighs, however taut the cloth is, for it knows of no rods. Those pull the particle back in the next substep, and the crate pushes
-//! it out again. That is Gauss and Seidel's way with a large mass on small ones, which converges by `1 - m/M` in a turn: a crate of mass `M` on particles of mass `m`
-//! in all is stopped by taut cloth within some `M/m` substeps, and meanwhile stretches it by as far as it goes; and at rest on it, it takes a push of `g h² M/m` in each
-//! substep to carry it, 3 mm on a flat bottom, and 9 cm on a corner. More sweeps of the rods are no help, for the contacts have the last word. What counts is
-//! how much is pushed, and how often the two change places.
+//! A particle of cloth has next to no mass compared with a crate. A contact between the two moves the particle, and hardly the crate: it decelerates the crate
+//! by as much as one particle weighs, however taut the cloth is, since it does not include the rods. These pull the particle back in the next substep, and the
+//! crate pushes it out again. This is Gauss–Seidel with a large mass on small ones, which converges by `1 - m/M` in each iteration: a crate of mass `M` on
+//! particles of total mass `m` is stopped by taut cloth within about `M/m` substeps, and stretches it meanwhile by as far as it moves; at rest it takes a push
+//! of `g h² M/m` in each substep to carry the crate, 3 mm on a flat bottom, and 9 cm on a corner. More sweeps of the rods do not help, since the contacts come
+//! last. What counts is how much mass is pushed, and how often contacts and rods alternate.
 //!
-//! So what is pushed is not a particle but a piece of cloth: the particles about it, ring by ring of rods, the nearer the more, until they weigh a share of what
-//! presses ([`Aggregate`](crate::collide::Aggregate)). It is what (smoothed) aggregation is to a multigrid method: errors that a sweep takes many substeps for are corrected on
-//! a coarse level, which here has one unknown, and is wanted where contacts are and nowhere else. An impulse on it keeps momentum as one on a particle does. It
-//! stretches each rod by a ring's share of the push, where the whole of it was in the first one.
+//! So a contact pushes not a particle but a piece of cloth: the particles around it, ring by ring of rods, with shares that decrease outwards, until they weigh
+//! a given share of the pressing mass ([`Aggregate`](crate::collide::Aggregate)). This corresponds to (smoothed) aggregation in a multigrid method: errors that
+//! take a sweep many substeps are corrected on a coarse level, which here has one unknown, and is needed only at contacts. An impulse on an aggregate conserves
+//! momentum as one on a particle does. It stretches each rod by one ring's share of the push, instead of the first rod by all of it.
 //!
-//! And contacts of particles with shapes have several turns in a substep, and in between what they have moved is held: to its pins, by its
-//! [tethers](super::tethers), and by the rods about it that are off by more than [strain limiting](super::strain_limit) lets them, for a few rings of rods. It moves positions
-//! before velocities are derived: it is solving, and keeps momentum as rods do.
+//! In addition, contacts of particles with shapes are solved several times in a substep, and in between the particles that they moved are constrained by their
+//! [tethers](super::tethers), and by the rods around them that exceed the [strain limit](super::strain_limit), for a few rings of rods. This moves positions
+//! before velocities are derived: it is part of solving, and conserves momentum as rods do.
 
 use core::ops::Range;
 
@@ -30,19 +30,20 @@ use crate::particles::{Particles, Places};
 use crate::pose::symmetric;
 use crate::threads::ExecutionContext;
 
-/// Over so many rings of rods about what was pressed on a push is handed on in one turn. In the two scenes of `TURNS` (`body_contact`) by 2, 4 and 8: 3.7, 3.3 and 3.0 %, in 2.4, 2.4 and
-/// 2.7 ms; 5.0, 4.2 and 4.3 %, in 3.2, 3.4 and 3.8 ms.
+/// Number of rings of rods around a pressed particle over which one iteration propagates a push. In the two scenes of `TURNS` (`body_contact`), 2, 4 and 8
+/// rings give strains of 3.7, 3.3 and 3.0 % in 2.4, 2.4 and 2.7 ms; and 5.0, 4.2 and 4.3 % in 3.2, 3.4 and 3.8 ms.
 const RINGS: usize = 4;
 
-/// A push goes to so many rings that no rod is stretched by more than this share of its length. Particles that are not pressed on, and go along with what hardly needs
-/// them, are thrown a little in each substep: particles of a sheet that lies on nine crates move by 233, 2 and 5 mm/s from tick to tick in the eighth second by 1, 2 and 4 %, root mean square.
+/// Strain that a push may cause; the number of rings of an aggregate is chosen accordingly. Particles that are not pressed on, and are moved along although
+/// hardly needed, are thrown a little in each substep: particles of a sheet on nine crates change velocity by 233, 2 and 5 mm/s (root mean square) from tick to
+/// tick in the eighth second with 1, 2 and 4 %.
 const STRAIN: f32 = 0.02;
 
-/// Of so many rings of rods an aggregate is at the most: of grid cloth some 900 particles. By 8 and 12, before some pushes were taken back, what a
-/// crate in slack cloth stretches it by was half as much again.
+/// Most rings of rods of an aggregate: about 900 particles of grid cloth. With 8 and 12, measured before some pushes were taken back, a crate in slack cloth
+/// stretched it by half as much again.
 const MOST_RINGS: u32 = 16;
 
-/// Cloth that contacts press on in a substep, held by its constraints.
+/// Cloth pressed by contacts in a substep, with the constraints that hold it.
 pub(crate) struct HeldCloth<'a> {
     plan: &'a Plan,
     substep: SubstepParameters,
@@ -50,31 +51,31 @@ pub(crate) struct HeldCloth<'a> {
     scratch: &'a mut PressedScratch,
 }
 
-/// What pressed cloth needs. Scratch: nothing of it lasts longer than a step.
+/// Scratch of pressed cloth, valid within one step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PressedScratch {
     strain: StrainScratch,
-    /// Which rows are listed.
+    /// Set of listed rows.
     listed: Marks,
-    /// Of each row the number of its aggregate in this step; of what was not pushed that of none.
+    /// For each row the index of its aggregate in this step, or `NONE` if it was not pushed. Empty before the first push of a step.
     numbers: Vec<u32>,
     aggregates: Vec<RowAggregate>,
-    /// Rows, with the numbers of their rings.
+    /// Member rows, with their ring indices.
     members: Vec<(u32, u32)>,
 }
 
-/// That of one row.
+/// The aggregate of one row.
 #[derive(Clone, Debug, Default)]
 struct RowAggregate {
-    /// How much it may weigh, kg.
+    /// Target mass, kg.
     mass: f32,
-    /// Of all of its rings.
+    /// Range of the members of all its rings.
     members: Range<u32>,
-    /// The length of the rods in its middle, metres.
+    /// Mean length of the rods at its middle, metres.
     rod: f32,
-    /// In which substep, with how many rings, it was weighed last.
+    /// Substep and number of rings for which its mass was computed last.
     weighed: (u32, u32),
-    /// How many members that were.
+    /// Number of members in those rings.
     count: u32,
     inverse_mass: f32,
     inverse_inertia: Mat3,
@@ -85,7 +86,7 @@ struct RowAggregate {
 const NONE: u32 = u32::MAX;
 
 impl<'a> HeldCloth<'a> {
-    /// In a substep of a plan. In the first of a step what is known of aggregates is forgotten, for masses may have changed.
+    /// In a substep of a plan. The first substep of a step discards the aggregates, since masses may have changed.
     pub(super) fn new(
         plan: &'a Plan,
         (substep, execution): (SubstepParameters, ExecutionContext<'a>),
@@ -117,7 +118,7 @@ impl PressedCloth for HeldCloth<'_> {
             aggregates.push(RowAggregate::default());
         }
         let own = &mut aggregates[*number as usize];
-        // Of few sizes, for what presses touches somewhat more or less from substep to substep.
+        // Rounded to few sizes, because the pressing mass varies slightly from substep to substep.
         let mass = power_of_two(mass);
         if own.mass != mass {
             let first = members.len() as u32;
@@ -173,7 +174,7 @@ impl PressedCloth for HeldCloth<'_> {
             }
             let moved = strain.limit_about(graph, position, members, RINGS);
             any |= !moved.is_empty();
-            // What stands has the last word: who was held is pressed on again.
+            // Contacts come last: the particles that were moved are projected out of the shapes again.
             let (mut places, interval) = (Places::all(particles), context.interval());
             let mut normal_impulses = NormalImpulses::all(normal_impulses);
             let others = moved.iter().map(|member| member + first);
@@ -184,8 +185,8 @@ impl PressedCloth for HeldCloth<'_> {
     }
 }
 
-/// Adds the aggregate of a row to the members: the particles about it, ring by ring of rods, until they weigh so much, each as often as its share is. Pins are no part of it,
-/// and end it. Returns the mean length of the rods in its middle, metres.
+/// Appends the aggregate of a row to the members: the particles around it, ring by ring of rods, until they have the given mass, each weighted by its share.
+/// Pins are not included, and the aggregate does not grow past them. Returns the mean length of the rods at its middle, metres.
 fn grow(
     plan: &Plan,
     particles: &Particles,
@@ -205,7 +206,7 @@ fn grow(
     let first_row = run.start as u32;
     listed.clear(particles.len());
     listed.insert(row);
-    // Of all of them, and times the number of their rings.
+    // Sums over all members: of the masses, and of the masses times the ring index.
     let (mut sum, mut moment) = (1.0 / w(row), 0.0);
     let (mut ring, mut rings) = (first, 1);
     while rings < MOST_RINGS && sum - moment / (rings as f32) < mass && ring < members.len() {
@@ -227,7 +228,7 @@ fn grow(
 }
 
 impl RowAggregate {
-    /// Weighs its members, of which the first is in their middle, where they were when the substep began.
+    /// Computes mass and inertia of its members, of which the first is the middle, at their positions at the start of the substep.
     fn weigh(&mut self, particles: &Particles, members: &[(u32, u32)]) {
         let start = |row: u32| particles.start[row as usize].truncate();
         let middle = start(members[0].0);
@@ -267,22 +268,22 @@ impl RowAggregate {
     }
 }
 
-/// The next power of two, of what is positive and finite.
+/// Rounds up to a power of two, for positive finite values.
 fn power_of_two(x: f32) -> f32 {
     const MANTISSA: u32 = (1 << 23) - 1;
     f32::from_bits((x.to_bits() + MANTISSA) & !MANTISSA).min(f32::MAX)
 }
 
-/// Which rows are in a set, that is cleared often.
+/// A set of rows that is cleared often.
 #[derive(Clone, Debug, Default)]
 struct Marks {
-    /// In which of the sets each was last.
+    /// The number of the last set that contained each row.
     last: Vec<u32>,
     number: u32,
 }
 
 impl Marks {
-    /// Of so many rows none is in the set.
+    /// Empties the set, and allocates for this many rows.
     fn clear(&mut self, rows: usize) {
         self.number = self.number.wrapping_add(1);
         if self.number == 0 || self.last.len() < rows {
@@ -290,7 +291,7 @@ impl Marks {
         }
     }
 
-    /// Whether a row was not in it.
+    /// Adds a row; returns whether it was not in the set.
     #[inline]
     fn insert(&mut self, row: u32) -> bool {
         core::mem::replace(&mut self.last[row as usize], self.number) != self.number
@@ -307,7 +308,7 @@ mod tests {
     /// Cells along a side.
     const CELLS: u32 = 24;
 
-    /// A sheet of 2 m whose particles have different masses, and one row in the middle of it.
+    /// A sheet of 2 m whose particles have different masses, with one pin near the middle.
     fn sheet() -> Simulation {
         let side = ClothSpec { width: 2.0, height: 2.0, ..ClothSpec::default() };
         let spec = ClothSpec { columns: CELLS, rows: CELLS, ..side };
@@ -326,7 +327,7 @@ mod tests {
         y * (CELLS + 1) + x
     }
 
-    /// Lends the aggregate of a row to `see`, with the particles.
+    /// Calls `see` with the particles and the aggregate of a row.
     fn aggregate<T>(
         row: u32,
         push: Push,
@@ -372,7 +373,7 @@ mod tests {
         }
     }
 
-    /// At a hem and at a pin there is more of it on one side: it turns about its barycentre.
+    /// At a hem and at a pin an aggregate is one-sided: it turns about its barycentre.
     #[test]
     fn a_push_keeps_momentum_and_moments_and_moves_the_middle_as_it_says() {
         for at in [row(12, 12), row(0, 0), row(24, 7), row(9, 12)] {

@@ -1,69 +1,68 @@
-//! Strain limiting (Provot, *Deformation Constraints in a Mass-Spring Model to Describe Rigid Cloth Behavior*, 1995): the rods of large cloth that are off by more than a
-//! few hundredths are brought within that, as long as those around them have room.
+//! Strain limiting (Provot, *Deformation Constraints in a Mass-Spring Model to Describe Rigid Cloth Behavior*, 1995): rods of large cloth with a strain of more
+//! than a few hundredths are brought within that limit, as far as the rods around them allow.
 //!
-//! What sweeps leave is not spread evenly: of a flag's 5838 rods seven are off by more than 3 %, at the corner that all of it hangs on, and where a jerk goes
-//! through a large sheet a few hundred are, by up to a third. Those are few, and their neighbours have room. So a rod that is off by more than the limit is
-//! projected to somewhat within it, and so are those around it that this brings beyond, and so on: a list of particles that have moved since their rods were looked
-//! at, the oldest first, until it is empty. What is off most comes first: the limit is at first somewhat below the largest strain, and gets less step by step. Where a
-//! jerk goes through all of a sheet, time is spent before the last limit, and what is left is spread evenly. That is Gauss and Seidel's way where it matters and
-//! nowhere else, one projection where a sweep over all has hundreds.
-//! Places where no rod is too long are a convex set, and where there are such this goes towards them (projections onto convex sets). What is a rope and no bar
-//! may be as short as it likes.
+//! The error that sweeps leave is not spread evenly: of a flag's 5838 rods seven are off by more than 3 %, at the corner that all of it hangs on, and where a
+//! jerk goes through a large sheet a few hundred are, by up to a third. These rods are few, and their neighbours have slack. So a rod beyond the limit is
+//! projected to somewhat within it, and so are the neighbours that this moves beyond it, and so on: a queue of particles that have moved since their rods were
+//! checked is processed, oldest first, until it is empty. The largest strains come first: the limit starts somewhat below the largest strain, and is lowered
+//! step by step. Where a jerk goes through all of a sheet, the budget is spent before the last limit, and what is left is spread evenly. This is Gauss–Seidel
+//! restricted to where it matters, with one projection where a sweep over all rods has hundreds. Positions in which no rod is too long form a convex set, and
+//! if there are any, the projections approach them (projections onto convex sets). A rope, unlike a bar, may be shorter than its length by any amount.
 //!
-//! It is a part of [relaxation](super::relaxation), and has the rules of it: positions move, velocities do not.
+//! Strain limiting is a part of [relaxation](super::relaxation), and follows its rule: positions change, velocities do not.
 
 use glam::Vec4;
 
 use super::rod_graph::{RodEnd, RodGraph};
 use super::rods::{Whole, project};
 
-/// By how much of its length a rod may be off. Weft and warp of a woven cloth give way by about as much before they are taut.
+/// Greatest strain of a rod. Weft and warp of woven cloth give way by about as much before they are taut.
 const LIMIT: f32 = 0.03;
 
-/// To which share of that it is brought. To all of it takes longer: each that moves brings its neighbours beyond.
+/// Share of the limit to which a rod is brought. Bringing it exactly to the limit takes longer, as every rod that moves then brings its neighbours beyond it.
 const WITHIN: f32 = 0.9;
 
-/// By how much the limits get less, one after the other, from what is worst down to the last. A sheet of 128 × 128 that swings from two corners, twelve starts each,
-/// its worst strain and engine time by this: 1.1 11.8 % and 6.9 ms, 1.15 12.4 and 6.9, 1.2 13.0 and 7.0.
+/// Ratio of successive limits, from the largest strain down to the last limit. For a sheet of 128 × 128 that swings from two corners, twelve starts each, worst
+/// strain and engine time: 1.1 gives 11.8 % and 6.9 ms, 1.15 12.4 % and 6.9 ms, 1.2 13.0 % and 7.0 ms.
 const STEP: f32 = 1.15;
 
-/// How often each end of a rod is looked at, in the mean over all, at the most. Of the same sheet: once 14.8 % and 6.7 ms, twice 12.4 and 6.9, three times 11.3 and
-/// 7.1; its slowest ticks take 3 to 4 ms more than others.
+/// Budget: greatest mean number of checks of each rod end. For the same sheet: one gives 14.8 % and 6.7 ms, two 12.4 % and 6.9 ms, three 11.3 % and 7.1 ms; the
+/// slowest ticks take 3 to 4 ms more than others.
 const LOOKS: usize = 2;
 
-/// How many rounds there are at the most for one limit: the last ones are about a few rods that cannot all be met.
+/// Most rounds for one limit. The last rounds are about a few rods that cannot all be satisfied.
 const ROUNDS: usize = 256;
 
-/// Where more than one in so many particles is on the list, all of it is stretched, and nobody has room.
+/// If more than one particle in this many is in the queue, the cloth is stretched everywhere, and no rod has slack to give.
 const MANY: usize = 2;
 
-/// What strain limiting needs. Scratch.
+/// Scratch of strain limiting.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StrainScratch {
-    /// Where particles were, metres.
+    /// Previous positions, metres.
     pub(super) before: Vec<Vec4>,
-    /// Those whose rods are to be looked at, and those in the round after.
+    /// Particles whose rods are to be checked, in this round and in the next.
     now: Vec<u32>,
     next: Vec<u32>,
-    /// Whether each particle is among the next.
+    /// Whether each particle is listed for the next round.
     listed: Vec<bool>,
-    /// Those that have been moved, ring by ring.
+    /// Particles that have been moved, ring by ring.
     moved: Vec<u32>,
-    /// Those of which a rod is beyond the last limit, and within the present one; and whether each particle is among them.
+    /// Particles with a rod beyond the last limit but within the present one; and whether each particle is among them.
     later: Vec<u32>,
     put_off: Vec<bool>,
 }
 
 impl StrainScratch {
-    /// Limits the strain of the rods of a graph, of which none is off that does not end at a particle that is elsewhere than `before`.
+    /// Limits the strain of the rods of a graph. Only rods at particles that are not where `before` has them can be beyond the limit.
     pub(super) fn limit(&mut self, graph: &RodGraph, position: &mut [Vec4]) {
         let mut looks = LOOKS * graph.ends();
         self.list_moved(position);
-        // Nothing is beyond that: it is found what is beyond the last limit.
+        // No rod is beyond this limit: the first pass collects the rods beyond the last limit.
         let mut limit = f32::MAX;
         while self.bring_within(graph, position, limit, &mut looks, ROUNDS) && limit > LIMIT {
             if limit == f32::MAX {
-                // What is twice as long as it may be is not worth a limit of its own, however far away somebody has put it.
+                // Strains beyond 1 get no limits of their own, however far away a particle was set.
                 limit = self.worst(graph, position).min(1.0);
             }
             limit = (limit / STEP).max(LIMIT);
@@ -71,8 +70,8 @@ impl StrainScratch {
         }
     }
 
-    /// Brings the rods of some particles within the last limit, and those about them that this brings beyond it, for so many rings of rods. Returns who has
-    /// moved, some more than once.
+    /// Brings the rods of some particles within the last limit, and the rods around them that this moves beyond it, for this many rings of rods. Returns the
+    /// particles that moved, some more than once.
     pub(super) fn limit_about(
         &mut self,
         graph: &RodGraph,
@@ -86,7 +85,7 @@ impl StrainScratch {
         &self.moved
     }
 
-    /// Forgets what was listed, and makes room for so many particles.
+    /// Clears the lists, and allocates for this many particles.
     fn begin(&mut self, particles: usize) {
         let Self { now, next, listed, later, put_off, moved, .. } = self;
         for list in [now, next, later, moved] {
@@ -99,7 +98,7 @@ impl StrainScratch {
         }
     }
 
-    /// Lists who is elsewhere than before.
+    /// Lists the particles that are not where they were before.
     fn list_moved(&mut self, position: &[Vec4]) {
         self.begin(position.len());
         let Self { before, now, .. } = self;
@@ -107,8 +106,8 @@ impl StrainScratch {
         now.extend(moved.filter(|((before, here), _)| before != here).map(|(_, i)| i));
     }
 
-    /// Brings what is listed, and what that brings beyond it, within a limit; lists for later what is beyond the last one. False if there is no time left, or
-    /// no room.
+    /// Brings the listed rods, and the rods that this moves beyond the limit, within it; lists those beyond the last limit for later. Returns false if the
+    /// budget is spent or too many particles are listed.
     fn bring_within(
         &mut self,
         graph: &RodGraph,
@@ -154,12 +153,12 @@ impl StrainScratch {
                 return true;
             }
         }
-        // What cannot be met is left as it is, until something beside it moves.
+        // Rods that cannot be satisfied are left as they are, until a particle next to them moves.
         now.drain(..).for_each(|i| listed[i as usize] = false);
         true
     }
 
-    /// The largest strain of what is listed for later.
+    /// The largest strain of the rods listed for later.
     fn worst(&self, graph: &RodGraph, position: &[Vec4]) -> f32 {
         let ends =
             self.later.iter().flat_map(|&i| graph.rods_of(i).iter().map(move |rod| (i, rod)));
@@ -169,7 +168,7 @@ impl StrainScratch {
     }
 }
 
-/// Between which squares of lengths rods are within a limit, as shares of the squares of their rest lengths.
+/// Bounds of the squared lengths of rods within a limit, as shares of the squares of their rest lengths.
 #[derive(Clone, Copy)]
 struct Band {
     least: f32,
@@ -182,7 +181,7 @@ impl Band {
         Self { least: least * least, most: most * most }
     }
 
-    /// Whether a rod at a particle is within. What slackens may be as short as it likes.
+    /// Whether a rod at a particle is within the limit. A rod that slackens has no lower bound.
     #[inline(always)]
     fn holds(&self, position: &[Vec4], i: u32, rod: &RodEnd) -> bool {
         let (square, whole) = (square(position, i, rod), rod.rest * rod.rest);
@@ -190,13 +189,13 @@ impl Band {
     }
 }
 
-/// The square of the length of a rod at a particle, m².
+/// The squared length of a rod at a particle, m².
 #[inline(always)]
 fn square(position: &[Vec4], i: u32, rod: &RodEnd) -> f32 {
     (position[i as usize] - position[rod.to as usize]).truncate().length_squared()
 }
 
-/// Projects a rod to such a strain, longer or shorter than it should be as it is; says whether it moved.
+/// Projects a rod to this strain, with the sign of its present one; returns whether it moved.
 #[inline]
 fn bring_to(position: &mut [Vec4], i: u32, rod: &RodEnd, strain: f32) -> bool {
     let (a, b) = (i as usize, rod.to as usize);
@@ -205,7 +204,7 @@ fn bring_to(position: &mut [Vec4], i: u32, rod: &RodEnd, strain: f32) -> bool {
     let (one, other) = (position[a].to_array(), position[b].to_array());
     let (one, other, ..) = project::<f32>(one, other, rest, Whole);
     let (one, other) = (Vec4::from_array(one), Vec4::from_array(other));
-    // Of two pins none moves; nor does what lies in one place, or is nowhere.
+    // A rod between two pins does not move; nor does one with coincident ends or non-finite positions.
     let moves = (one, other) != (position[a], position[b]) && (one + other).is_finite();
     if moves {
         (position[a], position[b]) = (one, other);
@@ -222,7 +221,7 @@ mod tests {
         woven(side, false)
     }
 
-    /// The same of ropes, or of bars.
+    /// The same, of ropes (`slackens`) or of bars.
     fn woven(side: u32, slackens: bool) -> (RodGraph, Vec<Vec4>) {
         let row = |x: u32, y: u32| y * (side + 1) + x;
         let mut rods = Vec::new();
@@ -240,7 +239,7 @@ mod tests {
         (RodGraph::new(position.len(), &rods), position)
     }
 
-    /// Limits it from where it was `before`.
+    /// Limits the strain of particles that have moved from `before`.
     fn limited(graph: &RodGraph, before: &[Vec4], mut position: Vec<Vec4>) -> Vec<Vec4> {
         let mut scratch = StrainScratch { before: before.to_vec(), ..Default::default() };
         scratch.limit(graph, &mut position);
@@ -279,7 +278,7 @@ mod tests {
         let mut position = flat.clone();
         position[60] += Vec4::new(0.02, 0.0, 0.0, 0.0);
         assert_eq!(limited(&graph, &flat, position.clone()), position);
-        // It was there before, so the sweeps before have left it there.
+        // The particle was there before, so it does not count as moved by the sweeps.
         position[60] += Vec4::new(0.2, 0.0, 0.0, 0.0);
         assert_eq!(limited(&graph, &position, position.clone()), position);
     }
@@ -289,7 +288,7 @@ mod tests {
         let (graph, flat) = woven(30, true);
         let mut position = flat.clone();
         position[15 * 31 + 15] += Vec4::new(0.0, 0.0, 0.6, 0.0);
-        // Two that have come nearer to each other.
+        // Two particles moved closer together.
         position[5 * 31 + 5] += Vec4::new(0.02, 0.0, 0.0, 0.0);
         position[5 * 31 + 6] -= Vec4::new(0.02, 0.0, 0.0, 0.0);
         let after = limited(&graph, &flat, position.clone());

@@ -1,4 +1,4 @@
-//! What goes on inside a body dies away, and what all of it does stays.
+//! Relative motion within a body is damped, and its overall motion is kept.
 
 use glam::{DVec3, Quat, Vec3};
 
@@ -15,7 +15,7 @@ fn momenta(world: &Simulation) -> (DVec3, DVec3) {
     })
 }
 
-/// A body of particles that nothing ties, somewhere, without gravity.
+/// A body of particles without constraints, at these places, without gravity.
 fn loose(particles: &[(Vec3, Vec3, f32)], damping: f32) -> Simulation {
     let mut world = Simulation::default();
     world.forces.gravity = Vec3::ZERO;
@@ -30,7 +30,7 @@ fn loose(particles: &[(Vec3, Vec3, f32)], damping: f32) -> Simulation {
 
 #[test]
 fn what_goes_on_inside_dies_away_at_its_rate() {
-    // Growing alike in all directions is no motion of a rigid body.
+    // Uniform expansion is no motion of a rigid body.
     let corners = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y];
     let going = Vec3::new(3.0, -1.0, 2.0);
     let grows = corners.map(|corner| (corner, going + corner, 2.0));
@@ -97,8 +97,8 @@ fn what_is_no_number_damps_nothing() {
     assert_eq!(world.particles.velocity(0), Vec3::X);
 }
 
-/// A head that hangs over the edge of a step swung from its neck by 4 cm for minutes, and a quarter of all figures that were thrown onto stairs never
-/// fell asleep.
+/// The head of a figure that hung over the edge of a step swung from its neck by 4 cm for minutes, and a quarter of all figures that were thrown onto stairs
+/// never fell asleep.
 #[test]
 fn figures_that_lie_on_stairs_fall_asleep() {
     let mut world = Simulation::default();

@@ -1,4 +1,4 @@
-//! Loads against weights that are known.
+//! Loads compared with known weights.
 
 use glam::Vec3;
 
@@ -8,7 +8,7 @@ use crate::{Distance, ParticleSeed, Simulation};
 const G: f32 = 9.81;
 const TICK: f32 = 1.0 / 60.0;
 
-/// A rope of 1 m and 0.5 kg that hangs from where it starts.
+/// A rope of 1 m and 0.5 kg that hangs from its start.
 fn hung(segments: u32, substeps: u32, sweeps: u32) -> Simulation {
     let mut world = Simulation::default();
     world.forces.gravity = Vec3::NEG_Y * G;
@@ -37,7 +37,7 @@ fn a_rope_pulls_with_the_weight_below_from_the_first_step_on_at_any_substeps_and
                     let lower = world.distances()[number].b as usize..world.particles.len();
                     let mass: f32 = lower.map(|i| 1.0 / world.particles.inverse_mass(i)).sum();
                     let load = world.distance_load(number).unwrap();
-                    // What was set at rest falls by ½ g h² in its first substep, and that is all that is to be held there.
+                    // A particle that was set at rest falls by ½ g h² in its first substep, and only that has to be held there.
                     let first = if tick == 0 { 1.0 - 0.5 / substeps as f32 } else { 1.0 };
                     let off = load / (first * mass * G) - 1.0;
                     assert!(

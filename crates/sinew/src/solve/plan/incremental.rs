@@ -23,7 +23,7 @@ use crate::constraints::Rows;
 /// Most constraints of an island that are recoloured before the update is given up.
 const RECHECKS: usize = 64;
 
-/// Depth of the search for whether the particles of a removed constraint are still connected, in constraints: one more than the two across a mesh cell.
+/// Depth of the search for whether the particles of a removed constraint are still connected, in constraints: it reaches two mesh cells beyond them.
 const ROUNDS: usize = 3;
 
 /// An incremental update is not possible. The keys have been renumbered, but their colours are not up to date.

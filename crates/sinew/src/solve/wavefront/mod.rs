@@ -1,15 +1,16 @@
-//! Wavefront (temporal blocking): all substeps of a step run through an island one behind the other, while its particles are in columns.
+//! Wavefront (temporal blocking): all substeps of a step are pipelined through an island while its particles are in columns.
 //!
-//! One sweep over a large island reads all of it from memory, and the next one again. But what a substep does with a particle depends only on what
-//! its neighbours did: the second may begin at one end while the first is still on its way to the other. So the stages of a step, `predict`, each
-//! stage of the sweep, `derive` with the next `predict` and so on, follow each other at the distance of a cluster or two, and the particles between
-//! the first and the last are a few clusters, which a cache holds.
+//! One sweep over a large island reads all of it from memory, and the next sweep reads it again. But what a substep does with a particle depends only on its
+//! neighbours, so the second substep can begin at one end while the first is still in progress. The stages of a step (`predict`, each stage of the sweep,
+//! `derive` with the next `predict`, and so on) therefore follow each other at a distance of a cluster or two, and the particles between the first and the last
+//! stage are a few clusters, which fit into a cache.
 //!
-//! **The bits are those of stage after stage.** A stage takes its tiles in the order of their rows, and a tile waits until all earlier stages are
-//! beyond its last row; so whatever touches a particle does so in the same order. What has to know the largest error of a whole sweep, whether
-//! another follows, cannot be overtaken; there the stages follow each other, and what is gained is that particles stay in columns.
+//! **The bits equal those of running one stage after the other.** A stage processes its tiles in the order of their rows, and a tile waits until all earlier
+//! stages are past its last row, so the operations on each particle keep their order. Whether another sweep follows depends on the largest error of the whole
+//! sweep before it, so no stage can start ahead of that decision: with several sweeps the stages run one after the other, and the gain is that particles stay
+//! in columns.
 //!
-//! Several threads take a large island through a step as a [pipelined wavefront](pipelined_wavefront).
+//! Several threads process a large island as a [pipelined wavefront](pipelined_wavefront).
 
 mod pipeline;
 mod sliding_window;
@@ -34,21 +35,21 @@ pub(super) use pipeline::pipelined_wavefront;
 use sliding_window::SlidingWindow;
 use stages::{Stages, Tile, What};
 
-/// What a wavefront needs. Scratch.
+/// Scratch of a wavefront.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Wavefront {
     window: SlidingWindow,
     stages: Stages,
-    /// Where the pins of an island are that has tethers.
+    /// Positions of the pins of an island with tethers.
     pins: Vec<Vec4>,
-    /// The largest error that each substep found, metres.
+    /// The largest error found in each substep, metres.
     worst: Vec<f32>,
-    /// What is left at the end of the step: the largest error, metres, and the largest share of a rest length.
+    /// The remaining error at the end of the step: the largest error, metres, and the largest share of a rest length.
     left: (f32, f32),
 }
 
-/// Takes the islands of a task through a step that can go as wavefronts, and out of what is left of the task. `iteration_counts` are the most sweeps
-/// in each substep.
+/// Takes the islands of a task that can be run as wavefronts through a step, and removes them from `remaining`. `iteration_counts` receives the greatest number
+/// of sweeps in each substep.
 pub(super) fn run_wavefronts(
     island_step: &mut TaskSlice,
     remaining: &mut Remaining,
@@ -86,7 +87,8 @@ pub(super) fn run_wavefronts(
 }
 
 impl TaskSlice<'_> {
-    /// How an island would go through so many substeps, if it can: clusters of rods in columns alone, which nothing but each other holds back.
+    /// The constants for taking an island through this many substeps as a wavefront; `None` if it is not possible. It requires that the island consists of
+    /// clusters of rods in columns alone, that it has pins, and that there are no contacts.
     fn step(&self, number: usize, substeps: usize, stages: &mut Stages) -> Option<StepConstants> {
         let Self { context, motion, .. } = self;
         let plan = context.plan;
@@ -100,7 +102,7 @@ impl TaskSlice<'_> {
         let cluster_batches = island.cluster_batches.clone();
         let held =
             island.is_left_alone() || island.rigid || island.free || island.groups.is_empty();
-        // Spans reach over cluster batches that have gone on.
+        // Spans would connect cluster batches at different stages.
         let held = held || plan.tethers.spans_of(island).is_some() || island.has_chains();
         let touches = !context.contacts.is_empty() || context.contacts.bounces();
         let fit = !held
@@ -119,7 +121,7 @@ impl TaskSlice<'_> {
             return None;
         }
         stages.begin(plan, island);
-        // All of a small island has room. Of a large one, what is on its way has, unless it is whole sweeps.
+        // A small island always fits. Of a large one the rows in flight have to fit, which is only possible with a single sweep a substep.
         let (rows, capacity) = (members.len(), SlidingWindow::capacity(plan.rods.half()));
         let is_single_sweep = island.settings.max_sweeps == 1;
         if rows > capacity
@@ -134,7 +136,8 @@ impl TaskSlice<'_> {
         )
     }
 
-    /// Where the pins are that an island's tethers go to; none without. They stand: what is led goes phase after phase.
+    /// Gathers the positions of the pins of an island's tethers; none if it has no tethers. These pins are static: islands with kinematic pins are solved phase
+    /// by phase.
     fn gather_pins(&mut self, number: usize, pins: &mut Vec<Vec4>) {
         pins.clear();
         let plan = self.context.plan;
@@ -145,12 +148,12 @@ impl TaskSlice<'_> {
     }
 }
 
-/// How many sweeps each microstep of a step has.
+/// The number of sweeps of each microstep of a step.
 struct SweepCounts<'a> {
-    /// The most of all islands in each substep.
+    /// The maximum over all islands for each substep.
     of_substeps: &'a [AtomicU32],
     microsteps: u32,
-    /// In each microstep, where those are not the substeps. Without a heap in a step of a few substeps.
+    /// The counts of each microstep, where microsteps differ from substeps. Inline storage avoids heap allocation in a step of a few substeps.
     own: SmallVec<[AtomicU32; 64]>,
 }
 
@@ -164,7 +167,7 @@ impl<'a> SweepCounts<'a> {
         if self.microsteps > 1 { &self.own } else { self.of_substeps }
     }
 
-    /// Sums them up by substeps.
+    /// Adds them up by substeps.
     fn join(&self, report: &mut IslandReport) {
         if self.microsteps > 1 {
             let substeps = self.own.chunks(self.microsteps as usize);
@@ -178,22 +181,22 @@ impl<'a> SweepCounts<'a> {
     }
 }
 
-/// Where the particles of an island are kept. Rows count from the first of the island.
+/// Storage of the particles of an island. Rows count from the first of the island.
 trait Store {
-    /// Returns when all rows before one may be taken up.
+    /// Blocks until all rows before `end` are ready to be processed.
     fn wait(&mut self, end: usize);
 
-    /// Some rows, to be read or to be written.
+    /// Borrows some rows for reading or writing.
     fn lend(&mut self, rows: Range<usize>) -> Predict<'_>;
 
-    /// They are not needed any more; all rows before `settled` not at all.
+    /// Returns the borrowed rows. All rows before `settled` are not needed any more at all.
     fn put_back(&mut self, settled: Option<usize>);
 }
 
-/// In the columns of a task, which nobody else has.
+/// Storage in the columns of a task, to which no other thread has access.
 struct TaskStore<'a, 'b> {
     island_step: &'a mut TaskSlice<'b>,
-    /// The first row of the island in those.
+    /// The first row of the island in those columns.
     first: usize,
 }
 
@@ -210,8 +213,8 @@ impl Store for TaskStore<'_, '_> {
     fn put_back(&mut self, _: Option<usize>) {}
 }
 
-/// Takes an island through some substeps: all at once if each has one sweep, or else sweep by sweep. Measures what is left then if those are the last
-/// of a step.
+/// Takes an island through some substeps: pipelined if each has one sweep, or else sweep by sweep. Afterwards measures the remaining error, if these substeps
+/// are the last ones of a step.
 fn run_substeps(
     store: &mut impl Store,
     (plan, number): (&Plan, usize),
@@ -273,7 +276,7 @@ fn run_substeps(
 }
 
 impl IslandReport {
-    /// Notes how a substep went.
+    /// Records the sweeps of a substep and whether it converged.
     fn note(&mut self, sweeps: u32, converged: bool) {
         self.sweeps += sweeps;
         self.most_sweeps = self.most_sweeps.max(sweeps);
@@ -281,14 +284,14 @@ impl IslandReport {
         self.converged &= converged;
     }
 
-    /// Notes what is left of it at the end of a step.
+    /// Records the remaining error at the end of a step.
     fn note_left(&mut self, (error, strain): (f32, f32)) {
         (self.error, self.strain, self.measured) = (error, strain, true);
     }
 }
 
 impl Wavefront {
-    /// Does all stages.
+    /// Runs all stages.
     fn run_tiles(
         &mut self,
         store: &mut impl Store,

@@ -1,8 +1,8 @@
 //! Pipelined wavefront: several threads take one large island through a step, each through some of its substeps.
 //!
-//! Each runs its substeps over the island as a wavefront of its own, and gives back the particles behind it; there the next one takes them up for the
-//! substeps that follow, while the first is still on its way. It waits where it has caught up, and nowhere else. Between two threads a particle
-//! changes hands once, by what a step would keep of it: so the bits are those of one thread, which are those of stage after stage.
+//! Each thread runs its substeps over the island as a wavefront of its own, and gives back the particles behind it. There the next thread continues with the
+//! substeps that follow, while the first is still in progress. A thread waits only where it has caught up with the previous one. A particle passes between two
+//! threads once, in the state that a step would store, so the bits are those of a single thread, which are those of running stage after stage.
 
 use core::mem::take;
 use core::ops::Range;
@@ -20,11 +20,11 @@ use crate::solve::report::IslandReport;
 use crate::solve::task_slice::TaskSlice;
 use crate::threads::{Pool, TASKS, Workers, each};
 
-/// A list of what there is one of for each stage range or each chunk, without a heap.
+/// One item for each stage range or each chunk, without heap allocation.
 type Few<T> = SmallVec<[T; TASKS]>;
 
-/// Takes the one large island of a task through all substeps by several threads, if it can go as a wavefront; false if it is left as it was. With several
-/// sweeps it cannot: whether another follows is known when one is done, and there is nothing to hand on.
+/// Takes the one large island of a task through all substeps with several threads. Returns false, with nothing changed, if it cannot be run as a wavefront, or
+/// has several sweeps in a substep: whether another sweep follows is known only after each one, so nothing can be passed on earlier.
 pub(in crate::solve) fn pipelined_wavefront(
     island_step: &mut TaskSlice,
     scratches: &Pool<impl AsMut<Wavefront> + Default + Send>,
@@ -95,8 +95,8 @@ pub(in crate::solve) fn pipelined_wavefront(
     true
 }
 
-/// How the island would go, and how many substeps each stage range has. There are no more ranges than threads, and so few that the last begins before
-/// the first ends: each begins one wavefront behind the one before it.
+/// The step constants of the island, and the number of substeps of each stage range. There are no more ranges than threads, and few enough that the last begins
+/// before the first ends: each begins one wavefront behind the previous one.
 fn stage_ranges(
     island_step: &TaskSlice,
     number: usize,
@@ -114,22 +114,22 @@ fn stage_ranges(
     })
 }
 
-/// What a thread has of the island: a chunk of its rows at a time, while it takes them up or gives them back.
+/// A thread's access to the island: it holds one chunk of rows at a time, while it reads or writes them.
 struct PipelineWorker<'a, 'b> {
     chunks: &'a [Mutex<Predict<'b>>],
-    /// Rows in each.
+    /// Number of rows of each chunk.
     chunk: usize,
     held: Option<MutexGuard<'a, Predict<'b>>>,
-    /// Before which row all is settled of the stage range before, if there is one.
+    /// The row up to which the previous stage range is settled, if there is one.
     before: Option<&'a AtomicUsize>,
-    /// And of this one.
+    /// The same for this stage range.
     own: &'a AtomicUsize,
 }
 
 impl Store for PipelineWorker<'_, '_> {
     fn wait(&mut self, end: usize) {
         let Some(before) = self.before else { return };
-        // Mostly it is there already. On shared cores the one that is waited for may not be running at all: let it.
+        // Usually the rows are ready already. On oversubscribed cores the previous thread may not be running at all, so the wait yields.
         let mut spins = 0;
         while before.load(Ordering::Acquire) < end {
             spins += 1;
@@ -151,7 +151,7 @@ impl Store for PipelineWorker<'_, '_> {
     }
 }
 
-/// Whatever becomes of a thread, nobody waits for it forever.
+/// Releases the waiting threads even if this one panics.
 impl Drop for PipelineWorker<'_, '_> {
     fn drop(&mut self) {
         self.own.store(usize::MAX, Ordering::Release);

@@ -1,28 +1,28 @@
-//! The sliding window: the particles of an island that are in columns, from one that is not done yet to one that has just begun.
+//! The sliding window: the particles of an island that are currently in columns, from the first one not settled yet to the last one begun.
 //!
-//! Where a step is taken as a [wavefront](super), that is a small part of a large island, and stays in a core's second cache.
+//! In a [wavefront](super) that is a small part of a large island, and stays in a core's L2 cache.
 
 use core::ops::Range;
 
 use crate::integrate::{MovingColumns, Predict};
 use crate::lanes::InstructionSet;
 
-/// Rows here count from the first row of the island.
+/// Rows count from the first row of the island.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SlidingWindow {
     pub(super) moving: MovingColumns,
-    /// The first row, a multiple of 32, and where the rows end.
+    /// Range of rows. The first is a multiple of 32.
     pub(super) rows: Range<usize>,
     half: usize,
 }
 
 impl SlidingWindow {
-    /// So many rows have room where odd rows begin at `half`.
+    /// Number of rows that fit where odd rows begin at `half`.
     pub(super) fn capacity(half: usize) -> usize {
         2 * half - 64
     }
 
-    /// Begins with row 0.
+    /// Resets the window to begin with row 0.
     pub(super) fn begin(&mut self, half: usize) {
         (self.rows, self.half) = (0..0, half);
         for columns in self.moving.each() {
@@ -30,7 +30,7 @@ impl SlidingWindow {
         }
     }
 
-    /// Lets the next rows in, up to one; those before `settled` may leave.
+    /// Extends the window to row `end`; rows before `settled` may be dropped.
     pub(super) fn admit(&mut self, end: usize, settled: usize) {
         if end - self.rows.start > Self::capacity(self.half) {
             let first = settled / 32 * 32;
@@ -47,7 +47,7 @@ impl SlidingWindow {
         }
     }
 
-    /// Takes rows in.
+    /// Transposes rows into the columns.
     pub(super) fn turn_in(&mut self, row: usize, packed: &Predict, instructions: InstructionSet) {
         let row = row - self.rows.start;
         let MovingColumns { position, velocity, rounding, .. } = &mut self.moving;
@@ -56,7 +56,7 @@ impl SlidingWindow {
         rounding.turn_in(row, packed.motion.rounding, instructions);
     }
 
-    /// Gives rows back.
+    /// Transposes rows back.
     pub(super) fn turn_out(&mut self, row: usize, packed: Predict, instructions: InstructionSet) {
         let row = row - self.rows.start;
         let MovingColumns { position, begun, velocity, rounding } = &mut self.moving;

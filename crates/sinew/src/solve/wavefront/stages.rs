@@ -1,42 +1,42 @@
-//! The stages of a wavefront, and in which order their tiles run.
+//! The stages of a wavefront, and the order in which their tiles run.
 
 use core::ops::Range;
 
 use crate::islands::Island;
 use crate::solve::plan::Plan;
 
-/// Stages over all rows of an island, one after the other, each in tiles in the order of their rows.
+/// Stages over all rows of an island, one after the other, each divided into tiles in the order of their rows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Stages {
     all: Vec<Stage>,
-    /// The stages of a sweep: which of the plan's cluster batches.
+    /// The stages of a sweep, as ranges of the plan's cluster batches.
     sweep_stages: Vec<Range<usize>>,
-    /// Whether the first sweep of a substep begins with tethers, and whether all do.
+    /// Whether the first sweep of a substep begins with tethers, and whether every sweep does.
     tethered: bool,
     tethered_again: bool,
-    /// Which stage is looked at.
+    /// The stage under consideration.
     at: usize,
 }
 
-/// What a stage does.
+/// The operation of a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum What {
-    /// Takes particles in, and predicts the first substep.
+    /// Loads particles, and predicts the first substep.
     Begin,
-    /// Derives the velocities of a substep and predicts the next, whose number this is.
+    /// Derives the velocities of a substep and predicts the next one, whose number this is.
     GoOn(usize),
-    /// Holds what hangs on pins, before a sweep in a substep.
+    /// Projects tethers, before a sweep in a substep.
     Tethers { substep: usize },
-    /// Sweeps the cluster batches before one, in a substep.
+    /// Sweeps the cluster batches before `end`, in a substep.
     Sweep { end: usize, substep: usize },
-    /// Measures what the cluster batches before one have left to correct.
+    /// Measures the remaining error of the cluster batches before `end`.
     Measure { end: usize },
-    /// Derives the last velocities, and gives particles back.
+    /// Derives the last velocities, and stores the particles.
     Settle,
 }
 
 impl What {
-    /// Before which cluster batch a stage over cluster batches ends; `None` for one over rows.
+    /// The end of a stage's cluster batches; `None` for a stage over rows.
     fn end(self) -> Option<usize> {
         match self {
             Self::Sweep { end, .. } | Self::Measure { end } => Some(end),
@@ -45,26 +45,26 @@ impl What {
     }
 }
 
-/// A tile of a stage: its rows, counted from the first of the island, and its cluster batch, if it is one.
+/// A tile of a stage: its rows, counted from the first of the island, and its cluster batch, for a stage over cluster batches.
 pub(super) struct Tile {
     pub(super) what: What,
     pub(super) rows: Range<usize>,
     pub(super) cluster_batch: usize,
-    /// Before which row all is settled.
+    /// The row up to which everything is settled.
     pub(super) settled: usize,
 }
 
 #[derive(Clone, Debug)]
 struct Stage {
     what: What,
-    /// The tile to come: its first row, or its number among the plan's cluster batches.
+    /// The next tile: its first row, or its index among the plan's cluster batches.
     next: usize,
-    /// Before which row this stage and all before it are done, and are to be now.
+    /// The row up to which this stage and all before it are done, and the row up to which they are currently required to be.
     done: usize,
     wanted: usize,
 }
 
-/// So many rows are a tile where rows do not depend on each other; a multiple of 32.
+/// Number of rows of a tile in stages over rows, where rows do not depend on each other; a multiple of 32.
 pub(super) const TILE: usize = 1024;
 
 impl Stages {
@@ -90,7 +90,7 @@ impl Stages {
         self.all.push(Stage { what, next: 0, done: 0, wanted: 0 });
     }
 
-    /// A sweep in a substep, its first or another.
+    /// Appends a sweep in a substep; `first` for the first one of that substep.
     pub(super) fn push_sweep(&mut self, substep: usize, first: bool) {
         if self.tethered && (first || self.tethered_again) {
             self.push(What::Tethers { substep });
@@ -102,7 +102,7 @@ impl Stages {
         }));
     }
 
-    /// The end of a step.
+    /// Appends the end of a step.
     pub(super) fn push_end(&mut self, measures: bool) {
         let sweep_stages = self.sweep_stages.iter().filter(|_| measures);
         self.all.extend(sweep_stages.map(|stage| {
@@ -112,7 +112,7 @@ impl Stages {
         self.push(What::Settle);
     }
 
-    /// All stages of some substeps, of one sweep each.
+    /// Appends all stages of some substeps with one sweep each.
     pub(super) fn push_all(&mut self, substeps: usize, measures: bool) {
         for substep in 0..substeps {
             self.push(if substep == 0 { What::Begin } else { What::GoOn(substep) });
@@ -121,14 +121,13 @@ impl Stages {
         self.push_end(measures);
     }
 
-    /// So many rows are to go through all of them.
+    /// Starts a run of this many rows through all stages.
     pub(super) fn start(&mut self, rows: usize) {
         self.at = self.all.len() - 1;
         self.all[self.at].wanted = rows;
     }
 
-    /// The next tile: the last stage has its own as early as it can, so that few particles are on their way. `rows` and `first` are those of the
-    /// island.
+    /// The next tile. The last stage runs as early as possible, so that few particles are in flight. `rows` and `first` are those of the island.
     pub(super) fn next(&mut self, plan: &Plan, first: u32, rows: usize) -> Option<Tile> {
         const NONE: Range<usize> = usize::MAX..usize::MAX;
         loop {
@@ -165,7 +164,7 @@ impl Stages {
         }
     }
 
-    /// How many rows are on their way at a time, at most, when so many substeps run.
+    /// The greatest number of rows in flight at a time when this many substeps run.
     pub(super) fn window(
         &mut self,
         substeps: usize,
@@ -179,7 +178,7 @@ impl Stages {
         let mut window = 0;
         while let Some(piece) = self.next(plan, first, rows) {
             if piece.what == What::Begin {
-                // A window begins with a line of its columns.
+                // The window begins at a multiple of 32 rows.
                 window = window.max(piece.rows.end - piece.settled / 32 * 32);
             }
         }
