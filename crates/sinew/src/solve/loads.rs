@@ -33,8 +33,8 @@ const NONE: u32 = u32::MAX;
 /// The constraints whose loads are measured, and the loads of the last step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Loads {
-    distances: Wanted,
-    constraints: Wanted,
+    distances: Measured,
+    constraints: Measured,
     /// Whether the plan may have changed since its indices were looked up.
     stale: bool,
     /// Indices of the islands with measured loads, ascending.
@@ -50,7 +50,7 @@ pub(crate) struct Loads {
 
 /// Measured constraints of one list.
 #[derive(Clone, Debug, Default)]
-struct Wanted {
+struct Measured {
     /// Their indices in the simulation's list, ascending.
     numbers: Vec<u32>,
     /// Their indices in the plan.
@@ -63,7 +63,7 @@ struct Wanted {
     along: Vec<f64>,
 }
 
-impl Wanted {
+impl Measured {
     /// Sets the constraints to measure; returns whether they changed.
     fn set(&mut self, numbers: impl Iterator<Item = usize> + Clone) -> bool {
         if numbers.clone().eq(self.numbers.iter().map(|&number| number as usize)) {
@@ -136,12 +136,12 @@ impl Loads {
         self.distances.find(distances);
         self.constraints.find(constraints);
         plan.islands.list.iter_mut().for_each(|island| island.measured = false);
-        let sound = |&&place: &&u32| place != NONE;
-        for &place in self.distances.places.iter().filter(sound) {
+        let is_planned = |&&place: &&u32| place != NONE;
+        for &place in self.distances.places.iter().filter(is_planned) {
             let row = plan.distances[place as usize].a;
             plan.islands.list[plan.islands.of[row as usize] as usize].measured = true;
         }
-        for &place in self.constraints.places.iter().filter(sound) {
+        for &place in self.constraints.places.iter().filter(is_planned) {
             let row = plan.constraints[place as usize].rows[0];
             plan.islands.list[plan.islands.of[row as usize] as usize].measured = true;
         }
@@ -205,7 +205,7 @@ impl Loads {
             let own = &tethers[first..first + island.members.len()];
             first += own.len();
             let Some(made) = plan.tethers.of(island) else { continue };
-            made.hand_on(own, carried, |rod, force| {
+            made.distribute(own, carried, |rod, force| {
                 let slot = distances.slots[rod as usize];
                 if slot != NONE {
                     distances.along[slot as usize] += force;
@@ -229,18 +229,18 @@ impl Loads {
         let size = pull.length();
         // A distance of zero length, a joint, has no direction, so its tension is the magnitude of the force.
         let own = if d.rest > 0.0 { size.copysign(pull.dot(apart)) } else { size };
-        Some(((own + along) * per_square(h, substeps)) as f32)
+        Some(((own + along) * force_scale(h, substeps)) as f32)
     }
 
     /// The magnitude of the force of another constraint on the first of its sides, N; `None` if it was not measured.
     pub(crate) fn constraint(&self, number: usize, (h, substeps): (f32, u32)) -> Option<f32> {
         let slot = self.constraints.slot(number)? as usize;
-        Some((self.constraints.pulls.get(slot)?.length() * per_square(h, substeps)) as f32)
+        Some((self.constraints.pulls.get(slot)?.length() * force_scale(h, substeps)) as f32)
     }
 }
 
 /// Conversion factor from the sum over the substeps of a step, kg·m, to newtons.
-fn per_square(h: f32, substeps: u32) -> f64 {
+fn force_scale(h: f32, substeps: u32) -> f64 {
     let h = f64::from(h);
     1.0 / (h * h * f64::from(substeps.max(1)))
 }
@@ -280,11 +280,11 @@ impl Loads {
             worst = worst.max(mode.of_chains(found));
         }
         for &one in &*constraint_refs {
-            let wanted = match one.kind {
+            let list = match one.kind {
                 GroupKind::Constraints => &mut *constraints,
                 _ => &mut *distances,
             };
-            let slot = wanted.slots[one.number as usize];
+            let slot = list.slots[one.number as usize];
             if slot == NONE {
                 worst = worst.max(one.project(places, plan, multipliers, mode, local));
                 continue;
@@ -303,7 +303,7 @@ impl Loads {
             };
             let before = weighted(places, rows);
             worst = worst.max(one.project(places, plan, multipliers, mode, local));
-            wanted.pulls[slot as usize] += (weighted(places, rows) - before) * sign;
+            list.pulls[slot as usize] += (weighted(places, rows) - before) * sign;
         }
         worst
     }

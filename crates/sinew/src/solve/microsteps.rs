@@ -34,20 +34,20 @@ use crate::particles::Places;
 use crate::settings::{Order, SolverSettings};
 
 /// Number of sweeps of a substep that are replaced by one microstep with one sweep.
-const SWEEPS: u32 = 2;
+const SWEEPS_PER_MICROSTEP: u32 = 2;
 
 /// An island with more contiguous ranges of rows than this takes no microsteps.
-const MOST_RUNS: usize = 32;
+const MAX_RUNS: usize = 32;
 
 /// Least length of a microstep, seconds: positions are rounded to about 3e-8 m, and in a shorter step that becomes a noticeable velocity.
-const SHORTEST: f32 = 1.0 / 2500.0;
+const MIN_STEP: f32 = 1.0 / 2500.0;
 
 /// Decides how island `number` goes through substeps of `h` seconds. Its settings are those of its bodies; `most` are the settings of the body to which most of
 /// the island belongs. Where bodies tied to cloth require more sweeps than the cloth, they get several sweeps in each sweep of the cloth.
 pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32, most: SolverSettings) {
     let island = &plan.islands.list[number];
     let settings = &island.settings;
-    let suits = settings.microsteps
+    let eligible = settings.microsteps
         && !island.is_small()
         && !(island.rigid || island.has_springs || island.measured)
         && plan.is_cloth(island)
@@ -55,8 +55,8 @@ pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32, most: SolverSetting
         && settings.gradient_at == GradientAt::Current
         && settings.integrator == Integrator::Verlet
         && !settings.statics
-        && plan.runs(island).take(MOST_RUNS + 1).count() <= MOST_RUNS;
-    let parts_apart = suits && plan.is_mostly_in_columns(island);
+        && plan.runs(island).take(MAX_RUNS + 1).count() <= MAX_RUNS;
+    let parts_apart = eligible && plan.is_mostly_in_columns(island);
     let island = &mut plan.islands.list[number];
     island.sweeps_of_parts = 1;
     if parts_apart && most.max_sweeps < island.settings.max_sweeps {
@@ -65,10 +65,10 @@ pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32, most: SolverSetting
     }
     let sweeps = island.settings.max_sweeps;
     // A power of two, so that the instants of islands with few microsteps are among the instants of those with many.
-    let most = (sweeps / SWEEPS).min((h / SHORTEST) as u32).max(1).ilog2();
-    island.microsteps = if suits { 1 << most } else { 1 };
+    let most = (sweeps / SWEEPS_PER_MICROSTEP).min((h / MIN_STEP) as u32).max(1).ilog2();
+    island.microsteps = if eligible { 1 << most } else { 1 };
     if island.microsteps > 1 {
-        island.settings.max_sweeps = (sweeps / (SWEEPS * island.microsteps)).max(1);
+        island.settings.max_sweeps = (sweeps / (SWEEPS_PER_MICROSTEP * island.microsteps)).max(1);
     }
 }
 
@@ -144,7 +144,7 @@ impl TaskSlice<'_> {
                     predict_all(Predict { h, ..self.predict(run.clone()) }, execution);
                 }
             }
-            scratch.lead(&mut self.places, of - number_of_step);
+            scratch.move_kinematic(&mut self.places, of - number_of_step);
             let microstep = Microstep { number: number_of_step, of };
             let context = self.context.divided(microstep, h);
             let drift = solve(context, number, self.island(number), &mut sweep);
@@ -198,7 +198,7 @@ pub(super) struct MicrostepScratch {
     /// Position of each particle at the beginning of the substep.
     start: Vec<Vec4>,
     /// Indices of kinematic pins, and their target positions.
-    led: Vec<(usize, Vec4)>,
+    kinematic: Vec<(usize, Vec4)>,
     /// Displacement of each particle by relaxation.
     moved: Vec<Vec4>,
     strain: StrainScratch,
@@ -210,9 +210,9 @@ pub(super) struct MicrostepScratch {
 
 impl MicrostepScratch {
     fn begin(&mut self, places: &Places, runs: &[Range<usize>], keeps_start: bool) {
-        let Self { start, led, .. } = self;
+        let Self { start, kinematic, .. } = self;
         start.clear();
-        led.clear();
+        kinematic.clear();
         for run in runs.iter().cloned() {
             if keeps_start {
                 start.extend_from_slice(&places.start[run.clone()]);
@@ -223,15 +223,15 @@ impl MicrostepScratch {
                 if some.iter().fold(false, |pinned, end| pinned | (end.w == 0.0)) {
                     let each = (begin..).zip(some);
                     let moves = each.filter(|(i, end)| end.w == 0.0 && **end != places.start[*i]);
-                    led.extend(moves.map(|(i, end)| (i, *end)));
+                    kinematic.extend(moves.map(|(i, end)| (i, *end)));
                 }
             }
         }
     }
 
     /// Moves kinematic pins by one of `remaining` equal parts of the rest of their way.
-    fn lead(&self, places: &mut Places, remaining: u32) {
-        for &(i, end) in &self.led {
+    fn move_kinematic(&self, places: &mut Places, remaining: u32) {
+        for &(i, end) in &self.kinematic {
             let from = places.start[i];
             places.position[i] =
                 if remaining > 1 { from + (end - from) / remaining as f32 } else { end };

@@ -3,8 +3,8 @@
 //! A particle of cloth has next to no mass compared with a crate. A contact between the two moves the particle, and hardly the crate: it decelerates the crate
 //! by as much as one particle weighs, however taut the cloth is, since it does not include the rods. These pull the particle back in the next substep, and the
 //! crate pushes it out again. This is Gauss–Seidel with a large mass on small ones, which converges by `1 - m/M` in each iteration: a crate of mass `M` on
-//! particles of total mass `m` is stopped by taut cloth within about `M/m` substeps, and stretches it meanwhile by as far as it moves; at rest it takes a push
-//! of `g h² M/m` in each substep to carry the crate, 3 mm on a flat bottom, and 9 cm on a corner. More sweeps of the rods do not help, since the contacts come
+//! particles of total mass `m` is stopped by taut cloth within about `M/m` substeps, and stretches it meanwhile by as far as it moves; at rest the cloth
+//! is pushed by `g h² M/m` in each substep, 3 mm on a flat bottom, and 9 cm on a corner. More sweeps of the rods do not help, since the contacts come
 //! last. What counts is how much mass is pushed, and how often contacts and rods alternate.
 //!
 //! So a contact pushes not a particle but a piece of cloth: the particles around it, ring by ring of rods, with shares that decrease outwards, until they weigh
@@ -41,7 +41,7 @@ const STRAIN: f32 = 0.02;
 
 /// Most rings of rods of an aggregate: about 900 particles of grid cloth. With 8 and 12, measured before some pushes were taken back, a crate in slack cloth
 /// stretched it by half as much again.
-const MOST_RINGS: u32 = 16;
+const MAX_RINGS: u32 = 16;
 
 /// Cloth pressed by contacts in a substep, with the constraints that hold it.
 pub(crate) struct HeldCloth<'a> {
@@ -209,7 +209,7 @@ fn grow(
     // Sums over all members: of the masses, and of the masses times the ring index.
     let (mut sum, mut moment) = (1.0 / w(row), 0.0);
     let (mut ring, mut rings) = (first, 1);
-    while rings < MOST_RINGS && sum - moment / (rings as f32) < mass && ring < members.len() {
+    while rings < MAX_RINGS && sum - moment / (rings as f32) < mass && ring < members.len() {
         let end = members.len();
         for at in ring..end {
             for rod in graph.rods_of(members[at].0 - first_row) {
@@ -327,11 +327,11 @@ mod tests {
         y * (CELLS + 1) + x
     }
 
-    /// Calls `see` with the particles and the aggregate of a row.
+    /// Calls `check` with the particles and the aggregate of a row.
     fn aggregate<T>(
         row: u32,
         push: Push,
-        see: impl FnOnce(&mut Particles, Option<Aggregate>) -> T,
+        check: impl FnOnce(&mut Particles, Option<Aggregate>) -> T,
     ) -> T {
         let world = sheet();
         let mut particles = world.particles.clone();
@@ -340,7 +340,7 @@ mod tests {
         let mut scratch = PressedScratch::default();
         let mut cloth = HeldCloth::new(world.plan(), (substep, execution), &mut scratch);
         let aggregate = cloth.aggregate(&particles.clone(), row, push);
-        see(&mut particles, aggregate)
+        check(&mut particles, aggregate)
     }
 
     #[test]
@@ -350,7 +350,7 @@ mod tests {
         assert!(aggregate(row(12, 12), push(STRAIN * rod), |_, own| own.is_none()));
         let rings = |distance| aggregate(row(12, 12), push(distance), |_, own| own.unwrap().rings);
         assert_eq!(rings(2.0 * STRAIN * rod), 2);
-        assert!(rings(0.1) > 4 && rings(10.0) <= MOST_RINGS, "{} {}", rings(0.1), rings(10.0));
+        assert!(rings(0.1) > 4 && rings(10.0) <= MAX_RINGS, "{} {}", rings(0.1), rings(10.0));
     }
 
     #[test]
@@ -397,9 +397,12 @@ mod tests {
                     // Half a metre is how wide it is.
                     assert!(moment.length() < 1e-4 * size, "{at}: {moment}");
                     let along = impulse / size;
-                    let said = own.compliance(along) * size;
-                    let went = moved(at as usize).dot(along);
-                    assert!((said - went).abs() < 1e-4 * went, "{at}: {said} {went}");
+                    let predicted = own.compliance(along) * size;
+                    let actual = moved(at as usize).dot(along);
+                    assert!(
+                        (predicted - actual).abs() < 1e-4 * actual,
+                        "{at}: {predicted} {actual}"
+                    );
                     assert_eq!(moved(row(8, 12) as usize), Vec3::ZERO);
                 });
             }

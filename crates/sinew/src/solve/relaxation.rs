@@ -2,7 +2,7 @@
 //!
 //! Where cloth is folded to a point, or hangs on a corner, its rods contradict each other: no positions give each its length. Gauss–Seidel then runs in a
 //! cycle, in which each rod has its length when it has just been projected, and at the end of a sweep the rods that came first bear what all others were given;
-//! more sweeps make it worse (a flag was off by at most 7 %, and by 10 % after eight more sweeps). If each rod corrects only a part of its error, the cycle
+//! more sweeps make it worse (the worst strain of a flag was 7 %, and 10 % after eight more). If each rod corrects only a part of its error, the cycle
 //! shrinks with that part around the positions of least squared error (Censor, Eggermont and Gordon, *Strong underrelaxation in Kaczmarz's method for
 //! inconsistent systems*, 1983).
 //!
@@ -43,7 +43,7 @@ const SWEEPS: [Relaxation; 3] = [
 
 /// Islands with a root mean square speed below this, m/s, are relaxed in proportion to their speed, and their strain is not limited. With full relaxation, a
 /// sheet on a table at 240 × 3 substeps a second keeps a speed of 3 mm/s.
-const CALM: f32 = 0.02;
+const FULL_SPEED: f32 = 0.02;
 
 /// Whether an island may be relaxed in this step.
 pub(super) fn may_relax(plan: &Plan, island: &Island) -> bool {
@@ -68,7 +68,7 @@ pub(super) fn relax(
     masses.extend(held.iter().map(|&row| core::mem::take(inverse_mass(&mut places, row))));
     moved.clear();
     moved.extend_from_slice(&places.position[range.clone()]);
-    let motion = (rms_speed(&places.velocity[range.clone()]) / CALM).min(1.0);
+    let motion = (rms_speed(&places.velocity[range.clone()]) / FULL_SPEED).min(1.0);
     for (nth, Relaxation { share, tolerance }) in SWEEPS.into_iter().enumerate() {
         // Particles that the last sweep does not move are within its tolerance.
         if nth + 1 == SWEEPS.len() {

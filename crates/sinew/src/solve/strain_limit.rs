@@ -20,21 +20,21 @@ use super::rods::{Whole, project};
 const LIMIT: f32 = 0.03;
 
 /// Share of the limit to which a rod is brought. Bringing it exactly to the limit takes longer, as every rod that moves then brings its neighbours beyond it.
-const WITHIN: f32 = 0.9;
+const TARGET_SHARE: f32 = 0.9;
 
 /// Ratio of successive limits, from the largest strain down to the last limit. For a sheet of 128 × 128 that swings from two corners, twelve starts each, worst
 /// strain and engine time: 1.1 gives 11.8 % and 6.9 ms, 1.15 12.4 % and 6.9 ms, 1.2 13.0 % and 7.0 ms.
-const STEP: f32 = 1.15;
+const LIMIT_RATIO: f32 = 1.15;
 
 /// Budget: greatest mean number of checks of each rod end. For the same sheet: one gives 14.8 % and 6.7 ms, two 12.4 % and 6.9 ms, three 11.3 % and 7.1 ms; the
 /// slowest ticks take 3 to 4 ms more than others.
-const LOOKS: usize = 2;
+const CHECKS: usize = 2;
 
 /// Most rounds for one limit. The last rounds are about a few rods that cannot all be satisfied.
-const ROUNDS: usize = 256;
+const MAX_ROUNDS: usize = 256;
 
 /// If more than one particle in this many is in the queue, the cloth is stretched everywhere, and no rod has slack to give.
-const MANY: usize = 2;
+const QUEUE_SHARE: usize = 2;
 
 /// Scratch of strain limiting.
 #[derive(Clone, Debug, Default)]
@@ -50,22 +50,22 @@ pub(crate) struct StrainScratch {
     moved: Vec<u32>,
     /// Particles with a rod beyond the last limit but within the present one; and whether each particle is among them.
     later: Vec<u32>,
-    put_off: Vec<bool>,
+    deferred: Vec<bool>,
 }
 
 impl StrainScratch {
     /// Limits the strain of the rods of a graph. Only rods at particles that are not where `before` has them can be beyond the limit.
     pub(super) fn limit(&mut self, graph: &RodGraph, position: &mut [Vec4]) {
-        let mut looks = LOOKS * graph.ends();
+        let mut budget = CHECKS * graph.ends();
         self.list_moved(position);
         // No rod is beyond this limit: the first pass collects the rods beyond the last limit.
         let mut limit = f32::MAX;
-        while self.bring_within(graph, position, limit, &mut looks, ROUNDS) && limit > LIMIT {
+        while self.bring_within(graph, position, limit, &mut budget, MAX_ROUNDS) && limit > LIMIT {
             if limit == f32::MAX {
                 // Strains beyond 1 get no limits of their own, however far away a particle was set.
                 limit = self.worst(graph, position).min(1.0);
             }
-            limit = (limit / STEP).max(LIMIT);
+            limit = (limit / LIMIT_RATIO).max(LIMIT);
             core::mem::swap(&mut self.now, &mut self.later);
         }
     }
@@ -81,18 +81,18 @@ impl StrainScratch {
     ) -> &[u32] {
         self.begin(position.len());
         self.now.extend(particles);
-        self.bring_within(graph, position, LIMIT, &mut (LOOKS * graph.ends()), rings);
+        self.bring_within(graph, position, LIMIT, &mut (CHECKS * graph.ends()), rings);
         &self.moved
     }
 
     /// Clears the lists, and allocates for this many particles.
     fn begin(&mut self, particles: usize) {
-        let Self { now, next, listed, later, put_off, moved, .. } = self;
+        let Self { now, next, listed, later, deferred, moved, .. } = self;
         for list in [now, next, later, moved] {
             list.clear();
             list.reserve(particles);
         }
-        for flags in [listed, put_off] {
+        for flags in [listed, deferred] {
             flags.clear();
             flags.resize(particles, false);
         }
@@ -113,21 +113,21 @@ impl StrainScratch {
         graph: &RodGraph,
         position: &mut [Vec4],
         limit: f32,
-        looks: &mut usize,
+        budget: &mut usize,
         rounds: usize,
     ) -> bool {
-        let Self { now, next, listed, later, put_off, moved, .. } = self;
+        let Self { now, next, listed, later, deferred, moved, .. } = self;
         let (band, last) = (Band::of(limit), Band::of(LIMIT));
-        now.iter().for_each(|&i| put_off[i as usize] = false);
+        now.iter().for_each(|&i| deferred[i as usize] = false);
         for _ in 0..rounds {
-            if now.len() * MANY > position.len() {
+            if now.len() * QUEUE_SHARE > position.len() {
                 return false;
             }
             now.iter().for_each(|&i| listed[i as usize] = false);
             for i in now.drain(..) {
                 let rods = graph.rods_of(i);
-                let Some(left) = looks.checked_sub(rods.len()) else { return false };
-                *looks = left;
+                let Some(left) = budget.checked_sub(rods.len()) else { return false };
+                *budget = left;
                 let mut waits = false;
                 for rod in rods {
                     if last.holds(position, i, rod) {
@@ -135,7 +135,7 @@ impl StrainScratch {
                     }
                     if band.holds(position, i, rod) {
                         waits = true;
-                    } else if bring_to(position, i, rod, limit * WITHIN) {
+                    } else if bring_to(position, i, rod, limit * TARGET_SHARE) {
                         for end in [i, rod.to] {
                             if !core::mem::replace(&mut listed[end as usize], true) {
                                 next.push(end);
@@ -144,7 +144,7 @@ impl StrainScratch {
                         }
                     }
                 }
-                if waits && !core::mem::replace(&mut put_off[i as usize], true) {
+                if waits && !core::mem::replace(&mut deferred[i as usize], true) {
                     later.push(i);
                 }
             }

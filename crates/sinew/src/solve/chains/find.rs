@@ -20,14 +20,14 @@ pub(in crate::solve) struct Chains {
 
 /// Fewest rods of a chain. Shorter ones are solved as fast by sweeps. The second entry applies to islands with more rods than particles, as of boxes and bones:
 /// there a chain has to be longer than a limb.
-const FEWEST: [usize; 2] = [2, 4];
+const MIN_RODS: [usize; 2] = [2, 4];
 
 /// Longer chains are divided into segments. No body of an instance batch has this many particles, and those need the same bits when solved alone.
 pub(in crate::solve) const LONG: usize = 64;
 
 /// Islands of more particles are searched for chains only if they have no more rods than particles. The others are cloth, and the plan of torn cloth has to be
 /// updated within a millisecond.
-const LARGE: usize = 512;
+const MAX_DENSE: usize = 512;
 
 /// No rod.
 const NONE: u32 = u32::MAX;
@@ -62,9 +62,9 @@ impl Chains {
     ) -> Range<usize> {
         let begin = self.each.len();
         let is_dense = count > members.len();
-        let fewest = FEWEST[usize::from(is_dense)];
-        if count >= fewest && !(is_dense && members.len() > LARGE) {
-            self.graph.weave(members, rods);
+        let fewest = MIN_RODS[usize::from(is_dense)];
+        if count >= fewest && !(is_dense && members.len() > MAX_DENSE) {
+            self.graph.build(members, rods);
             self.graph.chains((members, fewest), &mut self.each, &mut self.links);
             for links in &self.each[begin..] {
                 let (links, first) = (&self.links[links.clone()], self.rests.len());
@@ -89,7 +89,7 @@ impl Chains {
 }
 
 impl RodGraph {
-    fn weave<'a>(&mut self, members: &[u32], rods: impl Iterator<Item = (u32, &'a Distance)>) {
+    fn build<'a>(&mut self, members: &[u32], rods: impl Iterator<Item = (u32, &'a Distance)>) {
         let place = |row: u32| members.partition_point(|&member| member < row) as u32;
         self.rods.clear();
         self.rods.extend(rods.map(|(rod, d)| (place(d.a), place(d.b), rod, d.rest)));

@@ -5,7 +5,7 @@ use super::keys::{DISTANCES, Fields, Key, RODS, rank_of, rank_of_kind};
 use crate::constraints::Rows;
 
 /// Most changes that are recorded one by one. Beyond this an incremental update hardly pays, since each change costs a search through all keys.
-pub(super) const MOST: usize = 16;
+pub(super) const MAX_CHANGES: usize = 16;
 
 /// The input lists of constraints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +62,7 @@ impl Changes {
         let (&Change::Added(list, at) | &Change::Removed(list, at, _)) = &change;
         let own = &mut self.same[list as usize];
         *own = at.min(*own);
-        self.many |= self.few.len() == MOST;
+        self.many |= self.few.len() == MAX_CHANGES;
         if !self.many {
             self.few.push(change);
         }
@@ -86,7 +86,7 @@ impl Changes {
     pub(crate) fn any_between(&self, given: Given, holds: impl Fn(u32, u32) -> bool) -> bool {
         let between = |rows: &[u32]| rows.windows(2).any(|pair| holds(pair[0], pair[1]));
         // Each later change may have shifted an added entry by one.
-        let around = |at: usize| at.saturating_sub(MOST)..=at + MOST;
+        let around = |at: usize| at.saturating_sub(MAX_CHANGES)..=at + MAX_CHANGES;
         self.few.iter().any(|change| match change {
             Change::Removed(.., rows) => between(rows),
             &Change::Added(List::Distances, at) => {
@@ -133,7 +133,7 @@ impl Changes {
                 added.push((list, number));
             }
         }
-        added.retain(|&(list, number)| given.is_sound(list, number as usize));
+        added.retain(|&(list, number)| given.is_valid(list, number as usize));
         (removed, added)
     }
 }
@@ -154,12 +154,12 @@ pub(super) fn list_of(key: &Key) -> List {
 
 impl Given<'_> {
     /// The valid distances and constraints after the first `same` entries of each list.
-    pub(super) fn sound_from(&self, same: [usize; 2]) -> Vec<Added> {
+    pub(super) fn valid_from(&self, same: [usize; 2]) -> Vec<Added> {
         let [distances, constraints] = same;
         let each = (distances..self.distances.len()).map(|number| (List::Distances, number));
         let others = (constraints..self.constraints.len()).map(|n| (List::Constraints, n));
-        let sound = each.chain(others).filter(|&(list, number)| self.is_sound(list, number));
-        sound.map(|(list, number)| (list, number as u32)).collect()
+        let valid = each.chain(others).filter(|&(list, number)| self.is_valid(list, number));
+        valid.map(|(list, number)| (list, number as u32)).collect()
     }
 
     /// Calls `act` with the particles of a constraint.
@@ -173,7 +173,7 @@ impl Given<'_> {
         }
     }
 
-    pub(super) fn is_sound(&self, list: List, number: usize) -> bool {
+    pub(super) fn is_valid(&self, list: List, number: usize) -> bool {
         match list {
             List::Distances => self.distances[number].fault(self.particles).is_none(),
             List::Constraints => self.constraints[number].fault(self.particles).is_none(),

@@ -15,16 +15,16 @@ use crate::islands::SMALL_ISLAND;
 pub(super) const PHASES: u32 = 3;
 
 /// Least number of particles of a cluster: 16 kB of positions, half of a core's L1 cache. The rest lengths stream through the other half.
-const LEAST: u32 = 1024;
-/// Greatest number of particles of a cluster, unless [`CLUSTERS`] requires more: 512 kB of positions, a core's L2 cache.
-const MOST: u32 = 32_768;
+const MIN_SIZE: u32 = 1024;
+/// Greatest number of particles of a cluster, unless [`MAX_CLUSTERS`] requires more: 512 kB of positions, a core's L2 cache.
+const MAX_SIZE: u32 = 32_768;
 /// A cluster's size in multiples of the mean reach of a constraint, chosen so that about one constraint in eight connects two clusters.
 const REACHES: u64 = 8;
 /// Number of clusters that a key has bits for.
-const CLUSTERS: u32 = 4096;
+const MAX_CLUSTERS: u32 = 4096;
 
 /// Least share of an island's particles (numerator, denominator) in a contiguous run for that run to be divided by itself.
-const MOSTLY: (usize, usize) = (3, 4);
+const MIN_RUN: (usize, usize) = (3, 4);
 
 /// How an island is divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,13 +50,14 @@ impl Clusters {
     /// The division of an island of `members` particles, of which `run` are the member indices in its longest contiguous run of rows. `count` is the number of
     /// distances, `reach` the sum of their reaches in member indices.
     pub(super) fn of(members: usize, run: Range<usize>, count: u64, reach: u64) -> Self {
-        let mostly = members > SMALL_ISLAND && run.len() * MOSTLY.1 >= members * MOSTLY.0;
+        let mostly = members > SMALL_ISLAND && run.len() * MIN_RUN.1 >= members * MIN_RUN.0;
         let run = if mostly { (run.start as u32, run.end as u32 - 1) } else { (0, u32::MAX) };
-        if members <= LEAST as usize {
+        if members <= MIN_SIZE as usize {
             return Self { size: u32::MAX, run };
         }
-        let wanted = (REACHES * reach / count.max(1)).clamp(LEAST.into(), MOST.into()) as u32;
-        let enough = (members as u32).div_ceil(CLUSTERS / 2);
+        let wanted =
+            (REACHES * reach / count.max(1)).clamp(MIN_SIZE.into(), MAX_SIZE.into()) as u32;
+        let enough = (members as u32).div_ceil(MAX_CLUSTERS / 2);
         Self { size: wanted.max(enough).next_power_of_two(), run }
     }
 

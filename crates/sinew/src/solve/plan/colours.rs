@@ -13,11 +13,11 @@ use super::GroupKind;
 /// The colour of constraints for which no colour was free: a particle has more than 64 of them. They are solved one after the other, which is always correct.
 pub(super) const OVERFLOW: u32 = GREEDY + 64;
 /// The first greedy colour, after those of the strides.
-pub(super) const GREEDY: u32 = 2 * STRIDES as u32;
+pub(super) const GREEDY: u32 = 2 * MAX_STRIDES as u32;
 /// The most strides that an island has colours for: one bit each.
-const STRIDES: usize = 32;
+const MAX_STRIDES: usize = 32;
 /// Least number of distances of one stride that get colours of their own. At this length about an eighth is lost to runs that do not fill the lanes.
-const LEAST: u32 = 64;
+const MIN_COUNT: u32 = 64;
 
 /// Colours used by each particle's constraints, by kind and phase.
 #[derive(Clone, Debug, Default)]
@@ -103,8 +103,8 @@ pub(super) struct Strides(Vec<u32>);
 impl Strides {
     /// The strides that occur often enough to get colours of their own.
     pub(super) fn of(counts: &StrideCounts) -> Self {
-        // At least a thirty-second of all each, so that there are never more than `STRIDES`.
-        let least = LEAST.max(counts.all / STRIDES as u32 + 1);
+        // At least a thirty-second of all each, so that there are never more than `MAX_STRIDES`.
+        let least = MIN_COUNT.max(counts.all / MAX_STRIDES as u32 + 1);
         Self((0..).zip(&counts.of).filter(|(_, count)| **count >= least).map(|own| own.0).collect())
     }
 

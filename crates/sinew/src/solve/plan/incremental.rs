@@ -21,10 +21,10 @@ use super::{Given, GroupKind, Plan};
 use crate::constraints::Rows;
 
 /// Most constraints of an island that are recoloured before the update is given up.
-const RECHECKS: usize = 64;
+const MAX_RECHECKS: usize = 64;
 
 /// Depth of the search for whether the particles of a removed constraint are still connected, in constraints: it reaches two mesh cells beyond them.
-const ROUNDS: usize = 3;
+const MAX_DEPTH: usize = 3;
 
 /// An incremental update is not possible. The keys have been renumbered, but their colours are not up to date.
 pub(super) struct Fault {
@@ -44,7 +44,7 @@ pub(super) fn update_incrementally(
     let mut scratch = core::mem::take(&mut compiling.scratch);
     let (removed, added) = changes.renumber(&mut keys, given);
     let old = keys.len();
-    let mut mending = IncrementalUpdate {
+    let mut update = IncrementalUpdate {
         plan,
         compiling,
         given,
@@ -53,13 +53,13 @@ pub(super) fn update_incrementally(
         moved: Vec::new(),
         rechecks: BTreeSet::new(),
     };
-    let mended = mending.run(&removed, &added, &mut scratch);
+    let updated = update.run(&removed, &added, &mut scratch);
     compiling.scratch = scratch;
-    if mended.is_none() {
+    if updated.is_none() {
         keys.truncate(old);
     }
     compiling.keys = keys;
-    mended.ok_or_else(|| {
+    updated.ok_or_else(|| {
         let first = removed.iter().map(|(key, _)| island_of(key)).min();
         Fault { kept: first.map_or(plan.islands.list.len(), |first| first as usize), added }
     })
@@ -95,8 +95,8 @@ impl IncrementalUpdate<'_> {
         }
         let concerned = removed.iter().map(|(key, _)| key).chain(&self.keys[self.old..]);
         let islands: BTreeSet<u32> = concerned.map(island_of).collect();
-        let mended = islands.iter().all(|&island| self.update_island(island, removed, scratch));
-        mended.then(|| {
+        let updated = islands.iter().all(|&island| self.update_island(island, removed, scratch));
+        updated.then(|| {
             self.put_in_order();
             islands.into_iter().collect()
         })
@@ -119,9 +119,9 @@ impl IncrementalUpdate<'_> {
         let added = self.keys[self.old..].iter().filter(|key| island_of(key) == island);
         self.rechecks.extend(added.map(recheck));
         for (key, rows) in removed() {
-            self.free(key, rows);
+            self.release(key, rows);
         }
-        for _ in 0..RECHECKS {
+        for _ in 0..MAX_RECHECKS {
             let Some(recheck) = self.rechecks.pop_first() else { return true };
             self.recolour(island, recheck);
         }
@@ -137,7 +137,7 @@ impl IncrementalUpdate<'_> {
         };
         let (fields, ends) = self.compiling.fields(self.plan, &rows, (rank, distance));
         let together = rows.iter().all(|&row| self.plan.islands.of[row as usize] == fields.island);
-        let group = Fields { colour: UNKNOWN, ..fields }.key();
+        let group = Fields { colour: UNCOLOURED, ..fields }.key();
         let reach = &mut self.compiling.reaches[fields.island as usize];
         *reach = (*reach).max(ends.1 - ends.0);
         together.then_some(Key { group, first: ends.0, number })
@@ -169,7 +169,7 @@ impl IncrementalUpdate<'_> {
     /// Whether the particles of a removed constraint are still connected, within a few steps.
     fn are_connected(&self, island: u32, rows: &[u32]) -> bool {
         let mut reached: Vec<u32> = rows.first().copied().into_iter().collect();
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_DEPTH {
             if rows.iter().all(|row| reached.contains(row)) {
                 return true;
             }
@@ -183,15 +183,15 @@ impl IncrementalUpdate<'_> {
     }
 
     /// Queues the constraints that may take the colour of a removed one.
-    fn free(&mut self, removed: &Key, rows: &[u32]) {
+    fn release(&mut self, removed: &Key, rows: &[u32]) {
         let (colour, ends) = (colour_of(removed), self.compiling.ends(rows));
         let keys = self.around(island_of(removed), rows).map(|place| &self.keys[place]);
-        let rivals = keys.filter(|key| are_rivals(key, removed));
-        let heirs = rivals.filter(|key| {
+        let conflicting = keys.filter(|key| conflict(key, removed));
+        let candidates = conflicting.filter(|key| {
             let lower = colour >= GREEDY && colour_of(key) > colour;
             lower || self.ends(key) == ends
         });
-        self.rechecks.extend(heirs.map(recheck).collect::<Vec<_>>());
+        self.rechecks.extend(candidates.map(recheck).collect::<Vec<_>>());
     }
 
     /// Assigns the required colour to a constraint, and queues those that may need another colour because of it.
@@ -208,7 +208,7 @@ impl IncrementalUpdate<'_> {
         let (mut taken, mut is_second, mut later) = (0_u64, false, Vec::new());
         for place in self.around(island, &rows).filter(|&place| place != mine) {
             let other = &self.keys[place];
-            if !are_rivals(other, &key) {
+            if !conflict(other, &key) {
                 continue;
             }
             if other.number > number {
@@ -282,7 +282,7 @@ impl IncrementalUpdate<'_> {
 }
 
 /// Placeholder colour of an added constraint: above all others. No key has it when the update is complete.
-const UNKNOWN: u32 = OVERFLOW + 1;
+const UNCOLOURED: u32 = OVERFLOW + 1;
 
 /// The bit of a greedy colour; 0 for any other colour.
 fn bit(colour: u32) -> u64 {
@@ -306,6 +306,6 @@ fn kind_of(key: &Key) -> GroupKind {
 }
 
 /// Whether two constraints must have different colours if they share a particle.
-fn are_rivals(one: &Key, other: &Key) -> bool {
+fn conflict(one: &Key, other: &Key) -> bool {
     kind_of(one) == kind_of(other) && Fields::of(one.group).phase == Fields::of(other.group).phase
 }

@@ -15,7 +15,7 @@ use crate::solve::wide::{InstancedConstraints, InstancedGroup, InstancedGroups};
 const _: () = assert!(SMALL_ISLAND <= LONG);
 
 /// Fewest islands of a batch. A batch costs as much as two or three of its bodies solved alone, and less where it is solved together with other batches.
-const LEAST: usize = 3;
+const MIN_ISLANDS: usize = 3;
 
 /// The instance batches of a plan.
 #[derive(Clone, Debug, Default)]
@@ -28,8 +28,8 @@ pub(crate) struct InstanceBatches {
     pub(in crate::solve) instanced: InstancedConstraints,
 }
 
-/// Up to eight consecutive islands that have the same constraints, with contiguous rows. Fewer than [`LEAST`] only where they continue identical ones of the
-/// last batch.
+/// Up to eight consecutive islands that have the same constraints, with contiguous rows. Fewer than [`MIN_ISLANDS`] only where they continue identical ones of
+/// the last batch.
 #[derive(Clone, Debug)]
 pub(in crate::solve) struct InstanceBatch {
     pub(in crate::solve) islands: Range<usize>,
@@ -89,7 +89,7 @@ impl InstanceBatch {
     /// Whether solving `bodies` of its bodies in the batch is cheaper than solving them alone.
     pub(in crate::solve) fn is_worth(&self, bodies: usize) -> bool {
         // Identical bodies are compacted with those of other batches.
-        bodies >= if self.topology.is_some() { 1 } else { LEAST.min(self.islands.len()) }
+        bodies >= if self.topology.is_some() { 1 } else { MIN_ISLANDS.min(self.islands.len()) }
     }
 
     /// Whether the bodies of both batches are identical, lengths and angles included.
@@ -130,20 +130,21 @@ impl InstanceBatches {
         let first = self.all.len();
         let mut islands = task.islands.clone();
         while let Some(leader) = islands.next() {
-            if !suits(plan, &plan.islands.list[leader]) {
+            if !is_eligible(plan, &plan.islands.list[leader]) {
                 continue;
             }
             let mut end = leader + 1;
-            while end < islands.end && follows(plan, end) && is_like(plan, leader, end) {
+            while end < islands.end && follows(plan, end) && has_same_constraints(plan, leader, end)
+            {
                 end += 1;
             }
             for begin in (leader..end).step_by(LANES) {
                 let some = begin..end.min(begin + LANES);
                 let joins = |last: &InstanceBatch| {
-                    let are_twins = || is_same_topology(plan, last.islands.start, begin);
-                    last.topology.is_some() && last.islands.end == begin && are_twins()
+                    let is_same = || is_same_topology(plan, last.islands.start, begin);
+                    last.topology.is_some() && last.islands.end == begin && is_same()
                 };
-                if some.len() >= LEAST || self.all.last().is_some_and(joins) {
+                if some.len() >= MIN_ISLANDS || self.all.last().is_some_and(joins) {
                     self.add(plan, some);
                 }
             }
@@ -167,7 +168,7 @@ impl InstanceBatches {
                 self.add_rods(each, first, begin);
                 continue;
             }
-            // Islands with groups that have no eight-lane kernel have been excluded by `suits`.
+            // Islands with groups that have no eight-lane kernel have been excluded by `is_eligible`.
             let Some(which) = &group.wide else { continue };
             let constraint_batches = &plan.constraint_batches;
             let part = if group.kind == GroupKind::Distances {
@@ -261,7 +262,7 @@ impl InstanceBatches {
 }
 
 /// Whether an island may be in an instance batch.
-fn suits(plan: &Plan, island: &Island) -> bool {
+fn is_eligible(plan: &Plan, island: &Island) -> bool {
     let members = &plan.islands.members[island.members.clone()];
     let (Some(&first), Some(&last)) = (members.first(), members.last()) else { return false };
     let wide = |group: &ConstraintGroup| group.kind == GroupKind::Rods || group.wide.is_some();
@@ -284,11 +285,11 @@ fn follows(plan: &Plan, number: usize) -> bool {
 }
 
 /// Whether two islands have the same constraints between the same member indices, apart from lengths and angles.
-fn is_like(plan: &Plan, one: usize, other: usize) -> bool {
+fn has_same_constraints(plan: &Plan, one: usize, other: usize) -> bool {
     let (one, other) = (&plan.islands.list[one], &plan.islands.list[other]);
     if one.members.len() != other.members.len()
         || one.groups.len() != other.groups.len()
-        || !suits(plan, other)
+        || !is_eligible(plan, other)
     {
         return false;
     }
@@ -329,7 +330,7 @@ fn is_same_topology(plan: &Plan, one: usize, other: usize) -> bool {
         |group: &ConstraintGroup| plan.distances[group.range.clone()].iter().map(|d| d.rest);
     let constraint_batches =
         |group: &ConstraintGroup| plan.constraints[group.range.clone()].iter().map(|c| &c.kind);
-    is_like(plan, one, other)
+    has_same_constraints(plan, one, other)
         && groups(one).iter().zip(groups(other)).all(|(one, other)| match one.kind {
             GroupKind::Constraints => constraint_batches(one).eq(constraint_batches(other)),
             GroupKind::Distances | GroupKind::Rods => lengths(one).eq(lengths(other)),

@@ -172,7 +172,7 @@ impl Plan {
     /// A pinned particle (infinite mass) belongs to the island of the constraints attached to it, and merges several into one.
     pub(crate) fn compile(&mut self, given: Given) {
         self.compiling.keys.clear();
-        self.compile_from(&given, 0, &given.sound_from([0, 0]));
+        self.compile_from(&given, 0, &given.valid_from([0, 0]));
     }
 
     /// Like [`compile`](Self::compile), where the first `same` distances and constraints are unchanged.
@@ -196,7 +196,7 @@ impl Plan {
         if self.marked_before(kept) == 0 {
             return self.compile(given);
         }
-        self.compile_from(&given, kept, &given.sound_from(same));
+        self.compile_from(&given, kept, &given.valid_from(same));
     }
 
     /// Gives the result of [`compile`](Self::compile), incrementally where possible. The number of particles must not have changed.

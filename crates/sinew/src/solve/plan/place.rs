@@ -52,7 +52,7 @@ impl Compiling {
     ) -> [Vec<u32>; 2] {
         let first = self.keys.partition_point(|key| Fields::is_before(key.group, kept));
         let taken = self.keys.drain(first..).map(|key| (list_of(&key), key.number));
-        let taken = taken.filter(|&(list, number)| given.is_sound(list, number as usize));
+        let taken = taken.filter(|&(list, number)| given.is_valid(list, number as usize));
         let mut numbers = [Vec::new(), Vec::new()];
         taken.chain(added.iter().copied()).for_each(|(list, n)| numbers[list as usize].push(n));
         numbers.iter_mut().for_each(|numbers| numbers.sort_unstable());

@@ -50,10 +50,10 @@ impl Task {
 }
 
 /// Least number of constraints of a large island. Solving them takes about ten times as long as it takes to hand work to a thread.
-const LARGE: usize = 16_384;
+const LARGE_ISLAND: usize = 16_384;
 
 /// Least work of a task that is handed to a thread, in particles: about 30 µs.
-const LEAST: usize = 8192;
+const MIN_WORK: usize = 8192;
 
 /// Divides a plan into tasks of about equal work. Islands whose rows interleave go into the same task.
 pub(super) fn cut(plan: &Plan) -> Vec<Task> {
@@ -61,7 +61,7 @@ pub(super) fn cut(plan: &Plan) -> Vec<Task> {
     let work =
         |task: &Task| task.rows.len() + 4 * (task.distances.len() + 4 * task.constraints.len());
     let all = plan.rows + 4 * (plan.distances.len() + 4 * plan.constraints.len());
-    let share = (all / TASKS).max(LEAST);
+    let share = (all / TASKS).max(MIN_WORK);
     // End of the rows of all islands so far.
     let mut reach = 0;
     let (mut distance, mut constraint) = (0, 0);
@@ -75,7 +75,7 @@ pub(super) fn cut(plan: &Plan) -> Vec<Task> {
                 _ => distance += group.range.len(),
             }
         }
-        let large = distance - distances + constraint - constraints >= LARGE
+        let large = distance - distances + constraint - constraints >= LARGE_ISLAND
             && members.len() == (last - first) as usize + 1;
         // Small islands are dealt out in eights, the size of an instance batch.
         let whole = |task: &Task| task.islands.len().is_multiple_of(LANES) || !island.is_small();

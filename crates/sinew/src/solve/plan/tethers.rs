@@ -24,7 +24,7 @@ impl Plan {
             keep(&mut tethers.graphs, islands, |island| &mut island.rod_graph);
             keep(&mut tethers.tie_rods, islands, |island| &mut island.tie_rods);
             // The rods were renumbered.
-            tethers.islands.iter_mut().for_each(|made| made.ways = None);
+            tethers.islands.iter_mut().for_each(|made| made.paths = None);
         }
         for number in 0..self.islands.list.len() {
             let island = &self.islands.list[number];
@@ -64,13 +64,13 @@ impl Plan {
             let key = self.key(island, &pins);
             let known = before.iter().position(|other| other.key == key);
             // Many consecutive islands may have the same topology.
-            let twin = tethers.islands.last().filter(|last| last.key == key);
-            let (fields, each) = match (known, twin) {
+            let equal = tethers.islands.last().filter(|last| last.key == key);
+            let (fields, each) = match (known, equal) {
                 (Some(at), _) => {
                     let known = before.swap_remove(at);
                     (known.fields, known.each)
                 }
-                (None, Some(twin)) => (None, twin.each.clone()),
+                (None, Some(equal)) => (None, equal.each.clone()),
                 (None, None) if pins.is_empty() => Default::default(),
                 (None, None) => {
                     let mut same = before.iter_mut().filter(|other| other.pins == pins);
@@ -97,8 +97,8 @@ impl Plan {
         for island in self.islands.list.iter().filter(|island| island.measured) {
             let Some(place) = island.tethers else { continue };
             let made = &mut tethers.islands[place as usize];
-            if made.ways.is_none() && !made.blocks.is_empty() {
-                made.ways = Some(self.ways(island, &made.pins));
+            if made.paths.is_none() && !made.blocks.is_empty() {
+                made.paths = Some(self.paths(island, &made.pins));
             }
         }
         self.tethers = tethers;
@@ -151,7 +151,7 @@ impl Plan {
     }
 
     /// The paths of an island's tethers along its rods.
-    fn ways(&self, island: &Island, pins: &[u32]) -> TetherPaths {
+    fn paths(&self, island: &Island, pins: &[u32]) -> TetherPaths {
         let (graph, sources) = (self.graph(island), self.places(island, pins));
         let nearest = graph.field(&sources);
         let fields = PinFields::of(&graph, sources, None);

@@ -31,8 +31,12 @@ impl Rods {
     ) -> f32 {
         let rods = self;
         match relaxed {
-            None => with(instructions, SweepColumns { rods, columns, groups, rows, how: Whole }),
-            Some(how) => with(instructions, SweepColumns { rods, columns, groups, rows, how }),
+            None => {
+                with(instructions, SweepColumns { rods, columns, groups, rows, correction: Whole })
+            }
+            Some(correction) => {
+                with(instructions, SweepColumns { rods, columns, groups, rows, correction })
+            }
         }
     }
 
@@ -69,7 +73,7 @@ struct SweepColumns<'a, G, C> {
     columns: &'a mut Columns,
     groups: G,
     rows: (u32, u32),
-    how: C,
+    correction: C,
 }
 
 impl<'a, G: Iterator<Item = Colour<'a>>, C: Correction> Work for SweepColumns<'_, G, C> {
@@ -77,19 +81,26 @@ impl<'a, G: Iterator<Item = Colour<'a>>, C: Correction> Work for SweepColumns<'_
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let Self { rods, columns, groups, rows, how } = self;
-        let (mut worst, mut parted) = (L::zero(), 0.0_f32);
+        let Self { rods, columns, groups, rows, correction } = self;
+        let (mut worst, mut separated) = (L::zero(), 0.0_f32);
         for (strided_batches, blocks) in groups {
             for strided_batches in &rods.strided_batches[strided_batches.clone()] {
                 let from = (rows.0 - rows.1) as usize / 2;
                 let which = (strided_batches, from);
-                worst = rods.sweep_strided::<L, C>(columns, which, how, worst, &mut parted);
+                worst =
+                    rods.sweep_strided::<L, C>(columns, which, correction, worst, &mut separated);
             }
             for block in &rods.blocks[blocks.clone()] {
-                worst = sweep_block::<L, C>(columns, (block, rows.1), how, worst, &mut parted);
+                worst = sweep_block::<L, C>(
+                    columns,
+                    (block, rows.1),
+                    correction,
+                    worst,
+                    &mut separated,
+                );
             }
         }
-        worst.largest(parted)
+        worst.largest(separated)
     }
 }
 
@@ -138,11 +149,11 @@ impl Rods {
         &self,
         columns: &mut Columns,
         (strided_batches, from): (&StridedBatch, usize),
-        how: C,
+        correction: C,
         worst: L,
-        parted: &mut f32,
+        separated: &mut f32,
     ) -> L {
-        let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()), soft: how };
+        let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()), soft: correction };
         columns.eights().each::<L, false>(
             &self.pairs[strided_batches.full.clone()],
             from,
@@ -158,7 +169,7 @@ impl Rods {
         if !all_move.all() {
             for pair in &self.pairs[strided_batches.full.start..strided_batches.tails.end] {
                 let (a, b) = columns.eights().find(pair, from);
-                *parted = parted.max(part(columns, a, b, &pair.numbers));
+                *separated = separated.max(separate(columns, a, b, &pair.numbers));
             }
         }
         worst
@@ -166,22 +177,22 @@ impl Rods {
 }
 
 /// The compliance of rods. A compile-time constant of the kernel.
-pub(super) trait Yields<L: Lanes> {
+pub(super) trait Compliance<L: Lanes> {
     /// `α/h²` of eight rods, 1/kg, and their accumulated multipliers; `live` is a bit mask of the lanes in use.
-    fn before(&self, live: u32) -> Option<(L, L)>;
+    fn terms(&self, live: u32) -> Option<(L, L)>;
     /// The part of such errors that is corrected; `None` for all.
     #[inline(always)]
     fn share(&self, _error: L, _rest: L) -> Option<L> {
         None
     }
     /// Adds to the accumulated multipliers.
-    fn after(&mut self, live: u32, change: L);
+    fn accumulate(&mut self, live: u32, change: L);
 }
 
 /// Hard rods have no compliance, but may be corrected in part.
-impl<L: Lanes, C: Correction> Yields<L> for C {
+impl<L: Lanes, C: Correction> Compliance<L> for C {
     #[inline(always)]
-    fn before(&self, _: u32) -> Option<(L, L)> {
+    fn terms(&self, _: u32) -> Option<(L, L)> {
         None
     }
 
@@ -191,7 +202,7 @@ impl<L: Lanes, C: Correction> Yields<L> for C {
     }
 
     #[inline(always)]
-    fn after(&mut self, _: u32, _: L) {}
+    fn accumulate(&mut self, _: u32, _: L) {}
 }
 
 /// State of a sweep over full batches of eight: the largest errors, and the lanes in which all rods could be projected.
@@ -201,20 +212,20 @@ pub(super) struct RodPull<L, S> {
     pub(super) soft: S,
 }
 
-impl<L: Lanes, S: Yields<L>> RodPull<L, S> {
+impl<L: Lanes, S: Compliance<L>> RodPull<L, S> {
     /// The correction of eight rods, of which some lanes are live: multiplier of the direction, error, and mask of those that could be projected.
     #[inline(always)]
     fn pull(&mut self, weights: [L; 2], rest: L, length: L, live: u32) -> (L, L, L) {
-        let (mut scale, error, moves) = stretch_of(length, weights, rest, self.soft.before(live));
+        let (mut scale, error, moves) = stretch_of(length, weights, rest, self.soft.terms(live));
         if let Some(share) = self.soft.share(error, rest) {
             scale = scale * share;
         }
-        self.soft.after(live, scale * length);
+        self.soft.accumulate(live, scale * length);
         (scale, error, moves)
     }
 }
 
-impl<L: Lanes, S: Yields<L>> OnPairs<L> for RodPull<L, S> {
+impl<L: Lanes, S: Compliance<L>> OnPairs<L> for RodPull<L, S> {
     #[inline(always)]
     fn length(&self, [x, y, z]: [L; 3], [p, q, r]: [L; 3]) -> L {
         (Vector::new(x, y, z) - Vector::new(p, q, r)).length()
@@ -237,7 +248,7 @@ impl<L: Lanes, S: Yields<L>> OnPairs<L> for RodPull<L, S> {
 /// The same for partial batches. Lanes beyond the last rod may hold anything, NaN included, and belong to other constraints.
 pub(super) struct Tail<P>(pub(super) P);
 
-impl<L: Lanes, S: Yields<L>> OnPairs<L> for Tail<RodPull<L, S>> {
+impl<L: Lanes, S: Compliance<L>> OnPairs<L> for Tail<RodPull<L, S>> {
     #[inline(always)]
     fn length(&self, one: [L; 3], other: [L; 3]) -> L {
         self.0.length(one, other)
@@ -267,9 +278,9 @@ impl<L: Lanes, S: Yields<L>> OnPairs<L> for Tail<RodPull<L, S>> {
 fn sweep_block<L: Lanes, C: Correction>(
     columns: &mut Columns,
     (block, first): (&RodBlock, u32),
-    how: C,
+    correction: C,
     worst: L,
-    parted: &mut f32,
+    separated: &mut f32,
 ) -> L {
     let (mut a, mut b) = ([0; LANES], [0; LANES]);
     let mut packed = [glam::Vec4::ZERO; 2 * LANES];
@@ -279,7 +290,7 @@ fn sweep_block<L: Lanes, C: Correction>(
         (packed[lane], packed[LANES + lane]) = (columns.get(a[lane]), columns.get(b[lane]));
     }
     let (one, other) = (L::run(&packed, 0), L::run(&packed, LANES));
-    let (one, other, error, moves) = project(one, other, L::load(&block.rest), how);
+    let (one, other, error, moves) = project(one, other, L::load(&block.rest), correction);
     L::put_run(&mut packed, 0, one);
     L::put_run(&mut packed, LANES, other);
     for lane in 0..LANES {
@@ -288,7 +299,7 @@ fn sweep_block<L: Lanes, C: Correction>(
     }
     if !moves.all() {
         for lane in 0..LANES {
-            *parted = parted.max(part(columns, a[lane], b[lane], &[block.rest[lane]]));
+            *separated = separated.max(separate(columns, a[lane], b[lane], &[block.rest[lane]]));
         }
     }
     error.max(worst)
@@ -296,7 +307,7 @@ fn sweep_block<L: Lanes, C: Correction>(
 
 /// Separates the coincident ends of adjacent rods, one rod after the other, which is rarely needed. Rods with a direction have been projected already.
 #[cold]
-fn part(columns: &mut Columns, a: usize, b: usize, rests: &[f32]) -> f32 {
+fn separate(columns: &mut Columns, a: usize, b: usize, rests: &[f32]) -> f32 {
     let mut worst = 0.0_f32;
     for (i, &rest) in rests.iter().enumerate().filter(|(_, rest)| !rest.is_nan()) {
         let ends = [a + i, b + i];

@@ -64,7 +64,7 @@ struct RodRun {
 }
 
 /// Capacity of the columns, in cluster batches of the largest kind. A wavefront has about one of them in flight for each substep.
-const BUNDLES: usize = 16;
+const MAX_IN_FLIGHT: usize = 16;
 
 /// Eight rods of one colour at any rows. Unused lanes repeat the first rod: they compute and write the same values.
 #[derive(Clone, Copy, Debug)]
@@ -137,7 +137,7 @@ impl Rods {
             let of_parity = rods.iter().filter(|rod| ends(rod).0 % 2 == parity);
             self.find_runs(&of_parity.copied().collect::<Vec<_>>(), &[2], 2, &mut loose);
         }
-        self.widen(rows.len());
+        self.reserve(rows.len());
         let (begin, mut tails) = (self.pairs.len(), Vec::new());
         for RodRun { a, b, rests, count, .. } in self.runs.split_off(runs) {
             let lengths = &self.rests[rests as usize..][..count as usize];
@@ -161,8 +161,8 @@ impl Rods {
     }
 
     /// Gives columns capacity for the cluster batches of this many rows that a [wavefront](super::wavefront) has in flight.
-    fn widen(&mut self, rows: usize) {
-        self.set_half(self.half.max(Columns::half(BUNDLES * rows.next_power_of_two())));
+    fn reserve(&mut self, rows: usize) {
+        self.set_half(self.half.max(Columns::half(MAX_IN_FLIGHT * rows.next_power_of_two())));
     }
 
     fn set_half(&mut self, half: usize) {
@@ -182,7 +182,7 @@ impl Rods {
         &mut self,
         rods: &[Distance],
         steps: &[u32],
-        worth: usize,
+        min_tail: usize,
         loose: &mut Vec<Distance>,
     ) {
         let mut rest = rods;
@@ -190,7 +190,7 @@ impl Rods {
             let (step, length) = run(rest, steps);
             // A partial batch may be worth lanes of its own.
             let over = length % LANES;
-            let count = if over >= worth { length } else { length - over };
+            let count = if over >= min_tail { length } else { length - over };
             if count > 0 {
                 let ((a, b), rests) = (ends(first), self.rests.len() as u32);
                 self.runs.push(RodRun { a, b, step, rests, count: count as u32 });
@@ -276,10 +276,10 @@ pub(super) fn project<N: Number>(
     one: [N; 4],
     other: [N; 4],
     rest: N,
-    how: impl Correction,
+    correction: impl Correction,
 ) -> ([N; 4], [N; 4], N, N) {
     let (mut scale, error, moves) = stretch(one, other, rest);
-    if let Some(share) = how.share(error, rest) {
+    if let Some(share) = correction.share(error, rest) {
         scale = scale * share;
     }
     let (one, other) = moved(one, other, scale);
@@ -317,21 +317,16 @@ fn stretch<N: Number>(one: [N; 4], other: [N; 4], rest: N) -> (N, N, N) {
 /// adds to the effective inverse mass: `s = (‖d‖ - L - Λ α/h²)/(‖d‖ (w_a + w_b + α/h²))`, and `Λ` grows by `s ‖d‖` (see
 /// [`multiplier`](crate::constraints::SubstepContext)).
 #[inline(always)]
-fn stretch_of<N: Number>(
-    length: N,
-    [wa, wb]: [N; 2],
-    rest: N,
-    yields: Option<(N, N)>,
-) -> (N, N, N) {
+fn stretch_of<N: Number>(length: N, [wa, wb]: [N; 2], rest: N, alpha: Option<(N, N)>) -> (N, N, N) {
     let (value, weights) = (length - rest, wa + wb);
     let divisor = length * weights;
     let moves = N::zero().lt(divisor);
     // A rod between two pins is done even if its ends coincide; along the edge of a flag there are many such rods.
     let settled = moves.or(weights.le(N::zero()));
-    let Some((yields, sum)) = yields else {
+    let Some((alpha, sum)) = alpha else {
         return (moves.and(value / divisor), moves.and(value.abs()), settled);
     };
-    let scale = moves.and((value - yields * sum) / (length * (weights + yields)));
+    let scale = moves.and((value - alpha * sum) / (length * (weights + alpha)));
     (scale, (scale * divisor).abs(), settled)
 }
 

@@ -61,7 +61,7 @@ kernel!(
         relaxed: Option<Relaxation>,
     ) -> f32 {
         let (runs, blocks) = which;
-        let (mut worst, mut parted) = (L::zero(), 0.0_f32);
+        let (mut worst, mut separated) = (L::zero(), 0.0_f32);
         for run in &rods.runs[runs] {
             let (rests, pattern) = (rods.rests_of(run), run.pattern());
             for (eight, rest) in rests.iter().enumerate() {
@@ -74,7 +74,7 @@ kernel!(
                     let rows = [run.rows(a, left), run.rows(b, left)];
                     let (found, together) =
                         eight_rods::<L, START>(places, rows, &run.padded(rest, left), relaxed);
-                    (worst, parted) = (found.max(worst), parted.max(together));
+                    (worst, separated) = (found.max(worst), separated.max(together));
                     continue;
                 }
                 let (one, other) = load::<L>(places.position, pattern, a, b);
@@ -94,16 +94,16 @@ kernel!(
                 worst = error.max(worst);
                 if !moves.all() {
                     let rows = [run.rows(a, LANES as u32), run.rows(b, LANES as u32)];
-                    parted = parted.max(part(places.position, !moves.bits(), rows, rest));
+                    separated = separated.max(separate(places.position, !moves.bits(), rows, rest));
                 }
             }
         }
         for block in &rods.blocks[blocks] {
             let rows = [less(&block.a, places.first), less(&block.b, places.first)];
             let (found, together) = eight_rods::<L, START>(places, rows, &block.rest, relaxed);
-            (worst, parted) = (found.max(worst), parted.max(together));
+            (worst, separated) = (found.max(worst), separated.max(together));
         }
-        worst.largest(parted)
+        worst.largest(separated)
     }
 );
 
@@ -155,7 +155,7 @@ kernel!(
         strided_batches: &[StridedBatch],
         first: u32,
     ) -> f32 {
-        let (mut worst, mut parted) = (L::zero(), 0.0_f32);
+        let (mut worst, mut separated) = (L::zero(), 0.0_f32);
         let first = places.at(first) as u32;
         for strided_batches in strided_batches {
             for pair in &rods.pairs[strided_batches.full.start..strided_batches.tails.end] {
@@ -168,10 +168,10 @@ kernel!(
                     (ends[0][lane], ends[1][lane]) = (first + a, first + b);
                 }
                 let (found, together) = eight_rods::<L, true>(places, ends, &rest, None);
-                (worst, parted) = (found.max(worst), parted.max(together));
+                (worst, separated) = (found.max(worst), separated.max(together));
             }
         }
-        worst.largest(parted)
+        worst.largest(separated)
     }
 );
 
@@ -193,7 +193,7 @@ fn eight_rods<L: Lanes, const START: bool>(
     L::put_rows(places.position, &a, one);
     L::put_rows(places.position, &b, other);
     let all = moves.all();
-    (error, if all { 0.0 } else { part(places.position, !moves.bits(), [a, b], rest) })
+    (error, if all { 0.0 } else { separate(places.position, !moves.bits(), [a, b], rest) })
 }
 
 /// How eight rods of a run are loaded.
@@ -260,7 +260,12 @@ fn less(rows: &[u32; LANES], first: u32) -> [u32; LANES] {
 
 /// Projects those of eight rods whose ends coincide or are pinned, one after the other.
 #[cold]
-fn part(positions: &mut [Vec4], stuck: u32, rows: [[u32; LANES]; 2], rest: &[f32; LANES]) -> f32 {
+fn separate(
+    positions: &mut [Vec4],
+    stuck: u32,
+    rows: [[u32; LANES]; 2],
+    rest: &[f32; LANES],
+) -> f32 {
     let mut worst = 0.0_f32;
     // Lanes that repeat the first rod count once.
     let again = |lane: usize| lane > 0 && rows.iter().all(|rows| rows[lane] == rows[0]);

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::columns::{RodPull, Tail, Yields};
+use super::columns::{Compliance, RodPull, Tail};
 use super::{Rods, StridedBatch, ends};
 use crate::constraints::{Distance, Softness, SubstepContext, project};
 use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PARTED, Pair, Work, with};
@@ -17,7 +17,7 @@ enum Pattern {
 }
 
 /// Fewest distances that are worth a batch of their own.
-const WORTH: usize = 2;
+const MIN_BATCH: usize = 2;
 
 impl Pattern {
     /// Unused lanes are written back as they were read, so their particles must not be moved in between: the first and the second ends may have no row in
@@ -57,7 +57,7 @@ impl Rods {
         rows: &Range<u32>,
     ) -> (Range<usize>, Vec<Distance>) {
         let (begin, mut loose) = (self.strided_batches.len(), Vec::new());
-        self.widen(rows.len());
+        self.reserve(rows.len());
         // Distances that may be in one batch, and within it those that may be in one group of eight.
         let batch = |d: &Distance| {
             let compliance = compliance(d).unwrap_or(0.0);
@@ -100,7 +100,7 @@ impl Rods {
             let (a, b) = ends(begin);
             let steps = |d: &Distance| ((ends(d).0 - a) / pattern.step()) as usize;
             let count = left.iter().take_while(|d| steps(d) < LANES).count();
-            if count < WORTH {
+            if count < MIN_BATCH {
                 loose.extend_from_slice(&left[..count]);
             } else {
                 let mut rests = [f32::NAN; LANES];
@@ -153,13 +153,13 @@ impl Work for SweepSoft<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> (f32, usize) {
         let Self { rods, columns, batches, from, sums, substep_context } = self;
-        let (mut worst, mut parted, mut done) = (L::zero(), 0.0_f32, 0);
+        let (mut worst, mut separated, mut done) = (L::zero(), 0.0_f32, 0);
         for batch in batches {
             let begin = done;
-            let yields =
+            let alpha =
                 L::splat(batch.compliance * (1.0 / (substep_context.h * substep_context.h)));
             let (full, tails) = (&rods.pairs[batch.full.clone()], &rods.pairs[batch.tails.clone()]);
-            let soft = Soft { yields, sums: &mut *sums, done };
+            let soft = Soft { alpha, sums: &mut *sums, done };
             let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()), soft };
             if batch.neighbours {
                 columns.eights().each::<L, true>(full, from, &mut pull);
@@ -177,23 +177,24 @@ impl Work for SweepSoft<'_> {
             if !all_move.all() {
                 let eights = full.iter().chain(tails);
                 let own = sums.get_mut(begin..).unwrap_or_default();
-                parted = parted.max(part(columns, eights, batch, from, own, substep_context));
+                separated =
+                    separated.max(separate(columns, eights, batch, from, own, substep_context));
             }
         }
-        (worst.largest(parted), done)
+        (worst.largest(separated), done)
     }
 }
 
 /// Accumulated multipliers of soft distances; `done` of them have been used.
 struct Soft<'a, L> {
-    yields: L,
+    alpha: L,
     sums: &'a mut [f32],
     done: usize,
 }
 
-impl<L: Lanes> Yields<L> for Soft<'_, L> {
+impl<L: Lanes> Compliance<L> for Soft<'_, L> {
     #[inline(always)]
-    fn before(&self, live: u32) -> Option<(L, L)> {
+    fn terms(&self, live: u32) -> Option<(L, L)> {
         let sums = self.sums.get(self.done..).unwrap_or_default();
         let sum = match sums.first_chunk() {
             _ if sums.is_empty() => L::zero(),
@@ -206,11 +207,11 @@ impl<L: Lanes> Yields<L> for Soft<'_, L> {
                 L::load(&eight)
             }
         };
-        Some((self.yields, sum))
+        Some((self.alpha, sum))
     }
 
     #[inline(always)]
-    fn after(&mut self, live: u32, change: L) {
+    fn accumulate(&mut self, live: u32, change: L) {
         let sums = self.sums.get_mut(self.done..).unwrap_or_default();
         self.done += live.count_ones() as usize;
         match sums.first_chunk_mut() {
@@ -226,7 +227,7 @@ impl<L: Lanes> Yields<L> for Soft<'_, L> {
 
 /// Separates coincident ends, one distance after the other, which is rarely needed. Distances with a direction have been projected already.
 #[cold]
-fn part<'a>(
+fn separate<'a>(
     columns: &mut Columns,
     eights: impl Iterator<Item = &'a Pair>,
     batch: &StridedBatch,

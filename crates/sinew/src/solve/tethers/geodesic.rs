@@ -120,13 +120,13 @@ impl RodGraph {
             changed.iter().flat_map(|&one| self.rods_of(one)).map(|rod| rod.to).collect();
         beside.sort_unstable();
         let corners = beside.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
-        let mut asked: Vec<u32> = changed.iter().copied().chain(corners).collect();
+        let mut affected: Vec<u32> = changed.iter().copied().chain(corners).collect();
         // Nearest first: the paths that theirs depend on are then correct, or discarded.
-        asked.sort_unstable_by_key(|&one| field.paths[one as usize].order(one));
-        asked.dedup();
+        affected.sort_unstable_by_key(|&one| field.paths[one as usize].order(one));
+        affected.dedup();
         let mut search = Search::of(self, field);
-        for particle in asked {
-            search.ask_again(particle);
+        for particle in affected {
+            search.recheck(particle);
         }
         search.recover();
         search.run();
@@ -146,7 +146,7 @@ struct Search<'a> {
     /// Particles that have lost their paths and have to be recomputed from their neighbours.
     lost: Vec<u32>,
     /// For each particle, the neighbour from which it was last marked, and the length of the rod between the two.
-    beside: Vec<(u32, f32)>,
+    marks: Vec<(u32, f32)>,
 }
 
 /// State of the search for a particle's path.
@@ -166,7 +166,7 @@ impl<'a> Search<'a> {
             states: vec![State::Final; particles],
             open: BinaryHeap::new(),
             lost: Vec::new(),
-            beside: vec![(NONE, 0.0); particles],
+            marks: vec![(NONE, 0.0); particles],
         }
     }
 
@@ -177,17 +177,17 @@ impl<'a> Search<'a> {
             let (path, state) = (self.paths[near as usize], &mut self.states[near as usize]);
             if *state == State::Open && path.order(near) == order {
                 *state = State::Final;
-                self.lead_on(near);
-                self.lose_followers();
+                self.extend_from(near);
+                self.lose_dependents();
                 self.recover();
             }
         }
     }
 
     /// Offers the neighbours of a particle that has become final the paths across it, and those across it and another final one.
-    fn lead_on(&mut self, near: u32) {
+    fn extend_from(&mut self, near: u32) {
         let (graph, own) = (self.graph, self.paths[near as usize]);
-        self.see_from(near);
+        self.mark_neighbours(near);
         for &RodEnd { to: corner, rest: p, .. } in graph.rods_of(near) {
             let known = self.paths[corner as usize].order(corner);
             if self.is_final(corner) && known < own.order(near) {
@@ -195,8 +195,8 @@ impl<'a> Search<'a> {
             }
             let mut best = along(&own, near, p);
             for &RodEnd { to: other, rest: q, .. } in graph.rods_of(corner) {
-                let (seen, c) = self.beside[other as usize];
-                if seen == near && self.is_final(other) {
+                let (marked_from, c) = self.marks[other as usize];
+                if marked_from == near && self.is_final(other) {
                     let ends = [own, self.paths[other as usize]];
                     best = first_of(best, across_side(ends, [near, other], c, [p, q]));
                 }
@@ -220,14 +220,14 @@ impl<'a> Search<'a> {
     }
 
     /// Discards the path of a particle, and those across it, if its final neighbours do not offer the same path as the best one.
-    fn ask_again(&mut self, particle: u32) {
+    fn recheck(&mut self, particle: u32) {
         let path = self.paths[particle as usize];
         if self.states[particle as usize] == State::Final
             && !path.is_of_a_source()
             && self.best(particle) != path
         {
             self.lose(particle);
-            self.lose_followers();
+            self.lose_dependents();
         }
     }
 
@@ -250,7 +250,7 @@ impl<'a> Search<'a> {
     }
 
     /// Discards the paths across particles that have lost theirs, transitively.
-    fn lose_followers(&mut self) {
+    fn lose_dependents(&mut self) {
         let mut next = 0;
         while let Some(&particle) = self.lost.get(next) {
             self.lose_those_over(particle);
@@ -271,7 +271,7 @@ impl<'a> Search<'a> {
 
     /// The best path that the final neighbours of a particle offer.
     fn best(&mut self, particle: u32) -> Path {
-        self.see_from(particle);
+        self.mark_neighbours(particle);
         let graph = self.graph;
         let mut best = Path::UNKNOWN;
         for &RodEnd { to: near, rest: p, .. } in
@@ -280,8 +280,8 @@ impl<'a> Search<'a> {
             let own = self.paths[near as usize];
             best = first_of(best, along(&own, near, p));
             for &RodEnd { to: other, rest: c, .. } in graph.rods_of(near) {
-                let (seen, q) = self.beside[other as usize];
-                if seen == particle && other > near && self.is_final(other) {
+                let (marked_from, q) = self.marks[other as usize];
+                if marked_from == particle && other > near && self.is_final(other) {
                     let ends = [own, self.paths[other as usize]];
                     best = first_of(best, across_side(ends, [near, other], c, [p, q]));
                 }
@@ -296,9 +296,9 @@ impl<'a> Search<'a> {
     }
 
     /// Marks the neighbours of a particle.
-    fn see_from(&mut self, particle: u32) {
+    fn mark_neighbours(&mut self, particle: u32) {
         for &RodEnd { to, rest, .. } in self.graph.rods_of(particle) {
-            self.beside[to as usize] = (particle, rest);
+            self.marks[to as usize] = (particle, rest);
         }
     }
 }

@@ -70,7 +70,7 @@ pub(crate) struct IslandTethers {
     are_there: [bool; 2],
     pub(in crate::solve) blocks: Vec<TetherBlock>,
     /// The paths of the tethers along rods, where loads are measured.
-    pub(in crate::solve) ways: Option<TetherPaths>,
+    pub(in crate::solve) paths: Option<TetherPaths>,
 }
 
 /// The paths of tethers along rods: to the nearest pin, and to each of two that are far from each other.
@@ -105,8 +105,8 @@ impl Tethers {
     /// The tethers by which an island is to be solved, if any.
     pub(super) fn of(&self, island: &Island) -> Option<&IslandTethers> {
         let settings = &island.settings;
-        let walks = settings.statics && island.members.len() <= SMALL_IN_STATICS;
-        let wanted = settings.long_range && !walks;
+        let is_small_statics = settings.statics && island.members.len() <= SMALL_IN_STATICS;
+        let wanted = settings.long_range && !is_small_statics;
         self.made(island).filter(|own| wanted && !own.blocks.is_empty())
     }
 
@@ -134,7 +134,7 @@ impl Tethers {
 }
 
 /// The length of a tether for a path of this many metres: rounded up, since it must not require more than the rods do.
-fn taut(length: f64) -> f32 {
+fn tether_length(length: f64) -> f32 {
     (length * (1.0 + 1e-6)) as f32
 }
 
@@ -150,7 +150,7 @@ impl IslandTethers {
         let are_there = [0, 1].map(|which| each.iter().any(|own| own[which].1.is_finite()));
         let sections = [0..run.start, run.clone(), run.end..members.len()];
         let blocks = sections.into_iter().flat_map(|own| blocks(members, &each, own)).collect();
-        Self { key, pins, fields, each, are_there, blocks, ways: None }
+        Self { key, pins, fields, each, are_there, blocks, paths: None }
     }
 
     /// Positions of its pins, in an array that begins with row `first`.
@@ -218,29 +218,29 @@ impl IslandTethers {
         out.into_iter().any(|far| far > 0.0)
     }
 
-    /// Distributes what the tethers of each member did, kg·m, to the rods on their paths: `bears` is called with each rod and what it would have carried.
-    pub(super) fn hand_on(
+    /// Distributes what the tethers of each member did, kg·m, to the rods on their paths: `add_load` is called with each rod and what it would have carried.
+    pub(super) fn distribute(
         &self,
         did: &[[f64; 2]],
         carried: &mut Vec<f64>,
-        mut bears: impl FnMut(u32, f64),
+        mut add_load: impl FnMut(u32, f64),
     ) {
-        let Some(ways) = &self.ways else { return };
-        for (which, inwards) in ways.inwards.iter().enumerate() {
+        let Some(paths) = &self.paths else { return };
+        for (which, inwards) in paths.inwards.iter().enumerate() {
             carried.clear();
             carried.extend(did.iter().zip(&self.each).map(|(did, tethers)| match which {
                 0 => did[0],
                 _ => {
-                    let far = ways.far[which - 1];
+                    let far = paths.far[which - 1];
                     // Both pins may be the same one.
-                    let first = which == 1 || ways.far[0] != far;
+                    let first = which == 1 || paths.far[0] != far;
                     if first && tethers[1].0 == far { did[1] } else { 0.0 }
                 }
             }));
             for &(member, before, rod) in inwards {
                 let force = carried[member as usize];
                 if force != 0.0 {
-                    bears(rod, force);
+                    add_load(rod, force);
                     carried[before as usize] += force;
                 }
             }

@@ -2,7 +2,7 @@
 //! tear recomputes only the particles whose paths it cut.
 
 use super::geodesic::DistanceField;
-use super::taut;
+use super::tether_length;
 use crate::solve::rod_graph::RodGraph;
 
 /// If more than one particle in this many has changed rods, computing from scratch is as fast.
@@ -95,7 +95,7 @@ impl PinFields {
                 let far = far.reduce(|a, b| if b.1 > a.1 { b } else { a });
                 [near, far.unwrap_or((near.0, f64::INFINITY))]
             })
-            .map(|tethers| tethers.map(|(pin, length)| (pin, taut(length))))
+            .map(|tethers| tethers.map(|(pin, length)| (pin, tether_length(length))))
             .collect();
         for &source in &self.sources {
             each[source as usize] = [NONE; 2];

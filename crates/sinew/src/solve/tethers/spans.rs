@@ -19,7 +19,7 @@ use core::ops::Range;
 
 use glam::Vec4;
 
-use super::taut;
+use super::tether_length;
 use crate::constraints::Distance;
 use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PARITY, Vector, Work, with};
 use crate::threads::{ExecutionContext, each};
@@ -62,19 +62,19 @@ struct Strided {
 }
 
 /// Least number of rods of a stride that get spans, as a share of the particles. A grid's strides have nearly as many rods as particles.
-const MANY: f64 = 0.75;
+const MIN_SHARE: f64 = 0.75;
 
 /// Most strides that are considered: a grid has four.
-const MOST_STRIDES: usize = 16;
+const MAX_STRIDES: usize = 16;
 
 /// Least number of particles in a part: some microseconds of work.
-const PART: usize = 4096;
+const MIN_PART: usize = 4096;
 
 /// Most parts of a colour, so that tasks are listed without heap allocation.
-const MOST_PARTS: usize = 32;
+const MAX_PARTS: usize = 32;
 
 /// Fewest rods of a span.
-const FEWEST: usize = 4;
+const MIN_RODS: usize = 4;
 
 impl Spans {
     /// The spans of an island whose particles are the consecutive rows from `first` on.
@@ -158,7 +158,7 @@ fn strides<'a>(
         if strides.get(last).is_none_or(|own| own.stride != stride) {
             last = match strides.iter().position(|own| own.stride == stride) {
                 Some(known) => known,
-                None if strides.len() == MOST_STRIDES => continue,
+                None if strides.len() == MAX_STRIDES => continue,
                 None => {
                     let rests = vec![f32::NAN; members];
                     strides.push(Strided { rests, stride, count: 0, sum: 0.0 });
@@ -172,7 +172,7 @@ fn strides<'a>(
         *count += 1;
         *sum += f64::from(d.rest);
     }
-    strides.retain(|own| own.count as f64 >= MANY * members as f64);
+    strides.retain(|own| own.count as f64 >= MIN_SHARE * members as f64);
     strides
 }
 
@@ -192,7 +192,7 @@ impl Strided {
             }
         }
         let rods = 1 << ((most + 1).ilog2() / 2);
-        if rods < FEWEST { 0 } else { rods }
+        if rods < MIN_RODS { 0 } else { rods }
     }
 
     /// Lists the spans, one colour after the other: by the parity of `a / reach`, as for the [colours](crate::solve::plan) of strides.
@@ -206,7 +206,7 @@ impl Strided {
             (0..rods).map(|rod| f64::from(self.rests[a + rod * self.stride])).sum()
         };
         // Whole pairs of bands: the spans of a colour begin in one band and end in the next.
-        let part = PART.max(members / MOST_PARTS).next_multiple_of(2 * reach);
+        let part = MIN_PART.max(members / MAX_PARTS).next_multiple_of(2 * reach);
         let Spans { blocks, parts } = spans;
         let colour = parts.last().map_or(0, |part| part.colour + 1);
         for parity in 0..2 {
@@ -214,7 +214,7 @@ impl Strided {
                 let end = (begin + part).min(members);
                 let own = (begin..end.saturating_sub(reach))
                     .filter(|a| a / reach % 2 == parity)
-                    .map(|a| ((a - begin) as u32, taut(length(a))))
+                    .map(|a| ((a - begin) as u32, tether_length(length(a))))
                     // Not where a row ends or has a gap.
                     .filter(|span| !span.1.is_nan());
                 let before = blocks.len();

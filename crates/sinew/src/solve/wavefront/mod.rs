@@ -33,7 +33,7 @@ use crate::lanes::InstructionSet;
 use crate::settings::Order;
 pub(super) use pipeline::pipelined_wavefront;
 use sliding_window::SlidingWindow;
-use stages::{Stages, Tile, What};
+use stages::{StageKind, Stages, Tile};
 
 /// Scratch of a wavefront.
 #[derive(Clone, Debug, Default)]
@@ -100,12 +100,12 @@ impl TaskSlice<'_> {
             cluster_batch.has_rods_in_columns() && from.is_some_and(|from| from.is_multiple_of(2))
         };
         let cluster_batches = island.cluster_batches.clone();
-        let held =
+        let excluded =
             island.is_left_alone() || island.rigid || island.free || island.groups.is_empty();
         // Spans would connect cluster batches at different stages.
-        let held = held || plan.tethers.spans_of(island).is_some() || island.has_chains();
+        let excluded = excluded || plan.tethers.spans_of(island).is_some() || island.has_chains();
         let touches = !context.contacts.is_empty() || context.contacts.bounces();
-        let fit = !held
+        let fit = !excluded
             && !touches
             && island.settings.order == Order::GaussSeidel
             && island.settings.gradient_at == GradientAt::Current
@@ -121,7 +121,7 @@ impl TaskSlice<'_> {
             return None;
         }
         stages.begin(plan, island);
-        // A small island always fits. Of a large one the rows in flight have to fit, which is only possible with a single sweep a substep.
+        // An island within the capacity fits. Of a larger one the rows in flight have to fit, which is only possible with a single sweep a substep.
         let (rows, capacity) = (members.len(), SlidingWindow::capacity(plan.rods.half()));
         let is_single_sweep = island.settings.max_sweeps == 1;
         if rows > capacity
@@ -236,7 +236,7 @@ fn run_substeps(
     if is_single_sweep {
         wavefront.stages.push_all(iteration_counts.len(), measures);
     } else {
-        wavefront.stages.push(What::Begin);
+        wavefront.stages.push(StageKind::Begin);
         wavefront.stages.push_sweep(0, true);
     }
     loop {
@@ -263,7 +263,7 @@ fn run_substeps(
         iteration_counts[substep].fetch_max(sweeps, Ordering::Relaxed);
         (substep, sweeps) = (substep + 1, 0);
         if substep < iteration_counts.len() {
-            wavefront.stages.push(What::GoOn(substep));
+            wavefront.stages.push(StageKind::Advance(substep));
             wavefront.stages.push_sweep(substep, true);
         } else {
             wavefront.stages.push_end(measures);
@@ -305,10 +305,10 @@ impl Wavefront {
         let Self { window, stages, pins, worst, left } = self;
         let tethers = plan.tethers.of(&plan.islands.list[number]);
         stages.start(all);
-        while let Some(Tile { what, rows, cluster_batch, settled }) = stages.next(plan, first, all)
+        while let Some(Tile { kind, rows, cluster_batch, settled }) = stages.next(plan, first, all)
         {
-            match what {
-                What::Begin => {
+            match kind {
+                StageKind::Begin => {
                     window.admit(rows.end, settled);
                     store.wait(rows.end);
                     window.turn_in(rows.start, &store.lend(rows.clone()), instructions);
@@ -316,17 +316,17 @@ impl Wavefront {
                     let (lanes, last) = (window.lanes(rows), substeps == 1);
                     begin_columns(&mut window.moving, lanes, step, last, instructions);
                 }
-                What::GoOn(substep) => {
+                StageKind::Advance(substep) => {
                     let (lanes, last) = (window.lanes(rows), substep + 1 == substeps);
                     go_on_with_columns(&mut window.moving, lanes, step, last, instructions);
                 }
-                What::Tethers { substep } => {
+                StageKind::Tethers { substep } => {
                     let Some(tethers) = tethers else { continue };
                     let (columns, begin) = (&mut window.moving.position, window.rows.start);
                     let out = tethers.project_columns(columns, begin, &rows, pins, instructions);
                     worst[substep] = worst[substep].max(out);
                 }
-                What::Sweep { substep, .. } => {
+                StageKind::Sweep { substep, .. } => {
                     let cluster_batch = &plan.cluster_batches[cluster_batch];
                     let groups =
                         plan.groups[cluster_batch.groups.clone()].iter().map(ConstraintGroup::rods);
@@ -335,7 +335,7 @@ impl Wavefront {
                     let found = plan.rods.sweep_turned(columns, groups, rows, None, instructions);
                     worst[substep] = worst[substep].max(found);
                 }
-                What::Measure { .. } => {
+                StageKind::Measure { .. } => {
                     let cluster_batch = &plan.cluster_batches[cluster_batch];
                     let groups =
                         plan.groups[cluster_batch.groups.clone()].iter().map(ConstraintGroup::rods);
@@ -345,7 +345,7 @@ impl Wavefront {
                         plan.rods.measure_turned(columns, groups, rows, instructions);
                     *left = (left.0.max(error), left.1.max(strain));
                 }
-                What::Settle => {
+                StageKind::Settle => {
                     let lanes = window.lanes(rows.clone());
                     settle_columns(&mut window.moving, lanes, step, instructions);
                     window.turn_out(rows.start, store.lend(rows.clone()), instructions);

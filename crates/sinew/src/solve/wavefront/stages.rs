@@ -20,11 +20,11 @@ pub(super) struct Stages {
 
 /// The operation of a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum What {
+pub(super) enum StageKind {
     /// Loads particles, and predicts the first substep.
     Begin,
     /// Derives the velocities of a substep and predicts the next one, whose number this is.
-    GoOn(usize),
+    Advance(usize),
     /// Projects tethers, before a sweep in a substep.
     Tethers { substep: usize },
     /// Sweeps the cluster batches before `end`, in a substep.
@@ -35,7 +35,7 @@ pub(super) enum What {
     Settle,
 }
 
-impl What {
+impl StageKind {
     /// The end of a stage's cluster batches; `None` for a stage over rows.
     fn end(self) -> Option<usize> {
         match self {
@@ -47,7 +47,7 @@ impl What {
 
 /// A tile of a stage: its rows, counted from the first of the island, and its cluster batch, for a stage over cluster batches.
 pub(super) struct Tile {
-    pub(super) what: What,
+    pub(super) kind: StageKind,
     pub(super) rows: Range<usize>,
     pub(super) cluster_batch: usize,
     /// The row up to which everything is settled.
@@ -56,12 +56,12 @@ pub(super) struct Tile {
 
 #[derive(Clone, Debug)]
 struct Stage {
-    what: What,
+    kind: StageKind,
     /// The next tile: its first row, or its index among the plan's cluster batches.
     next: usize,
     /// The row up to which this stage and all before it are done, and the row up to which they are currently required to be.
     done: usize,
-    wanted: usize,
+    required: usize,
 }
 
 /// Number of rows of a tile in stages over rows, where rows do not depend on each other; a multiple of 32.
@@ -86,19 +86,19 @@ impl Stages {
         self.all.clear();
     }
 
-    pub(super) fn push(&mut self, what: What) {
-        self.all.push(Stage { what, next: 0, done: 0, wanted: 0 });
+    pub(super) fn push(&mut self, kind: StageKind) {
+        self.all.push(Stage { kind, next: 0, done: 0, required: 0 });
     }
 
     /// Appends a sweep in a substep; `first` for the first one of that substep.
     pub(super) fn push_sweep(&mut self, substep: usize, first: bool) {
         if self.tethered && (first || self.tethered_again) {
-            self.push(What::Tethers { substep });
+            self.push(StageKind::Tethers { substep });
         }
         let sweep_stages = self.sweep_stages.iter();
         self.all.extend(sweep_stages.map(|stage| {
-            let what = What::Sweep { end: stage.end, substep };
-            Stage { what, next: stage.start, done: 0, wanted: 0 }
+            let kind = StageKind::Sweep { end: stage.end, substep };
+            Stage { kind, next: stage.start, done: 0, required: 0 }
         }));
     }
 
@@ -106,16 +106,16 @@ impl Stages {
     pub(super) fn push_end(&mut self, measures: bool) {
         let sweep_stages = self.sweep_stages.iter().filter(|_| measures);
         self.all.extend(sweep_stages.map(|stage| {
-            let what = What::Measure { end: stage.end };
-            Stage { what, next: stage.start, done: 0, wanted: 0 }
+            let kind = StageKind::Measure { end: stage.end };
+            Stage { kind, next: stage.start, done: 0, required: 0 }
         }));
-        self.push(What::Settle);
+        self.push(StageKind::Settle);
     }
 
     /// Appends all stages of some substeps with one sweep each.
     pub(super) fn push_all(&mut self, substeps: usize, measures: bool) {
         for substep in 0..substeps {
-            self.push(if substep == 0 { What::Begin } else { What::GoOn(substep) });
+            self.push(if substep == 0 { StageKind::Begin } else { StageKind::Advance(substep) });
             self.push_sweep(substep, true);
         }
         self.push_end(measures);
@@ -124,7 +124,7 @@ impl Stages {
     /// Starts a run of this many rows through all stages.
     pub(super) fn start(&mut self, rows: usize) {
         self.at = self.all.len() - 1;
-        self.all[self.at].wanted = rows;
+        self.all[self.at].required = rows;
     }
 
     /// The next tile. The last stage runs as early as possible, so that few particles are in flight. `rows` and `first` are those of the island.
@@ -133,8 +133,8 @@ impl Stages {
         loop {
             let at = self.at;
             let before = if at > 0 { self.all[at - 1].done } else { usize::MAX };
-            let Stage { what, next, wanted, done } = &mut self.all[at];
-            let piece = match what.end() {
+            let Stage { kind, next, required, done } = &mut self.all[at];
+            let tile = match kind.end() {
                 Some(end) if *next < end => {
                     let rows = &plan.cluster_batches[*next].rows;
                     (rows.start - first) as usize..(rows.end - first) as usize
@@ -142,20 +142,20 @@ impl Stages {
                 None if *next < rows => *next..(*next + TILE).min(rows),
                 _ => NONE,
             };
-            let goes = piece.start < *wanted;
-            let needed = if goes { piece.end } else { *wanted };
+            let goes = tile.start < *required;
+            let needed = if goes { tile.end } else { *required };
             if before < needed {
-                self.all[at - 1].wanted = needed;
+                self.all[at - 1].required = needed;
                 self.at -= 1;
             } else if goes {
-                let (what, cluster_batch) = (*what, *next);
-                *next = if what.end().is_some() { cluster_batch + 1 } else { piece.end };
+                let (kind, cluster_batch) = (*kind, *next);
+                *next = if kind.end().is_some() { cluster_batch + 1 } else { tile.end };
                 let last = &self.all[self.all.len() - 1];
                 let settled =
-                    if last.what == What::Settle { last.next.min(piece.start) } else { 0 };
-                return Some(Tile { what, rows: piece, cluster_batch, settled });
+                    if last.kind == StageKind::Settle { last.next.min(tile.start) } else { 0 };
+                return Some(Tile { kind, rows: tile, cluster_batch, settled });
             } else {
-                *done = piece.start.min(before);
+                *done = tile.start.min(before);
                 if at + 1 == self.all.len() {
                     return None;
                 }
@@ -176,10 +176,10 @@ impl Stages {
         self.push_all(substeps, true);
         self.start(rows);
         let mut window = 0;
-        while let Some(piece) = self.next(plan, first, rows) {
-            if piece.what == What::Begin {
+        while let Some(tile) = self.next(plan, first, rows) {
+            if tile.kind == StageKind::Begin {
                 // The window begins at a multiple of 32 rows.
-                window = window.max(piece.rows.end - piece.settled / 32 * 32);
+                window = window.max(tile.rows.end - tile.settled / 32 * 32);
             }
         }
         self.clear();

@@ -1,7 +1,7 @@
 //! An incrementally updated plan equals the plan that compiling from scratch gives.
 
 use super::super::Distance;
-use super::super::changes::{Change, MOST};
+use super::super::changes::{Change, MAX_CHANGES};
 use super::*;
 use crate::constraints::{Bend, Bound, Constraint, ConstraintKind, Softness};
 
@@ -147,13 +147,13 @@ fn bend(rows: &[u32; 4]) -> Constraint {
 }
 
 /// Updates a plan and checks that it equals a compilation from scratch; returns whether the incremental update succeeded.
-fn mended(plan: &mut Plan, lists: &mut Lists) -> bool {
+fn update(plan: &mut Plan, lists: &mut Lists) -> bool {
     let mut compiling = core::mem::take(&mut plan.compiling);
     let (given, changes) = (lists.given(), &lists.changes);
     let few = changes.are_few();
     let updated = few.then(|| update_incrementally(plan, &mut compiling, (&given, changes)));
     plan.compiling = compiling;
-    let mended = matches!(updated, Some(Ok(_)));
+    let incremental = matches!(updated, Some(Ok(_)));
     match updated {
         Some(Ok(islands)) => {
             let first = islands.first().map_or(0, |&first| plan.marked_before(first as usize));
@@ -172,22 +172,22 @@ fn mended(plan: &mut Plan, lists: &mut Lists) -> bool {
     assert_eq!(plan.islands.list, fresh.islands.list);
     assert_eq!(plan.tasks, fresh.tasks);
     lists.changes.clear();
-    mended
+    incremental
 }
 
 #[test]
-fn a_tear_in_a_grid_is_mended_wherever_it_is() {
+fn a_tear_in_a_grid_is_updated_incrementally_wherever_it_is() {
     for whole in [Lists::grid(24), Lists::woven(24)] {
         let plan = whole.compiled();
         for at in (0..whole.distances.len()).step_by(7) {
             let (mut lists, mut plan) = (whole.clone(), plan.clone());
             lists.remove_distance(at);
-            assert!(mended(&mut plan, &mut lists), "distance {at}");
+            assert!(update(&mut plan, &mut lists), "distance {at}");
         }
         for at in (0..whole.constraints.len()).step_by(5) {
             let (mut lists, mut plan) = (whole.clone(), plan.clone());
             lists.remove_constraint(at);
-            assert!(mended(&mut plan, &mut lists), "constraint {at}");
+            assert!(update(&mut plan, &mut lists), "constraint {at}");
         }
     }
 }
@@ -202,11 +202,11 @@ fn five_hundred_changes_one_after_the_other_leave_the_plan_of_what_is_left() {
             for _ in 0..=below(&mut state, 3) {
                 lists.change(&mut state);
             }
-            afresh += i32::from(!mended(&mut plan, &mut lists));
+            afresh += i32::from(!update(&mut plan, &mut lists));
         }
         (afresh, most)
     });
-    assert!(afresh.iter().all(|(own, most)| own < most), "not mended and most: {afresh:?}");
+    assert!(afresh.iter().all(|(own, most)| own < most), "not incremental and most: {afresh:?}");
 }
 
 #[test]
@@ -217,33 +217,33 @@ fn what_falls_apart_or_grows_together_is_compiled_afresh() {
     let mut plan = lists.compiled();
     let mut torn = lists.clone();
     torn.remove_distance(4);
-    assert!(!mended(&mut plan.clone(), &mut torn));
+    assert!(!update(&mut plan.clone(), &mut torn));
     let mut tied = lists.clone();
     tied.insert_distance(18, Distance::new(9, 10, 1.0));
-    assert!(!mended(&mut plan.clone(), &mut tied));
+    assert!(!update(&mut plan.clone(), &mut tied));
     // Replacing a rod by one of another length is no tear: the same two particles are connected again.
     lists.remove_distance(4);
     lists.insert_distance(4, Distance::new(4, 5, 2.0));
-    assert!(mended(&mut plan, &mut lists));
+    assert!(update(&mut plan, &mut lists));
 }
 
 #[test]
-fn a_twin_takes_over_the_colour_of_the_stride() {
+fn a_duplicate_takes_over_the_colour_of_the_stride() {
     let mut lists = Lists::grid(24);
     let mut plan = lists.compiled();
-    let twin = lists.distances[100];
-    lists.insert_distance(lists.distances.len(), twin);
-    assert!(mended(&mut plan, &mut lists));
+    let duplicate = lists.distances[100];
+    lists.insert_distance(lists.distances.len(), duplicate);
+    assert!(update(&mut plan, &mut lists));
     lists.remove_distance(100);
-    assert!(mended(&mut plan, &mut lists));
-    lists.insert_distance(0, twin);
-    assert!(mended(&mut plan, &mut lists));
+    assert!(update(&mut plan, &mut lists));
+    lists.insert_distance(0, duplicate);
+    assert!(update(&mut plan, &mut lists));
 }
 
 #[test]
 fn more_than_a_few_changes_are_compiled_afresh() {
     let mut lists = Lists::grid(24);
     let mut plan = lists.compiled();
-    (0..=MOST).for_each(|at| lists.remove_distance(3 * at));
-    assert!(!mended(&mut plan, &mut lists));
+    (0..=MAX_CHANGES).for_each(|at| lists.remove_distance(3 * at));
+    assert!(!update(&mut plan, &mut lists));
 }

@@ -175,7 +175,7 @@ fn what_is_added_behind_is_all_that_is_compiled() {
     bodies.sizes.push(Body::Rope(5));
     let (distances, constraints, particles) = bodies.lists();
     let added = Given { distances: &distances, constraints: &constraints, particles };
-    assert_eq!(added.sound_from(same).len(), 4);
+    assert_eq!(added.valid_from(same).len(), 4);
     plan.compile_changed(added, same);
     assert_eq!(plan.compiling.of_island.len(), 4);
     // A rope tied to the second cloth causes that cloth to be compiled again, and the third, which comes after it.
