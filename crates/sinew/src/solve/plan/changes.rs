@@ -82,7 +82,7 @@ impl Changes {
         self.same
     }
 
-    /// Whether one of the recorded changes connected, or may connect, two particles for which the predicate is true.
+    /// Whether one of the recorded changes connected, or may connect, two particles, consecutive in the constraint, for which the predicate is true.
     pub(crate) fn any_between(&self, given: Given, holds: impl Fn(u32, u32) -> bool) -> bool {
         let between = |rows: &[u32]| rows.windows(2).any(|pair| holds(pair[0], pair[1]));
         // Each later change may have shifted an added entry by one.
