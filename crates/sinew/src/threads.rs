@@ -1,8 +1,8 @@
-//! Threads: the little that a simulation asks of whoever has some.
+//! Threads: what a simulation needs in order to use several of them.
 //!
-//! A simulation starts no threads. It is lent [`Workers`], an engine's task pool say, and cuts a step into tasks that share nothing to be written;
-//! who does which, and in what order, changes no bit of the result. There is no barrier within a task: a worker takes tasks until none is left, so
-//! that one worker alone, or one that comes late, is as good. A task may wait for one that was taken before it, and for no other.
+//! A simulation starts no threads. It is given [`Workers`], for instance the task pool of an engine, and cuts a step into tasks that share nothing they write
+//! to. Which worker runs which task, and in what order, does not change a bit of the result. There is no barrier within a set of tasks: a worker takes tasks
+//! until none is left, so a single worker, or one that starts late, is fine. A task may wait for one that was taken before it, and for no other.
 
 use core::fmt::Debug;
 use core::sync::atomic::{AtomicUsize, Ordering};
@@ -17,7 +17,7 @@ use crate::lanes::InstructionSet;
 /// ```
 /// use sinew::{Simulation, Workers};
 ///
-/// /// A thread more, started anew each time: a task pool does it in a tenth of the time.
+/// /// Starts another thread for each call. A task pool does the same in a tenth of the time.
 /// #[derive(Debug)]
 /// struct Two;
 ///
@@ -34,31 +34,32 @@ use crate::lanes::InstructionSet;
 /// world.workers = Some(std::sync::Arc::new(Two));
 /// ```
 pub trait Workers: Send + Sync + Debug {
-    /// Calls `work` on this thread and, at the same time, on as many others as there are; returns when all have returned. `work` returns when nothing
-    /// is left to be done, so that calling it less often, even once, is right, too.
+    /// Calls `work` on this thread and, at the same time, on as many others as there are, and returns when all calls have returned. `work` returns when no
+    /// tasks are left, so calling it less often, even once, is also correct.
     fn run(&self, work: &(dyn Fn() + Sync));
 
-    /// About how many threads that makes, this one included: into so many parts a single large body is cut. Another number changes no bit of the
-    /// result. Default 2.
+    /// Approximate number of threads that [`run`](Self::run) uses, this one included. A single large body is cut into as many parts. It does not change a bit
+    /// of the result. Default 2.
     fn threads(&self) -> usize {
         2
     }
 }
 
-/// What the machine lends.
+/// The execution context: an instruction set, and workers if there are any.
 #[derive(Clone, Copy)]
 pub(crate) struct ExecutionContext<'a> {
     pub(crate) instructions: InstructionSet,
     pub(crate) workers: Option<&'a dyn Workers>,
 }
 
-/// The most tasks that something is cut into: enough that a few threads end at nearly the same time, and few enough to be listed without a heap.
+/// Largest number of tasks that something is cut into: enough for a few threads to end at nearly the same time, and few enough to be listed without a heap
+/// allocation.
 pub(crate) const TASKS: usize = 64;
 
-/// Tasks that share nothing to be written.
+/// Tasks that share nothing they write to.
 pub(crate) type Tasks<T> = SmallVec<[Mutex<Option<T>>; TASKS]>;
 
-/// Does all tasks, on all workers there are.
+/// Runs all tasks, on all workers if there are any.
 pub(crate) fn each<T: Send>(
     workers: Option<&dyn Workers>,
     tasks: impl Iterator<Item = T>,
@@ -76,7 +77,7 @@ pub(crate) fn each<T: Send>(
     let next = AtomicUsize::new(0);
     workers.run(&|| {
         while let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
-            // Each is taken once; a worker that panicked took its task with it, and its panic goes on where the workers are joined.
+            // Each task is taken once. A worker that panicked has taken its task with it, and its panic propagates where the workers are joined.
             let task = task.lock().unwrap_or_else(PoisonError::into_inner).take();
             if let Some(task) = task {
                 work(task);
@@ -85,12 +86,12 @@ pub(crate) fn each<T: Send>(
     });
 }
 
-/// Things that tasks need one of while they work, and that are kept for their memory.
+/// A pool of scratch objects. A task borrows one while it runs; they are kept for their memory.
 #[derive(Debug, Default)]
 pub(crate) struct Pool<T>(Mutex<Vec<T>>);
 
 impl<T: Default> Pool<T> {
-    /// Lends one out.
+    /// Calls a function with one of the objects, or with a new one if all are in use.
     pub(crate) fn with<R>(&self, use_it: impl FnOnce(&mut T) -> R) -> R {
         let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let mut one = free().pop().unwrap_or_default();
@@ -100,7 +101,7 @@ impl<T: Default> Pool<T> {
     }
 }
 
-/// A copy has nothing to keep.
+/// A clone starts empty: there is nothing to keep.
 impl<T> Clone for Pool<T> {
     fn clone(&self) -> Self {
         Self(Mutex::new(Vec::new()))

@@ -1,5 +1,5 @@
-//! Verlet's step of particles in columns: what one substep derives and what the next one predicts, in one go over each of them. Operation by
-//! operation it is what [`Derive`](super::Derive) and [`Predict`](super::Predict) do.
+//! The Verlet step of particles in columns: deriving velocities in one substep and predicting positions for the next, in one pass. Operation by operation it is
+//! the same as [`Derive`](super::Derive) and [`Predict`](super::Predict).
 
 use core::ops::Range;
 
@@ -8,36 +8,36 @@ use glam::Vec3;
 use super::loss;
 use crate::lanes::{Columns, Eights, LANES, Lanes, Vector, kernel};
 
-/// Particles that are in columns for all substeps of a step.
+/// Particles that stay in columns for all substeps of a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MovingColumns {
     pub(crate) position: Columns,
-    /// Where they were predicted to go; in the last substep, where that began.
+    /// Predicted positions; in the last substep, positions at its start.
     pub(crate) begun: Columns,
     pub(crate) velocity: Columns,
     pub(crate) rounding: Columns,
 }
 
-/// What all of them have in common.
+/// What is the same for all particles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepConstants {
     /// Acceleration, m/s².
     pub(crate) acceleration: Vec3,
     /// Length of a substep, seconds.
     pub(crate) h: f32,
-    /// Damping, 1/s, and the share of velocity that is lost in a substep.
+    /// Damping rate, 1/s, and the share of velocity that is lost in a substep.
     rate: f32,
     lost: f32,
 }
 
 impl StepConstants {
-    /// With damping, 1/s; none if that is no number.
+    /// With a damping rate in 1/s; `None` if the loss is NaN.
     pub(crate) fn new(acceleration: Vec3, rate: f32, h: f32) -> Option<Self> {
         let lost = loss(rate * h);
         (!lost.is_nan()).then_some(Self { acceleration, h, rate, lost })
     }
 
-    /// The shares that are lost by particles that had their last steps so long ago, seconds.
+    /// The shares of velocity that are lost by particles with these lags, seconds.
     #[inline(never)]
     fn lost_after(&self, lags: [f32; LANES]) -> [f32; LANES] {
         lags.map(|lag| loss(self.rate * ((lag + self.h) * 0.5)))
@@ -62,8 +62,7 @@ impl MovingColumns {
 }
 
 kernel!(
-    /// Predicts the first positions of lanes that had their last steps as long ago as the fourths of their velocities say. `last` where that is for the
-    /// last substep.
+    /// Predicts the first positions of lanes whose lags are in the `w` of their velocities. `last` if the substep is also the last.
     pub(crate) fn begin_columns<L: Lanes>(
         moving: &mut MovingColumns,
         lanes: [Range<usize>; 2],
@@ -73,7 +72,7 @@ kernel!(
         let h = L::splat(step.h);
         let acceleration = Vector::<L>::splat(step.acceleration);
         let mut open = moving.open();
-        // Neighbours mostly had theirs at the same time.
+        // Consecutive particles mostly have the same lag.
         let mut known = ([step.h; LANES], L::splat(step.lost));
         for lanes in lanes {
             let mut at = lanes.start;
@@ -91,7 +90,7 @@ kernel!(
 );
 
 kernel!(
-    /// Derives the velocities, and predicts the next positions. `last` as above.
+    /// Derives the velocities, and predicts the next positions. `last` if these are for the last substep.
     pub(crate) fn go_on_with_columns<L: Lanes>(
         moving: &mut MovingColumns,
         lanes: [Range<usize>; 2],
@@ -140,7 +139,7 @@ kernel!(
     }
 );
 
-/// The columns while they are gone over.
+/// The columns while a kernel runs over them.
 struct OpenColumns<'a> {
     position: Eights<'a>,
     begun: Eights<'a>,
@@ -149,9 +148,9 @@ struct OpenColumns<'a> {
 }
 
 impl OpenColumns<'_> {
-    /// Adds to the velocities `v` of eight what forces and damping change them by, and predicts the next positions. `last` where that is for
-    /// the last substep.
-    // No loops and no closures: what is not inlined is not compiled for the lanes' instructions.
+    /// Adds to the velocities `v` of eight particles their `change` by forces and damping, and predicts the next positions. `last` if these are for the last
+    /// substep.
+    // No loops and no closures: what is not inlined is not compiled for the instruction set.
     #[inline(always)]
     fn predict<L: Lanes>(&mut self, at: usize, v: Vector<L>, change: Vector<L>, h: L, last: bool) {
         let zero = L::zero();
@@ -166,7 +165,7 @@ impl OpenColumns<'_> {
         self.velocity.put(at, u.with(zero));
         self.begun.put(at, if last { p } else { next }.with(zero));
         self.position.put(at, next.with(w));
-        // Last: the compiler makes stores with a mask of a choice that follows its load, which take as long as all the rest.
+        // Written last: the compiler turns a selection right after its load into masked stores, which take as long as everything else here.
         self.rounding.put(at, rounded.or_else(moves, before).with(zero));
     }
 }

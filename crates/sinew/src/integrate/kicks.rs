@@ -1,4 +1,4 @@
-//! Particle by particle: the integrators that are here to be compared with, and media that move.
+//! Integration particle by particle: the integrators that exist for comparison, and the reference for moving media.
 
 use glam::Vec3;
 
@@ -7,7 +7,7 @@ use crate::particles::Particles;
 
 /// Predicts the next position of every particle that can move.
 pub(super) fn predict(particles: &mut Particles, integrator: Integrator, h: f32) {
-    // One loop for each, so that the choice is not made particle by particle.
+    // One loop for each, so that the choice is not made for each particle.
     match integrator {
         Integrator::Verlet => {
             predict_with(particles, h, h, |kick, p, i, v, lag| {
@@ -18,7 +18,7 @@ pub(super) fn predict(particles: &mut Particles, integrator: Integrator, h: f32)
             let now = kick.apply(p, i, v, lag * 0.5);
             kick.apply(p, i, now, h * 0.5)
         }),
-        // A lag is left over from another integrator: the first kick makes up for it.
+        // A lag is left over from another integrator: the first kick compensates for it.
         Integrator::SemiImplicitEuler => {
             predict_with(particles, h, 0.0, |kick, p, i, v, lag| {
                 kick.apply(p, i, v, lag * 0.5 + h)
@@ -30,7 +30,7 @@ pub(super) fn predict(particles: &mut Particles, integrator: Integrator, h: f32)
     }
 }
 
-/// Drifts every particle over `h` with the velocity that `kicked` gives it, and notes `lag` with that.
+/// Moves every particle over `h` seconds with the velocity that `kicked` returns, and stores that with `lag`.
 #[inline(always)]
 fn predict_with(
     particles: &mut Particles,
@@ -66,10 +66,10 @@ pub(super) fn kick_all(particles: &mut Particles, h: f32) {
     }
 }
 
-/// `v ← e^(-λτ) v + τ a`, with the last exponential kept: neighbours mostly share their damping.
+/// `v ← e^(-λτ) v + τ a`, with the last exponential cached: consecutive particles mostly have the same damping.
 ///
-/// What the sum rounds away goes into the next one (Kahan, 1965). Gravity adds the same at every substep, and a sum of equal terms rounds the same
-/// way until the next power of two: without it, a fall of 10 s at 600 substeps a second ends 1.2e-5 of its height too high.
+/// What a sum rounds away is added to the next one (Kahan, 1965). Gravity adds the same at every substep, and a sum of equal terms rounds the same way until
+/// the next power of two: without it, a fall of 10 s at 600 substeps a second ends 1.2e-5 of its height too high.
 #[derive(Default)]
 struct Kick {
     exponent: f32,
@@ -81,7 +81,7 @@ impl Kick {
     #[inline(always)]
     fn apply(&mut self, particles: &mut Particles, i: usize, v: Vec3, tau: f32) -> Vec3 {
         let rate = particles.rate(i);
-        // No time, no loss, even at an infinite rate.
+        // No loss in no time, even at an infinite rate.
         let exponent = if tau > 0.0 { rate * tau } else { 0.0 };
         if exponent != self.exponent {
             (self.exponent, self.loss) = (exponent, -libm::expm1f(-exponent));

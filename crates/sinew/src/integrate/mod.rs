@@ -2,8 +2,8 @@
 //!
 //! # Verlet, the default
 //!
-//! The lectures' Verlet step is `q = p + c (p - p_old) + h² a` with the damping `c = (1 - drag)^h`. With `v = (p - p_old)/l`, the mean
-//! velocity over the last step of length `l` (see [`particles`](crate::particles)), and a step that may change, it is
+//! The lectures' Verlet step is `q = p + c (p - p_old) + h² a` with the damping `c = (1 - drag)^h`. With `v = (p - p_old)/l`, the mean velocity over the last
+//! step of length `l` (see [`particles`](crate::particles)), and a step whose length may change, it becomes
 //!
 //! ```text
 //! τ = (l + h)/2             the time between the middles of the last step and of this one
@@ -11,19 +11,19 @@
 //! q = p + h u
 //! ```
 //!
-//! - For `l = h` it is the lectures' formula to the letter (physics.md I1, I2).
-//! - Under constant acceleration the mean velocity of a step is the velocity at its middle, so `u = v + τ a` is exact whatever the
-//!   step sizes: time-corrected Verlet (I3). The lectures' rescaling of `p_old` keeps `v` but forgets that it is `l/2` old.
+//! - For `l = h` it is exactly the lectures' formula (physics.md I1, I2).
+//! - Under constant acceleration the mean velocity of a step is the velocity at its middle, so `u = v + τ a` is exact for any step sizes: time-corrected Verlet
+//!   (I3). The lectures' rescaling of `p_old` keeps `v`, but ignores that it is `l/2` old.
 //! - For `l = 0`, a velocity that is true now, it is the exact start `q = p + h v + ½ h² a` (I1); the naive `p_old = p - h v` errs by ½ a h t.
-//! - Without acceleration `v(t) = v₀ (1 - drag)^t` holds at the middle of every step, whatever `h` (I2). `1 - e^(-λτ)` is computed as such,
-//!   so that small drags do not drown in the round-off of a factor close to 1.
-//! - On an oscillator of frequency ω it swings at `(2/h) asin(ωh/2)`: order 2 in `h`, bounded energy, unstable beyond `ωh > 2` (I9).
+//! - Without acceleration `v(t) = v₀ (1 - drag)^t` holds at the middle of every step, for any `h` (I2). `1 - e^(-λτ)` is computed as such, so that small drags
+//!   are not lost in the round-off of a factor close to 1.
+//! - An oscillator of frequency ω swings at `(2/h) asin(ωh/2)`: order 2 in `h`, bounded energy, unstable beyond `ωh > 2` (I9).
 //!
-//! Where a medium moves (a current in a fluid), the velocity decays towards the medium's instead of towards zero.
+//! In a moving medium (a current in a fluid) the velocity decays towards that of the medium instead of towards zero.
 //!
-//! # The others
+//! # The other integrators
 //!
-//! All of them are kicks, `kick(τ): v ← e^(-λτ) v + τ a`, before and after the drift `q = p + h v`; they differ in when:
+//! All of them consist of kicks, `kick(τ): v ← e^(-λτ) v + τ a`, before and after the drift `q = p + h v`, and differ in when these happen:
 //!
 //! ```text
 //! Verlet               kick((l + h)/2)           drift               velocity kept at the middle of the step
@@ -32,13 +32,13 @@
 //! explicit Euler                                 drift   kick(h)     the same; gains energy on anything that swings
 //! ```
 //!
-//! Leapfrog and Verlet are the same trajectory, but for round-off and the order in which drag and force alternate. The Eulers are of order 1:
-//! they are here to be compared with, and for whoever must reproduce another engine.
+//! Leapfrog and Verlet give the same trajectory, except for round-off and the order in which drag and force alternate. The Euler methods are of order 1: they
+//! exist for comparison, and for users who must reproduce another engine.
 //!
 //! # After the constraints
 //!
-//! They move the particles from `q` to `q'`, and the velocity follows: `v = u + (q' - q)/h`. Written this way, and not as `(q' - p)/h`, a
-//! particle that no constraint touched keeps every bit of `u`, however far from its origin it is.
+//! Constraints move the particles from `q` to `q'`, and the velocity follows: `v = u + (q' - q)/h`. With this form, rather than `(q' - p)/h`, a particle that
+//! no constraint touched keeps every bit of `u`, however far from its origin it is.
 
 mod columns;
 mod kicks;
@@ -56,22 +56,22 @@ pub(crate) use columns::{
 };
 pub(crate) use wide::{Derive, MotionColumns, Predict, loss};
 
-/// How a world steps through time. [`integrate`](crate::integrate) compares them.
+/// How a world steps through time. The module docs of [`integrate`](crate::integrate) compare the methods. Default [`Verlet`](Self::Verlet).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Integrator {
-    /// Time-corrected position Verlet: order 2, keeps energy, any step at any time. The default.
+    /// Time-corrected position Verlet: order 2, keeps energy, and the step may change at any time. The default.
     #[default]
     Verlet,
-    /// Kick, drift, kick: order 2, Verlet's trajectory.
+    /// Kick, drift, kick: order 2, the same trajectory as Verlet.
     Leapfrog,
     /// Velocity first, then position: order 1, bounded energy.
     SemiImplicitEuler,
-    /// Position and velocity both from the old ones: order 1, gains energy on an oscillator. To compare with.
+    /// Position and velocity both from the old ones: order 1, gains energy on an oscillator. For comparison.
     ExplicitEuler,
 }
 
 impl Integrator {
-    /// How long ago the velocity that it keeps is true, in halves of this: the lag of a particle after a substep of `h` seconds.
+    /// The lag of a particle after a substep of `h` seconds: its velocity is true half this time before the end of the substep.
     pub(crate) fn lag(self, h: f32) -> f32 {
         match self {
             Self::Verlet | Self::Leapfrog => h,
@@ -80,7 +80,7 @@ impl Integrator {
     }
 }
 
-/// Consecutive rows that step alike.
+/// Consecutive rows with the same number of microsteps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct StepRows {
     pub(crate) rows: Range<usize>,
@@ -89,7 +89,8 @@ pub(crate) struct StepRows {
 }
 
 impl StepRows {
-    /// Hands out some rows that take substeps whole, but for those that are `apart`, which ascend: as they are, or not at all if they take no microsteps.
+    /// Calls `each` with the stretches of some rows. All take whole substeps, except those in `apart` (ascending): these are passed on as they are, or left out
+    /// if their number of microsteps is zero.
     pub(crate) fn cut(
         mut rows: Range<usize>,
         apart: &mut Peekable<impl Iterator<Item = Self>>,
@@ -111,9 +112,9 @@ impl StepRows {
 
 /// Predicts the next position of every particle in some rows that can move, from its acceleration, over a substep of `h` seconds.
 ///
-/// Afterwards [`Particles::start`] is where the substep began, and the velocity is the one that led from there to the prediction. A particle
-/// of infinite mass stays where it is. Rows that take several microsteps go through the first. Other rows may be changed, too: whoever leaves them out
-/// writes them.
+/// Afterwards [`Particles::start`] is the position at the start of the substep, and the velocity is the one that leads from there to the prediction. A particle
+/// of infinite mass stays where it is. Rows with several microsteps go through the first of them. Other rows may be changed too: a caller that leaves rows out
+/// has to write them itself.
 pub(crate) fn predict(
     particles: &mut Particles,
     integrator: Integrator,
@@ -134,13 +135,13 @@ pub(crate) fn predict(
     }
 }
 
-/// Verlet's, of some particles.
+/// The Verlet prediction of some particles, in parallel.
 pub(crate) fn predict_all(all: Predict, execution: ExecutionContext) {
     let share = share(all.position.len());
     each(execution.workers, all.chunks(share), |chunk| with(execution.instructions, chunk));
 }
 
-/// Makes the velocities agree with the positions that the constraints left, at the end of a substep.
+/// Derives the velocities from the positions that the constraints left, at the end of a substep.
 pub(crate) fn derive(all: Derive, execution: ExecutionContext) {
     let share = share(all.position.len());
     each(execution.workers, all.chunks(share), |chunk| with(execution.instructions, chunk));
@@ -153,7 +154,7 @@ pub(crate) fn finish(particles: &mut Particles, integrator: Integrator, h: f32) 
     }
 }
 
-/// How many of so many particles make a task: an even number, since two are stepped at once, and enough, some 50 µs, to be worth telling a thread.
+/// The number of particles in a task: even, since two are stepped at once, and large enough, some 50 µs, to be worth waking a thread.
 fn share(particles: usize) -> usize {
     const LEAST: usize = 16_384;
     particles.div_ceil(TASKS).next_multiple_of(2).max(LEAST)
@@ -174,7 +175,7 @@ mod tests {
         [StepRows { rows: 0..rows, microsteps: 1 }]
     }
 
-    /// They were stepped one by one, all of a world in which a brook flowed somewhere.
+    /// When a current flowed anywhere in a world, all of its particles used to be stepped one by one.
     #[test]
     fn what_a_current_drags_along_is_stepped_in_lanes_to_the_bits_of_one_by_one() {
         let mut world = Particles::default();
@@ -253,7 +254,7 @@ mod tests {
     fn the_lectures_formula_is_this_one_at_a_constant_step() {
         let (h, drag) = (1.0_f64 / 60.0, 0.3_f64);
         let c = (1.0 - drag).powf(h);
-        // Started with p_old = p - v h, as the state (v, l = h) says.
+        // Started with p_old = p - v h, like the state (v, l = h).
         let (mut p, mut p_old) = (0.0_f64, -2.0 * h);
         let mut particles = thrown(Vec3::Y * 2.0, drag as f32);
         particles.velocity[0].w = h as f32;
@@ -294,7 +295,7 @@ mod tests {
         assert!((particles.velocity(0).y / exact - 1.0).abs() < 1e-4);
     }
 
-    /// Energy of an oscillator of 1 rad/s after `seconds` at steps of `h`, as a share of its start, and its phase error in radians.
+    /// Energy of an oscillator of 1 rad/s after `seconds` at steps of `h`, relative to its start, and its phase error in radians.
     fn oscillator(integrator: Integrator, h: f32, seconds: f32) -> (f64, f64) {
         let mut particles = Particles::default();
         particles.push(ParticleSeed::at(Vec3::X)).unwrap();
@@ -384,7 +385,7 @@ mod tests {
 
     #[test]
     fn gravity_is_not_lost_far_from_the_origin() {
-        // 1200 substeps a second add 6.8e-6 m each: less than the spacing of f32 at 200 m, which swallowed it in `p - p_old`.
+        // 1200 substeps a second add 6.8e-6 m each: less than the spacing of f32 at 200 m, so they were lost in `p - p_old`.
         let mut particles = Particles::default();
         particles.push(ParticleSeed::at(Vec3::Y * 200.0)).unwrap();
         for _ in 0..1200 {

@@ -1,4 +1,4 @@
-//! Verlet's step, two particles at a time as they lie in memory: what every substep of every world does, and waits for memory in.
+//! The Verlet step, two particles at a time in their memory layout. It runs in every substep of every world and is bound by memory.
 
 use core::ops::Range;
 
@@ -7,45 +7,45 @@ use glam::{Vec3, Vec4};
 use crate::lanes::{Lanes, Work};
 use crate::particles::{Particles, Places};
 
-/// Some consecutive particles, to be predicted. All columns are of one length.
+/// The prediction of some consecutive particles. All columns have the same length.
 pub(crate) struct Predict<'a> {
     pub(crate) position: &'a mut [Vec4],
     pub(crate) start: &'a mut [Vec4],
     pub(crate) velocity: &'a mut [Vec4],
     pub(crate) motion: MotionColumns<'a>,
-    /// Seconds.
+    /// Length of the substep, seconds.
     pub(crate) h: f32,
 }
 
-/// Some consecutive particles, whose velocities are to agree with the positions that the constraints left.
+/// Derives the velocities of some consecutive particles from the positions that the constraints left.
 pub(crate) struct Derive<'a> {
     pub(crate) position: &'a [Vec4],
     pub(crate) start: &'a [Vec4],
     pub(crate) velocity: &'a mut [Vec4],
-    /// What is taken off them besides, m/s; may be empty for nothing.
+    /// Velocity to be removed from each particle, m/s; empty for none.
     pub(crate) momentum_drift: &'a [Vec4],
-    /// Seconds.
+    /// Length of the substep, seconds.
     pub(crate) h: f32,
-    /// How long the substep was over which they are the mean, seconds.
+    /// The lag that the velocities get: the time over which they are means, seconds.
     pub(crate) lag: f32,
 }
 
-/// What a prediction needs of some consecutive particles beside their places. All columns are of one length; `acceleration`, `damping`, `medium` and `drift` may
-/// be empty for zeros, and `damping` may have one number for all.
+/// What a prediction needs of some consecutive particles beside their positions and velocities. All columns have the same length, but `acceleration`,
+/// `damping`, `medium` and `drift` may be empty for zeros, and `damping` may have a single number for all.
 pub(crate) struct MotionColumns<'a> {
     pub(crate) rounding: &'a mut [Vec4],
     pub(crate) acceleration: &'a [Vec4],
     pub(crate) damping: &'a [f32],
     pub(crate) medium: &'a [f32],
     pub(crate) drift: &'a [Vec3],
-    /// What all are accelerated by besides, m/s².
+    /// Acceleration that is added to that of every particle, m/s².
     pub(crate) common: Vec4,
-    /// Damping that all have besides, 1/s.
+    /// Damping rate that is added to that of every particle, 1/s.
     pub(crate) air: f32,
 }
 
 impl<'a> MotionColumns<'a> {
-    /// Of all particles of a world, with their places.
+    /// The columns of all particles of a world, with their places.
     pub(crate) fn all(particles: &'a mut Particles) -> (Places<'a>, Self) {
         let Particles { position, start, origin, radius, velocity, rounding, .. } = particles;
         let damping = match &particles.column_summary.damping {
@@ -64,7 +64,7 @@ impl<'a> MotionColumns<'a> {
         (Places { first: 0, position, start, origin, radius, velocity }, motion)
     }
 
-    /// Those before a row, and the others.
+    /// Splits before a row.
     pub(crate) fn split_at(self, row: usize) -> (Self, Self) {
         let (rounding, roundings) = self.rounding.split_at_mut(row);
         let (own, others) = (0..row, row..row + roundings.len());
@@ -72,7 +72,7 @@ impl<'a> MotionColumns<'a> {
         (Self { rounding, ..of.columns(own) }, Self { rounding: roundings, ..of.columns(others) })
     }
 
-    /// All columns but the rounding of some rows.
+    /// All columns but the rounding, for some rows.
     #[inline(always)]
     fn columns(&self, rows: Range<usize>) -> Self {
         Self {
@@ -89,19 +89,19 @@ impl<'a> MotionColumns<'a> {
         }
     }
 
-    /// Some of them, lent on.
+    /// Reborrows some rows.
     #[inline(always)]
     fn some(&mut self, rows: Range<usize>) -> MotionColumns<'_> {
         let others = self.columns(rows.clone());
         MotionColumns { rounding: &mut self.rounding[rows], ..others }
     }
 
-    /// The same, lent on.
+    /// Reborrows all rows.
     pub(crate) fn lend(&mut self) -> MotionColumns<'_> {
         MotionColumns { rounding: self.rounding, ..*self }
     }
 
-    /// The prediction of some of its rows over `h` seconds. The places begin with the same row.
+    /// The prediction of some of its rows over `h` seconds. The other columns begin with the same row.
     #[inline(always)]
     pub(crate) fn predict<'b>(
         &'b mut self,
@@ -120,13 +120,13 @@ impl<'a> MotionColumns<'a> {
 }
 
 impl Predict<'_> {
-    /// Some of them.
+    /// Reborrows some of them.
     pub(crate) fn lend(&mut self, rows: Range<usize>) -> Predict<'_> {
         let Self { position, start, velocity, motion, h } = self;
         motion.predict([position, start, velocity], rows, *h)
     }
 
-    /// In chunks of so many particles, an even number.
+    /// Splits into chunks of an even number of particles.
     pub(crate) fn chunks(self, of: usize) -> impl Iterator<Item = Self> {
         let Self { position, start, velocity, motion, h } = self;
         let columns =
@@ -141,7 +141,7 @@ impl Predict<'_> {
 }
 
 impl<'a> Derive<'a> {
-    /// In chunks of so many particles, an even number.
+    /// Splits into chunks of an even number of particles.
     pub(super) fn chunks(self, of: usize) -> impl Iterator<Item = Self> {
         let columns = self.position.chunks(of).zip(self.start.chunks(of));
         let columns = columns.zip(self.velocity.chunks_mut(of));
@@ -186,7 +186,7 @@ impl Work for Predict<'_> {
         for (i, (((p, start), v), rounding)) in columns.enumerate() {
             step.take([p, start, v, rounding], accelerations.get(i), 2 * i);
         }
-        // An odd one goes with one that nothing moves.
+        // An odd particle is paired with a pinned one at zero.
         if let ([p], [s], [v], [r]) = (last_position, last_start, last_velocity, last_rounding) {
             let mut two = [*p, *s, *v, *r].map(|column| [column, Vec4::ZERO]);
             let a = last_acceleration.first().map(|&a| [a, Vec4::ZERO]);
@@ -237,20 +237,20 @@ fn derive_two<L: Lanes>(
     derived.with_fourths(L::splat(lag)).put_two(v, 0);
 }
 
-/// What the steps of all particles have in common.
+/// What is the same in the steps of all particles.
 struct Step<'a, L> {
     common: L,
     h: f32,
     rates: Rates<'a>,
-    /// What is lost over a whole substep where all have one damping; NaN where they differ.
+    /// The share of velocity that is lost over a whole substep where all have the same damping; NaN where they differ.
     steady: f32,
-    /// The last exponent, and what is lost with that: neighbours mostly share their damping.
+    /// The last exponent, and the loss for it: consecutive particles mostly have the same damping.
     last: (f32, f32),
     drift: &'a [Vec3],
 }
 
 impl<L: Lanes> Step<'_, L> {
-    /// Moves two particles, number `i` and the next: position, start, velocity, rounding.
+    /// Moves particles `i` and `i + 1`. The columns are position, start, velocity, rounding.
     #[inline(always)]
     fn take(&mut self, columns: [&mut [Vec4; 2]; 4], acceleration: Option<&[Vec4; 2]>, i: usize) {
         let [position, start, velocity, rounding] = columns;
@@ -264,7 +264,7 @@ impl<L: Lanes> Step<'_, L> {
         };
         let before = L::two(rounding, 0);
         let lags = [velocity[0].w, velocity[1].w];
-        // One by one: to compare arrays is a call.
+        // One by one, because comparing arrays is compiled to a call.
         let lost = if lags[0] == self.h && lags[1] == self.h && !self.steady.is_nan() {
             L::splat(self.steady)
         } else {
@@ -287,7 +287,7 @@ impl<L: Lanes> Step<'_, L> {
         moves.select(p + u * L::splat(self.h), p).with_fourths(p).put_two(position, 0);
     }
 
-    /// How fast two particles go beside the media that drag them along, m/s.
+    /// The velocities of two particles relative to their media, m/s.
     #[inline(never)]
     fn slip(&self, velocity: &[Vec4; 2], i: usize) -> [Vec4; 2] {
         let mut slip = *velocity;
@@ -299,7 +299,7 @@ impl<L: Lanes> Step<'_, L> {
         slip
     }
 
-    /// What two particles lose that had their last steps so long ago, or are damped differently.
+    /// The shares of velocity that two particles lose if their lags or their dampings differ from the rest.
     #[inline(never)]
     fn lost(&mut self, lags: [f32; 2], i: usize) -> [f32; 2] {
         let mut lost = [0.0; 2];
@@ -322,7 +322,7 @@ struct Rates<'a> {
 }
 
 impl Rates<'_> {
-    /// Of one particle; of those that are not there, some number.
+    /// The rate of one particle; any number for a particle that does not exist.
     fn of(&self, i: usize) -> f32 {
         let own = match self.damping {
             [all] => *all,
@@ -331,7 +331,7 @@ impl Rates<'_> {
         own + (self.air + self.medium.get(i).copied().unwrap_or(0.0))
     }
 
-    /// Of all, if it is one.
+    /// The rate of all particles, if it is the same.
     fn same(&self) -> Option<f32> {
         (self.damping.len() < 2 && self.medium.is_empty()).then(|| self.of(0))
     }

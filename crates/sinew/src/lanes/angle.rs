@@ -1,25 +1,25 @@
-//! Angles in lanes, of what every machine does alike: `+ - × ÷`, comparisons and selections.
+//! Angles in lanes, from operations that are exact on every machine: `+ - × ÷`, comparisons and selections.
 
 use super::Lanes;
 
-/// tan(π/8): below it, the polynomial; above, the angle is counted from 45°.
+/// tan(π/8): the polynomial holds up to here; above, the angle is measured from 45°.
 const EIGHTH: f32 = 0.414_213_56;
 
 /// `atan t = t + t z (P₀ + P₁ z + P₂ z² + P₃ z³)`, `z = t²`, for `|t| ≤ tan(π/8)`, with a relative error of 2.1e-8 before rounding.
 ///
-/// Our own fit: Remez's exchange on the relative error of the whole, five extrema of alternating sign in `z`, in f64, then rounded to f32.
+/// Fitted for this file: Remez exchange on the relative error of the whole expression, five extrema of alternating sign in `z`, in f64, then rounded to f32.
 const P: [f32; 4] = [-0.333_329_5, 0.199_777_1, -0.138_776_8, 0.080_537_23];
 
-/// π/4 cut off after ten bits, so that four times it is exact, and what is left of it.
+/// π/4 cut off after ten bits, so that four times it is exact, and the remainder.
 const QUARTER: f32 = 0.785_156_25;
 const REST: f32 = 2.419_134e-4;
 
-/// The angle of `(x, y)` from the x axis, radians, -π to π: `atan2` to within 2e-7 rad anywhere, and to within 2e-7 of itself where it is small.
+/// The angle of `(x, y)` from the x axis, radians, -π to π: `atan2` with an absolute error of at most 2e-7 rad, and the same relative error for small angles.
 ///
-/// The lesser of `‖x‖` and `‖y‖` over the greater is at most 1, an angle up to 45°; above 22.5° it is counted from 45° by `tan(a - 45°) = (t -
-/// 1)/(t + 1)`, in one division: of `(less - more)/(less + more)`. Then the angle is mirrored at 45°, at the y axis and at the x axis, as the sizes
-/// and the signs say. Until the end it is a small angle beside a count of 45°, so that there is one sum to be rounded. Where both are zero the angle
-/// is 0. Of a `y` of -0 the sign does not count: it is +π behind the origin.
+/// The smaller of `‖x‖` and `‖y‖` over the larger is at most 1, an angle up to 45°. Above 22.5° it is measured from 45° by `tan(a - 45°) = (t - 1)/(t + 1)`, as
+/// the single division `(less - more)/(less + more)`. Then the angle is mirrored at 45°, at the y axis and at the x axis, according to sizes and signs. Until
+/// the end it is kept as a small angle and a multiple of 45°, so that only one sum is rounded. The angle of the origin is 0. The sign of `y = -0` is ignored:
+/// the angle on the negative x axis is +π.
 #[inline(always)]
 pub(crate) fn atan2<L: Lanes>(y: L, x: L) -> L {
     let (x_size, y_size) = (x.abs(), y.abs());

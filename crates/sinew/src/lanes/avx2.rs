@@ -1,4 +1,4 @@
-//! One register of eight.
+//! Eight lanes in one AVX2 register.
 #![allow(unsafe_code)]
 
 use core::arch::x86_64::*;
@@ -12,12 +12,12 @@ use super::{FIELDS, LANES, Lanes, Number, Record};
 
 /// Lanes 0 to 7.
 ///
-/// Only [`Work::in_avx2`](super::Work::in_avx2) makes kernels of this type, and only where the machine has AVX2: that is what each `unsafe` below
-/// relies on.
+/// Only [`Work::in_avx2`](super::Work::in_avx2) instantiates kernels with this type, and it is only called where the machine has AVX2. Each `unsafe` below
+/// relies on that.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Eight(__m256);
 
-/// Operations of two that are one instruction each.
+/// Binary operations that are one instruction each.
 macro_rules! lanewise {
     ($($operation:ident $instruction:path),* $(,)?) => {$(
         #[inline(always)]
@@ -69,7 +69,7 @@ impl Number for Eight {
         Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
     }
 
-    // The first two are that comparison and selection.
+    // `_mm256_min_ps` and `_mm256_max_ps` return the second operand for NaN and for two zeros, like the comparison and selection of the default methods.
     lanewise!(
         min _mm256_min_ps, max _mm256_max_ps, lt _mm256_cmp_ps::<_CMP_LT_OQ>, le _mm256_cmp_ps::<_CMP_LE_OQ>,
         same _mm256_cmp_ps::<_CMP_EQ_OQ>, and _mm256_and_ps, or _mm256_or_ps,
@@ -122,7 +122,7 @@ impl Lanes for Eight {
     fn rows(packed: &[Vec4], rows: &[u32; LANES]) -> [Self; 4] {
         check(rows, packed.len());
         let from = packed.as_ptr();
-        // Read afresh: out of the register that was checked, each would take an instruction more.
+        // Read from memory again: extracting each row from the register that was checked would take an instruction more.
         let [a, b, c, d, e, f, g, h] = *core::hint::black_box(rows);
         // SAFETY: all rows exist, as just checked; see `Eight`.
         let [a, b, c, d] = unsafe {
@@ -318,10 +318,11 @@ impl Lanes for Eight {
         // SAFETY: the sixteen rows from `from` on exist, as just checked; see `Eight`.
         unsafe {
             let two = |pair: usize| _mm256_loadu_ps(from.add(2 * pair).cast());
-            // Each register holds a first and a second particle, each in its half: turn pairs 0 to 3, and 4 to 7, then sort the halves.
+            // Each register holds the first particle of a pair in one half and the second in the other: transpose pairs 0 to 3 and 4 to 7, then sort the
+            // halves.
             let low = transposed([two(0), two(1), two(2), two(3)]);
             let high = transposed([two(4), two(5), two(6), two(7)]);
-            // No `array::from_fn`: a closure has no AVX2, so that each instruction in it would be a call.
+            // No `array::from_fn`: its closure is not compiled for AVX2, so that each instruction in it would be a call.
             let ([a, b, c, d], [e, f, g, h]) = (low, high);
             let ones = [
                 Self(_mm256_permute2f128_ps::<0x20>(a, e)),
@@ -357,7 +358,7 @@ impl Lanes for Eight {
                 _mm256_permute2f128_ps::<0x31>(c.0, g.0),
                 _mm256_permute2f128_ps::<0x31>(d.0, h.0),
             ];
-            // No chain of both: the compiler would keep them in memory and count.
+            // Two loops, not a chained iterator: that is not unrolled, and the registers would go through memory.
             for (pair, value) in transposed(low).into_iter().enumerate() {
                 _mm256_storeu_ps(to.add(2 * pair).cast(), value);
             }

@@ -1,4 +1,4 @@
-//! Two registers of four double-precision numbers.
+//! Eight double-precision numbers in two AVX2 registers of four.
 #![allow(unsafe_code)]
 
 use core::arch::x86_64::*;
@@ -8,8 +8,7 @@ use super::{Doubles, LANES};
 
 /// Lanes 0 to 3, and 4 to 7.
 ///
-/// As [`Eight`](super::avx2::Eight), from which alone it comes, it is only there where the machine has AVX2: that is what each `unsafe` below relies
-/// on.
+/// Like [`Eight`](super::avx2::Eight), from which alone it is made, it exists only where the machine has AVX2. Each `unsafe` below relies on that.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fours(pub(super) __m256d, pub(super) __m256d);
 
@@ -40,7 +39,7 @@ impl Neg for Fours {
     }
 }
 
-/// A bit for each lane in which it holds.
+/// Comparisons that return one bit for each lane.
 macro_rules! comparison {
     ($($name:ident $which:ident),*) => {$(
         #[inline(always)]

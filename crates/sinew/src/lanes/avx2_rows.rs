@@ -1,4 +1,4 @@
-//! Rows of particles that go into registers of eight and out again: what is checked before, and how they are turned.
+//! Loading rows of particles into registers of eight and storing them: bounds checks and transposition.
 #![allow(unsafe_code)]
 
 use core::arch::x86_64::*;
@@ -7,7 +7,7 @@ use glam::Vec4;
 
 use super::{FIELDS, LANES};
 
-/// Where records begin, counted in quadruples.
+/// Offsets of records, in units of `Vec4`.
 #[inline(always)]
 pub(super) fn places(rows: &[u32; LANES]) -> [usize; LANES] {
     let [a, b, c, d, e, f, g, h] = *core::hint::black_box(rows);
@@ -25,7 +25,7 @@ pub(super) unsafe fn halves(packed: *const Vec4, a: usize, b: usize) -> __m256 {
     unsafe { _mm256_loadu2_m128(packed.add(b).cast(), packed.add(a).cast()) }
 }
 
-/// The reverse.
+/// Stores the lower half of a register to row `a` and the upper half to row `b`.
 ///
 /// # Safety
 /// Both rows exist, and the machine has AVX2.
@@ -35,7 +35,7 @@ pub(super) unsafe fn put_halves(packed: *mut Vec4, a: usize, b: usize, value: __
     unsafe { _mm256_storeu2_m128(packed.add(b).cast(), packed.add(a).cast(), value) }
 }
 
-/// Four by four numbers turned about their diagonal, in each half of the registers: rows 0 to 3 and 4 to 7 become columns, or the reverse.
+/// Transposes a 4 × 4 matrix in each half of the registers: rows 0 to 3 and 4 to 7 become columns, or the reverse.
 #[inline(always)]
 pub(super) fn transposed([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
     // SAFETY: see `Eight` in `avx2`.
@@ -55,7 +55,7 @@ pub(super) fn transposed([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
 #[inline(always)]
 pub(super) fn check(rows: &[u32; LANES], len: usize) {
     assert!(len <= u32::MAX as usize, "too many rows");
-    // A row that is the greater one of itself and their number is none of them.
+    // The maximum of a row and `len` is the row itself exactly where the row does not exist.
     // SAFETY: see `Eight` in `avx2`; eight `u32` are a register.
     let outside = unsafe {
         let rows = _mm256_loadu_si256(rows.as_ptr().cast());

@@ -1,7 +1,6 @@
-//! Particles as columns of x, y, z and w, and stretches of them that are read and written without asking for every eight whether it is there.
+//! Particles as columns of x, y, z and w (SoA), with access to eight consecutive entries at a time and few bounds checks.
 //!
-//! Even rows and odd ones are kept apart, so that pairs of neighbours, too, are eights of neighbours: `(2k, 2k + 1)` is a stretch of even rows and
-//! one of odd ones.
+//! Even and odd rows are stored apart, so that pairs of neighbouring rows `(2k, 2k + 1)` are also contiguous: eight even rows, and eight odd ones.
 #![allow(unsafe_code)]
 
 use core::marker::PhantomData;
@@ -13,12 +12,12 @@ use super::{InstructionSet, LANES, Lanes, kernel};
 /// Positions and inverse masses of consecutive rows. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Columns {
-    /// x, y, z, w one after the other; of each the even rows from 0 on, and the odd rows from `half` on.
+    /// x, y, z, w one after the other; in each the even rows from 0 on, and the odd rows from `half` on.
     lines: Vec<Line>,
     half: usize,
 }
 
-/// As the cache has them: an eight that lies across two of them costs twice as much.
+/// A cache line. Eight numbers that lie across two lines cost twice as much.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct Line([f32; LINE]);
@@ -26,10 +25,10 @@ struct Line([f32; LINE]);
 const LINE: usize = 16;
 
 impl Columns {
-    /// Where the odd rows begin in a column of so many rows. Up to seven lanes beyond the last row are loaded, and stored as they were.
+    /// Where the odd rows begin in a column for a number of rows. Up to seven lanes beyond the last row are loaded, and stored unchanged.
     ///
-    /// The eight halves of columns begin far apart in a cache's ways of 4096 bytes: they are used side by side, and what was just written to one may
-    /// not look like what is about to be read from another, of which a core compares the last twelve bits.
+    /// The eight half columns begin at different offsets modulo 4096 bytes. They are used side by side, and a core compares only the last twelve bits of two
+    /// addresses to find that a load may depend on an earlier store (4K aliasing).
     pub(crate) fn half(rows: usize) -> usize {
         const WAY: usize = 64 * LINE;
         const OFF: usize = 9 * LINE;
@@ -37,19 +36,19 @@ impl Columns {
         least.saturating_sub(OFF).next_multiple_of(WAY) + OFF
     }
 
-    /// Where a row is in a column whose odd rows begin at `half`.
+    /// The index of a row in a column whose odd rows begin at `half`.
     #[inline(always)]
     fn place(row: u32, half: usize) -> usize {
         (row / 2) as usize + (row % 2) as usize * half
     }
 
-    /// Where a row is.
+    /// The index of a row.
     #[inline(always)]
     pub(crate) fn at(&self, row: u32) -> usize {
         Self::place(row, self.half)
     }
 
-    /// `x y z w` there.
+    /// `x y z w` at an index.
     #[inline(always)]
     pub(crate) fn get(&self, at: usize) -> Vec4 {
         let numbers = self.numbers();
@@ -57,7 +56,7 @@ impl Columns {
         Vec4::new(of(0), of(1), of(2), of(3))
     }
 
-    /// Writes `x y z` there.
+    /// Writes `x y z` at an index.
     #[inline(always)]
     pub(crate) fn set(&mut self, at: usize, p: Vec4) {
         for (column, number) in [p.x, p.y, p.z].into_iter().enumerate() {
@@ -66,8 +65,8 @@ impl Columns {
         }
     }
 
-    /// Makes room for columns whose odd rows begin at `half`, a multiple of sixteen. What is in them may be anything; where debug assertions are on it is no
-    /// number, so that whoever reads what nobody wrote has other bits than elsewhere.
+    /// Makes room for columns whose odd rows begin at `half`, rounded up to a multiple of sixteen. The contents are unspecified. With debug assertions they are
+    /// NaN, so that reading an entry that was never written shows in the results.
     pub(crate) fn reset(&mut self, half: usize) {
         self.half = half.next_multiple_of(LINE);
         if cfg!(debug_assertions) {
@@ -77,13 +76,13 @@ impl Columns {
         self.lines.resize(8 * self.half / LINE, Line([unwritten; LINE]));
     }
 
-    /// Some rows, of which the first is even, become the first ones.
+    /// Moves some rows, of which the first is even, to the front.
     pub(crate) fn keep(&mut self, rows: core::ops::Range<usize>) {
         let (half, lanes) = (self.half, rows.start / 2..rows.end.div_ceil(2));
         self.numbers_mut().chunks_mut(half).for_each(|of| of.copy_within(lanes.clone(), 0));
     }
 
-    /// Zeros in the sixteen rows from one on, as far as there is room.
+    /// Zeroes sixteen rows, as far as they are in range.
     pub(crate) fn blank(&mut self, row: usize) {
         let half = self.half;
         for row in row..row + 2 * LANES {
@@ -93,12 +92,12 @@ impl Columns {
         }
     }
 
-    /// Takes particles, into the rows from `row` on, an even number.
+    /// Copies particles into the rows from `row` on, an even number.
     pub(crate) fn turn_in(&mut self, row: usize, packed: &[Vec4], instructions: InstructionSet) {
         turn_in(self, row, packed, instructions);
     }
 
-    /// Gives them back.
+    /// Copies them back.
     pub(crate) fn turn_out(
         &mut self,
         row: usize,
@@ -108,7 +107,7 @@ impl Columns {
         turn_out(self, row, packed, instructions);
     }
 
-    /// A view in which eights are asked for one by one.
+    /// A view for access to eight entries at a time.
     #[inline(always)]
     pub(crate) fn eights(&mut self) -> Eights<'_> {
         let column = 2 * self.half;
@@ -132,7 +131,7 @@ impl Columns {
 }
 
 kernel!(
-    /// Particles that go into columns from an even row on.
+    /// Transposes particles into columns, from an even row on.
     fn turn_in<L: Lanes>(to: &mut Columns, row: usize, packed: &[Vec4]) {
         let (eights, last) = packed.as_chunks::<LANES>();
         let half = to.half;
@@ -156,7 +155,7 @@ kernel!(
 );
 
 kernel!(
-    /// Particles that come out of them.
+    /// Transposes them back.
     fn turn_out<L: Lanes>(from: &mut Columns, row: usize, packed: &mut [Vec4]) {
         let count = row + packed.len();
         let (eights, last) = packed.as_chunks_mut::<LANES>();
@@ -177,7 +176,7 @@ kernel!(
 
 type HalfColumn<'a> = &'a mut [[f32; LANES / 2]];
 
-/// The even and the odd rows of each column, four by four, from a lane on.
+/// The even and the odd rows of each column, in chunks of four, from a lane on.
 #[inline(always)]
 fn halves(numbers: &mut [f32], half: usize, from: usize) -> [(HalfColumn<'_>, HalfColumn<'_>); 4] {
     let (xy, zw) = numbers.split_at_mut(4 * half);
@@ -191,7 +190,7 @@ fn fours(column: &mut [f32], half: usize, from: usize) -> (HalfColumn<'_>, HalfC
     (even[from..].as_chunks_mut().0, odd[from..].as_chunks_mut().0)
 }
 
-/// Columns, eight by eight from any place on.
+/// Columns with access to eight consecutive entries from any index on.
 pub(crate) struct Eights<'a> {
     numbers: *mut f32,
     /// Length of each of the four columns.
@@ -199,28 +198,28 @@ pub(crate) struct Eights<'a> {
     columns: PhantomData<&'a mut [f32]>,
 }
 
-/// Two eights of neighbours in a column, and a number for each lane.
+/// Two runs of eight consecutive entries in a column, the first and the second ends of eight pairs, with a number for each lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair {
-    /// Where they begin.
+    /// The indices at which they begin.
     a: u32,
     b: u32,
     pub(crate) numbers: [f32; LANES],
 }
 
 impl Pair {
-    /// Eights that begin with these rows, each row two behind the one before, in columns whose odd rows begin at `half`.
+    /// Runs that begin with rows `a` and `b` and go on by two rows, in columns whose odd rows begin at `half`.
     pub(crate) fn new(a: u32, b: u32, numbers: [f32; LANES], half: usize) -> Self {
         let place = |row: u32| Columns::place(row, half) as u32;
         Self { a: place(a), b: place(b), numbers }
     }
 
-    /// Sixteen rows from one on, each two behind the one before, as eight pairs of neighbours in a column, in the order of [`PARTED`](super::PARTED).
+    /// Sixteen rows from `first` on, each two after the one before, as eight pairs of neighbours in a column, in the order of [`PARTED`](super::PARTED).
     pub(crate) fn of_neighbours(first: u32, numbers: [f32; LANES], half: usize) -> Self {
         Self::new(first, first + 2 * LANES as u32, numbers, half)
     }
 
-    /// The same in columns whose odd rows begin elsewhere.
+    /// The same rows in columns whose odd rows begin at `to` instead of `half`.
     pub(crate) fn moved(&self, half: usize, to: usize) -> Self {
         let (a, b) = self.rows(0, half);
         Self::new(a, b, self.numbers, to)
@@ -236,7 +235,7 @@ impl Pair {
     }
 }
 
-/// A pair that exists.
+/// A pair that has been checked to be within the columns.
 #[derive(Clone, Copy)]
 struct CheckedPair<'a> {
     a: usize,
@@ -252,19 +251,19 @@ impl<'a> CheckedPair<'a> {
     }
 }
 
-/// What is done with pairs, in three steps that overlap: while one pair waits for its root, the one before waits for its quotient and the one before
-/// that is moved. A trait and no closures: those cannot be made to be inlined.
+/// A computation on pairs in three steps that are pipelined: while the square root of one pair is pending, the division of the one before is, and the one
+/// before that is moved. A trait rather than closures, which cannot be forced to be inlined.
 pub(crate) trait OnPairs<L> {
-    /// How long they are.
+    /// The distances between the two ends.
     fn length(&self, one: [L; 3], other: [L; 3]) -> L;
-    /// How far to move them, by the fourth of each, the numbers and how long they are.
+    /// The factors by which to move the ends, from their `w`, the numbers of the pair and the distances.
     fn scale(&mut self, weights: [L; 2], numbers: L, length: L) -> L;
-    /// Moved so far.
+    /// The ends moved by these factors.
     fn moved(&self, one: [L; 4], other: [L; 4], numbers: L, scale: L) -> ([L; 4], [L; 4]);
 }
 
 impl Eights<'_> {
-    /// `x y z w` of the eight from a place on. Panics if they are not there.
+    /// `x y z w` of the eight entries from `at` on. Panics if they are out of range.
     #[inline(always)]
     pub(crate) fn load<L: Lanes>(&self, at: usize) -> [L; 4] {
         assert!(at + LANES <= self.column, "an eight that does not exist");
@@ -272,7 +271,7 @@ impl Eights<'_> {
         unsafe { self.get(at) }
     }
 
-    /// Writes `x y z` of them. Panics if they are not there.
+    /// Writes `x y z` of them. Panics if they are out of range.
     #[inline(always)]
     pub(crate) fn put<L: Lanes>(&mut self, at: usize, eight: [L; 4]) {
         assert!(at + LANES <= self.column, "an eight that does not exist");
@@ -280,19 +279,19 @@ impl Eights<'_> {
         unsafe { self.set(at, eight) }
     }
 
-    /// Writes `w` of them. Panics if they are not there.
+    /// Writes `w` of them. Panics if they are out of range.
     #[inline(always)]
     pub(crate) fn put_fourth<L: Lanes>(&mut self, at: usize, fourth: L) {
         assert!(at + LANES <= self.column, "an eight that does not exist");
-        // SAFETY: they are within the last of four columns, as just checked; the borrow of the columns is ours.
+        // SAFETY: they are within the last of four columns, as just checked; `Eights` borrows the columns exclusively.
         unsafe { fourth.store(&mut *self.numbers.add(3 * self.column + at).cast()) }
     }
 
-    /// `x y z w` of eight rows in a row, in the order of [`PARITY`](super::PARITY), of which the first two are at these places. Panics if they are not there.
+    /// `x y z w` of eight consecutive rows, in the order of [`PARITY`](super::PARITY). `at` has the indices of the first two. Panics if they are out of range.
     #[inline(always)]
     pub(crate) fn load_run<L: Lanes>(&self, at: [usize; 2]) -> [L; 4] {
         assert!(at[0].max(at[1]) + LANES / 2 <= self.column, "an eight that does not exist");
-        // SAFETY: they are within a column, as just checked, and all four are as long; the borrow of the columns is ours.
+        // SAFETY: they are within a column, as just checked, and all four are as long; `Eights` borrows the columns exclusively.
         let of = |column: usize| unsafe {
             let column = self.numbers.add(column * self.column);
             (&*column.add(at[0]).cast(), &*column.add(at[1]).cast())
@@ -306,12 +305,12 @@ impl Eights<'_> {
         ]
     }
 
-    /// Writes `x y z` of them. Panics if they are not there.
+    /// Writes `x y z` of them. Panics if they are out of range.
     #[inline(always)]
     pub(crate) fn put_run<L: Lanes>(&mut self, at: [usize; 2], [x, y, z, _]: [L; 4]) {
         let end = at[0].max(at[1]) + LANES / 2;
         assert!(end <= self.column && at[0].abs_diff(at[1]) >= LANES / 2, "no such eight");
-        // SAFETY: they are within a column, as just checked, and apart; the borrow of the columns is ours.
+        // SAFETY: they are within a column, as just checked, and apart; `Eights` borrows the columns exclusively.
         unsafe {
             let (first, second) = (self.numbers.add(at[0]), self.numbers.add(at[1]));
             let (y_, z_) = (self.column, 2 * self.column);
@@ -321,7 +320,7 @@ impl Eights<'_> {
         }
     }
 
-    /// Where the eights of a pair are, whose first row is `from` lanes behind the first of the columns. Panics if they are not there.
+    /// The indices of the two runs of a pair whose rows count from lane `from` of the columns on. Panics if they are out of range.
     #[inline(always)]
     pub(crate) fn find(&self, pair: &Pair, from: usize) -> (usize, usize) {
         let (a, b) = (from + pair.a as usize, from + pair.b as usize);
@@ -329,7 +328,8 @@ impl Eights<'_> {
         (a, b)
     }
 
-    /// Takes some pairs, of which no two have a lane that counts in common; or [of neighbours](Pair::of_neighbours). `from` as in [`find`](Self::find).
+    /// Applies `work` to some pairs, of which no two have a used lane in common; with `NEIGHBOURS` to pairs [of neighbours](Pair::of_neighbours). `from` as in
+    /// [`find`](Self::find).
     #[inline(always)]
     pub(crate) fn each<L: Lanes, const NEIGHBOURS: bool>(
         &mut self,
@@ -339,18 +339,18 @@ impl Eights<'_> {
     ) {
         let [first, pairs @ ..] = pairs else { return };
         let mut old = CheckedPair::of(self, first, from);
-        // SAFETY: what is found exists.
+        // SAFETY: a `CheckedPair` is within these columns.
         let mut scale = unsafe {
             let length = self.length::<L, NEIGHBOURS>(old, work);
             self.scale::<L, NEIGHBOURS>(old, length, work)
         };
         if let [second, pairs @ ..] = pairs {
             let mut now = CheckedPair::of(self, second, from);
-            // SAFETY: what is found exists.
+            // SAFETY: a `CheckedPair` is within these columns.
             let mut length = unsafe { self.length::<L, NEIGHBOURS>(now, work) };
             for pair in pairs {
                 let next = CheckedPair::of(self, pair, from);
-                // SAFETY: what is found exists.
+                // SAFETY: a `CheckedPair` is within these columns.
                 unsafe {
                     let following = self.length::<L, NEIGHBOURS>(next, work);
                     let after = self.scale::<L, NEIGHBOURS>(now, length, work);
@@ -359,26 +359,26 @@ impl Eights<'_> {
                 }
                 (old, now) = (now, next);
             }
-            // SAFETY: what is found exists.
+            // SAFETY: a `CheckedPair` is within these columns.
             unsafe {
                 let after = self.scale::<L, NEIGHBOURS>(now, length, work);
                 self.apply::<L, NEIGHBOURS>(old, scale, work);
                 (old, scale) = (now, after);
             }
         }
-        // SAFETY: what is found exists.
+        // SAFETY: a `CheckedPair` is within these columns.
         unsafe { self.apply::<L, NEIGHBOURS>(old, scale, work) }
     }
 
     /// # Safety
-    /// The pair was found in these columns. So in the next two.
+    /// The pair was checked against these columns. The same holds for the next two functions.
     #[inline(always)]
     unsafe fn length<L: Lanes, const NEIGHBOURS: bool>(
         &self,
         at: CheckedPair,
         work: &impl OnPairs<L>,
     ) -> L {
-        // SAFETY: as promised.
+        // SAFETY: as the caller guarantees.
         unsafe {
             let ([x, y, z, _], [p, q, r, _]) = self.both::<L, NEIGHBOURS>(at);
             work.length([x, y, z], [p, q, r])
@@ -392,7 +392,7 @@ impl Eights<'_> {
         length: L,
         work: &mut impl OnPairs<L>,
     ) -> L {
-        // SAFETY: as promised.
+        // SAFETY: as the caller guarantees.
         unsafe {
             let ([_, _, _, one], [_, _, _, other]) = self.both::<L, NEIGHBOURS>(at);
             work.scale([one, other], L::load(at.numbers), length)
@@ -406,7 +406,7 @@ impl Eights<'_> {
         scale: L,
         work: &impl OnPairs<L>,
     ) {
-        // SAFETY: as promised.
+        // SAFETY: as the caller guarantees.
         unsafe {
             let numbers = L::load(at.numbers);
             let (one, other) = self.both::<L, NEIGHBOURS>(at);
@@ -423,13 +423,13 @@ impl Eights<'_> {
         }
     }
 
-    /// `x y z w` of the first and of the second ones.
+    /// `x y z w` of the first and of the second ends.
     ///
     /// # Safety
-    /// The pair was found in these columns.
+    /// The pair was checked against these columns.
     #[inline(always)]
     unsafe fn both<L: Lanes, const NEIGHBOURS: bool>(&self, at: CheckedPair) -> ([L; 4], [L; 4]) {
-        // SAFETY: as promised.
+        // SAFETY: as the caller guarantees.
         let (one, other) = unsafe { (self.get::<L>(at.a), self.get::<L>(at.b)) };
         if !NEIGHBOURS {
             return (one, other);
@@ -443,7 +443,8 @@ impl Eights<'_> {
     /// `at + LANES` is not beyond the length of a column.
     #[inline(always)]
     unsafe fn get<L: Lanes>(&self, at: usize) -> [L; 4] {
-        // SAFETY: they are within the first of four columns, as promised, and the other columns are as long; the borrow of the columns is ours.
+        // SAFETY: they are within the first of four columns, as the caller guarantees, and the other columns are as long; `Eights` borrows the columns
+        // exclusively.
         unsafe {
             let x = self.numbers.add(at);
             let (y, z, w) = (x.add(self.column), x.add(2 * self.column), x.add(3 * self.column));

@@ -1,18 +1,18 @@
-//! Eight numbers of double precision side by side: for sums that must not lose what single ones round away. As few operations as they need.
+//! Eight double-precision numbers side by side, for sums that must not lose what single precision rounds away. Only has the operations that these need.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Arithmetic, LANES};
 
-/// Eight `f64` side by side, by `+ - × ÷` and comparisons alone, like [`Lanes`](super::Lanes).
+/// Eight `f64` side by side. Like [`Lanes`](super::Lanes), it has only `+ - × ÷` and comparisons.
 pub(crate) trait Doubles: Arithmetic {
-    /// The same number in each.
+    /// The same number in each lane.
     fn splat(x: f64) -> Self;
-    /// Eight numbers.
+    /// Loads eight numbers.
     fn load(from: &[f64; LANES]) -> Self;
-    /// Into an array.
+    /// Stores into an array.
     fn store(self, to: &mut [f64; LANES]);
-    /// A bit for each lane where `self < other`, lane 0 lowest; not for NaN.
+    /// One bit for each lane where `self < other`, lane 0 lowest; not set for NaN.
     fn lt(self, other: Self) -> u32;
     /// The same for `self <= other`.
     fn le(self, other: Self) -> u32;
@@ -25,7 +25,7 @@ pub(crate) trait Doubles: Arithmetic {
         array
     }
 
-    /// A bit for each lane that is neither NaN nor infinite: what they leave of themselves is NaN.
+    /// One bit for each lane that is neither NaN nor infinite; these minus themselves are NaN.
     #[inline(always)]
     #[allow(clippy::eq_op, reason = "what a number leaves of itself is the question")]
     fn finite(self) -> u32 {
@@ -33,7 +33,7 @@ pub(crate) trait Doubles: Arithmetic {
     }
 }
 
-/// One after the other: the truth for the others, and what runs where there is none.
+/// Eight numbers computed one by one: the reference for the others, and the fallback where there is no wide implementation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Each(pub(super) [f64; LANES]);
 

@@ -1,35 +1,36 @@
-//! Eight numbers side by side: the few operations that the wide kernels are written in, for whatever instructions the machine has.
+//! Eight numbers side by side (SIMD): the few operations that the wide kernels are written in, for any instruction set.
 //!
-//! A kernel is written once, over the trait [`Lanes`], and compiled for each [`InstructionSet`]; which one runs is chosen when the program runs. All
-//! give the same bits: there is nothing here but `+ - × ÷ √`, comparisons and selections, which IEEE 754 defines to the last bit. No fused
-//! multiply-add, no reciprocal estimates, and `min` and `max` are made of a comparison and a selection, because instructions differ about NaN and ±0.
+//! A kernel is written once, over the trait [`Lanes`], and compiled for each [`InstructionSet`]; which one runs is chosen at run time. All give the same bits:
+//! the only operations are `+ - × ÷ √`, comparisons and selections, which IEEE 754 defines to the last bit. There is no fused multiply-add and no reciprocal
+//! estimate, and `min` and `max` are defined by a comparison and a selection, because instructions differ for NaN and ±0.
 //!
 //! | file | what it is |
 //! |---|---|
 //! | `quads` | two registers of four, by glam: SSE2 on x86-64, NEON on ARM, plain numbers elsewhere |
-//! | `avx2`, `avx2_rows` | one register of eight; how particles get into it |
+//! | `avx2`, `avx2_rows` | one register of eight; loading particles into it |
 //! | `angle` | the arc tangent, in lanes |
-//! | `doubles`, `avx2_doubles` | eight numbers of double precision, for sums |
+//! | `doubles`, `avx2_doubles` | eight double-precision numbers, for sums |
 //! | `columns` | particles as columns of x, y, z and w |
 //! | `vector` | vectors of three lanes each |
-//! | `single` | one number: formulas that are written over [`Number`] take it where one is asked for alone |
-//! | `scalar` | tests: arrays of eight, the truth that the others must agree with |
+//! | `single` | `f32` as a [`Number`]: one lane, for formulas that are also needed for a single item |
+//! | `scalar` | tests: arrays of eight, the reference for the others |
 //! | `twins` | tests: each operation of each set against the scalar one |
 //!
-//! # Kernels, and what calls them
+//! # Kernels and their callers
 //!
-//! A kernel is the loop over eights and no more: a function over [`Lanes`] that `kernel!` makes one with the instruction set as its last argument. What
-//! decides which kernels run, and in which order, is compiled once, for no particular instructions, and calls them. So the code of a kernel exists once
-//! for each set, not once for each of its callers. One that is generic over more than lanes, or that takes more than a function should, is a [`Work`].
+//! A kernel is no more than the loop over batches of eight: a function over [`Lanes`], to which `kernel!` adds the instruction set as the last argument. The
+//! code that decides which kernels run, and in which order, is compiled once, for no particular instruction set, and calls them. So the code of a kernel exists
+//! once for each set rather than once for each caller. A kernel that is generic over more than lanes, or that needs too many arguments for a function, is a
+//! [`Work`].
 //!
 //! # Packed particles
 //!
-//! Particles lie in memory as `[x y z w]`, 16 bytes each. A kernel wants the x of eight particles in one register, the y in the next, and so on:
-//! eight loads and a transposition. Three ways to name the eight, cheapest last: any rows ([`Lanes::rows`]), pairs of neighbours that two registers
-//! are made of ([`Lanes::pairs`]), consecutive rows ([`Lanes::run`]).
+//! Particles lie in memory as `[x y z w]`, 16 bytes each. A kernel needs the x of eight particles in one register, the y in the next, and so on: eight loads
+//! and a transposition. There are three ways to address the eight, cheapest last: any rows ([`Lanes::rows`]), pairs of neighbours for two sets of registers
+//! ([`Lanes::pairs`]), consecutive rows ([`Lanes::run`]).
 //!
-//! This folder is the only home of `unsafe` in Sinew: for the instructions of AVX2, which exist only where the machine has been asked, and for loads
-//! whose bounds are checked eight at a time, or once for a stretch of eights.
+//! All `unsafe` of Sinew is in this folder: for AVX2 instructions, which may only run after the machine has been checked for them, and for loads whose bounds
+//! are checked eight at a time, or once for a run of eights.
 
 mod angle;
 #[cfg(target_arch = "x86_64")]
@@ -57,32 +58,32 @@ pub(crate) use columns::{Columns, Eights, OnPairs, Pair};
 pub(crate) use doubles::Doubles;
 pub(crate) use vector::Vector;
 
-/// How many lanes there are.
+/// Number of lanes.
 pub(crate) const LANES: usize = 8;
 
-/// Eight numbers as they lie in memory.
+/// Eight numbers in memory.
 pub(crate) type LaneArray = [f32; LANES];
 
-/// Which of eight rows each lane holds where they are sorted by parity.
+/// Which of eight rows each lane holds when they are sorted by parity.
 pub(crate) const PARITY: [usize; LANES] = [0, 2, 4, 6, 1, 3, 5, 7];
 
-/// Which of eight pairs of neighbours each lane holds where sixteen numbers are [parted](Lanes::part): halves of a register are sorted each by itself.
+/// Which of eight pairs of neighbours each lane holds after sixteen numbers are [parted](Lanes::part): each half of a register is sorted by itself.
 pub(crate) const PARTED: [usize; LANES] = [0, 1, 4, 5, 2, 3, 6, 7];
 
-/// Instructions that kernels are compiled for. Results are the same bits with each of them.
+/// The instruction set that kernels are compiled for. Results are the same bits with each of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum InstructionSet {
-    /// One number at a time: what the others are tested against.
+    /// One number at a time: the reference that the others are tested against.
     #[cfg(test)]
     Scalar,
-    /// Four at a time: SSE2 or NEON, and plain numbers on machines that have neither.
+    /// Four numbers at a time: SSE2 or NEON, and plain numbers on machines that have neither.
     Simd128,
-    /// Eight at a time. A machine without AVX2 takes this for [`Simd128`](Self::Simd128).
+    /// Eight numbers at a time. On a machine without AVX2 this is the same as [`Simd128`](Self::Simd128).
     Avx2,
 }
 
 impl InstructionSet {
-    /// The best that this machine has.
+    /// The fastest one that this machine has.
     pub fn best() -> Self {
         if has_avx2() { Self::Avx2 } else { Self::Simd128 }
     }
@@ -94,18 +95,18 @@ impl Default for InstructionSet {
     }
 }
 
-/// Something to be done in lanes, whatever they are made of.
+/// A computation in lanes, for any implementation of them.
 pub(crate) trait Work: Sized {
-    /// What comes of it.
+    /// Its result.
     type Output;
 
-    /// Does it. To be marked `#[inline(always)]`, and so must be what it calls: what is not inlined is not compiled for the lanes' instructions, and
-    /// every operation becomes a call. A closure cannot be marked: one that has lanes in it may be called from one place alone. And no `array::map` and
-    /// `array::from_fn`, but loops and patterns: what those do about a panic halfway is four functions more in each kernel, for each use and each set.
+    /// Runs it. Implementations must be `#[inline(always)]`, and so must everything that they call: what is not inlined is not compiled for the instruction
+    /// set, and every operation in it becomes a call. A closure cannot be marked so; one that has lanes in it may be called from one place only. Use loops and
+    /// patterns instead of `array::map` and `array::from_fn`: their handling of a panic midway adds four functions to each kernel, for each use and each set.
     fn run<L: Lanes>(self) -> Self::Output;
 
-    /// Does it in eights, in a function of its own. It stands here because a compiler's units of code follow the types whose methods they are: as
-    /// functions of this file all kernels would be one unit, of which one core generates the code while the others wait.
+    /// Runs it with AVX2, in a function of its own. It is a method because codegen units follow the types whose methods they contain: as functions of this file
+    /// all kernels would be one unit, for which one core generates code while the others wait.
     ///
     /// # Safety
     /// The machine has AVX2.
@@ -117,13 +118,13 @@ pub(crate) trait Work: Sized {
         self.run::<avx2::Eight>()
     }
 
-    /// Does it in quads, likewise.
+    /// Runs it in quads, likewise.
     #[inline(never)]
     fn in_quads(self) -> Self::Output {
         self.run::<quads::Quads>()
     }
 
-    /// Does it one by one, likewise.
+    /// Runs it one number at a time, likewise.
     #[cfg(test)]
     #[inline(never)]
     fn in_scalars(self) -> Self::Output {
@@ -131,22 +132,22 @@ pub(crate) trait Work: Sized {
     }
 }
 
-/// Does something with the given instructions.
+/// Runs a computation with the given instruction set.
 #[inline]
 pub(crate) fn with<W: Work>(instructions: InstructionSet, work: W) -> W::Output {
     match instructions {
         #[cfg(test)]
         InstructionSet::Scalar => work.in_scalars(),
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: just asked.
+        // SAFETY: the guard has just checked that the machine has AVX2.
         #[allow(unsafe_code)]
         InstructionSet::Avx2 if has_avx2() => unsafe { work.in_avx2() },
         _ => work.in_quads(),
     }
 }
 
-/// Makes a kernel of a function over [`Lanes`]: a function with the same arguments and the [`InstructionSet`] after them, which does it with those. The rules
-/// of [`Work::run`] hold for the body.
+/// Turns a function over [`Lanes`] into a kernel: a function with the same arguments, followed by the [`InstructionSet`] to run with. The rules of
+/// [`Work::run`] hold for the body.
 macro_rules! kernel {
     (
         $(#[$meta:meta])*
@@ -199,7 +200,7 @@ fn has_avx2() -> bool {
     false
 }
 
-/// The lanes that have a bit in a mask, ascending: what `(0..LANES).filter(..)` says, without a call for each lane.
+/// The lanes that are set in a mask, ascending: the same as `(0..LANES).filter(..)`, but without a call for each lane.
 pub(crate) struct SetLanes(pub(crate) u32);
 
 impl Iterator for SetLanes {
@@ -208,21 +209,21 @@ impl Iterator for SetLanes {
     #[inline(always)]
     fn next(&mut self) -> Option<usize> {
         let lane = self.0.trailing_zeros();
-        // Of none, there is no bit to take away.
+        // Wrapping, for an empty mask.
         self.0 &= self.0.wrapping_sub(1);
         (lane < u32::BITS).then_some(lane as usize)
     }
 }
 
-/// What is asked for together of one thing: as many quadruples as there are lanes, on lines of the cache of its own.
+/// Data of one item that are gathered together: as many `Vec4` as there are lanes, on cache lines of their own.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Record(pub(crate) [Vec4; FIELDS]);
 
-/// How many quadruples a [`Record`] has.
+/// Number of `Vec4` in a [`Record`].
 pub(crate) const FIELDS: usize = 8;
 
-/// What has `+ - × ÷`, of itself.
+/// A type with `+ - × ÷` on itself.
 pub(crate) trait Arithmetic:
     Copy
     + Add<Output = Self>
@@ -243,27 +244,27 @@ impl<N> Arithmetic for N where
 {
 }
 
-/// A number, or several side by side: what a formula is written over that is wanted of one thing as well as of eight. `f32` is the one.
+/// A number, or several side by side. Formulas that are needed for a single item as well as for eight are written over this trait; `f32` is the single number.
 pub(crate) trait Number: Arithmetic {
-    /// The same number in each.
+    /// The same number in each lane.
     fn splat(x: f32) -> Self;
     /// The correctly rounded square root.
     fn sqrt(self) -> Self;
-    /// Without its sign.
+    /// The absolute value.
     fn abs(self) -> Self;
 
-    /// A mask of all ones where `self < other`, zeros elsewhere and for NaN. A mask is a number like any other, and only good for
+    /// A mask of all ones where `self < other`, zeros elsewhere and for NaN. A mask has the same type as numbers, but is only good for
     /// [`select`](Self::select), [`and`](Self::and), [`or`](Self::or), [`any`](Self::any) and [`bits`](Self::bits).
     fn lt(self, other: Self) -> Self;
     /// The same for `self <= other`.
     fn le(self, other: Self) -> Self;
     /// The same for `self == other`.
     fn same(self, other: Self) -> Self;
-    /// Where both masks are set; or of a mask and numbers: the numbers where it is set, +0 elsewhere.
+    /// The intersection of two masks; or of a mask and numbers, the numbers where it is set and +0 elsewhere.
     fn and(self, other: Self) -> Self;
-    /// Where one of two masks is set.
+    /// The union of two masks.
     fn or(self, other: Self) -> Self;
-    /// Where a mask, `self`, is set the lanes of `yes`, elsewhere those of `no`.
+    /// The lanes of `yes` where the mask `self` is set, those of `no` elsewhere.
     fn select(self, yes: Self, no: Self) -> Self;
     /// The bits of a mask that is set everywhere.
     const ALL: u32;
@@ -288,13 +289,13 @@ pub(crate) trait Number: Arithmetic {
         Self::splat(0.0)
     }
 
-    /// The lesser of the two, `other` where either is NaN or both are zero.
+    /// The smaller of the two; `other` where either is NaN or both are zero.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         self.lt(other).select(self, other)
     }
 
-    /// The greater of the two, `other` where either is NaN or both are zero.
+    /// The larger of the two; `other` where either is NaN or both are zero.
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         other.lt(self).select(self, other)
@@ -305,49 +306,50 @@ pub(crate) trait Number: Arithmetic {
 ///
 /// Loads and stores panic where a slice is too short, as indexing does.
 pub(crate) trait Lanes: Number {
-    /// Eight numbers of double precision on the same machine.
+    /// Eight double-precision numbers of the same instruction set.
     type Doubles: Doubles;
 
-    /// Eight numbers.
+    /// Loads eight numbers.
     fn load(from: &[f32; LANES]) -> Self;
-    /// Into an array.
+    /// Stores into an array.
     fn store(self, to: &mut [f32; LANES]);
     /// The same numbers in double precision.
     fn widen(self) -> Self::Doubles;
-    /// The nearest single ones.
+    /// Rounded to single precision.
     fn narrow(from: Self::Doubles) -> Self;
 
     /// `x y z w` of eight rows of packed particles.
     fn rows(packed: &[Vec4], rows: &[u32; LANES]) -> [Self; 4];
-    /// Writes them back. Of rows that occur twice the last lane stays.
+    /// Writes them back. If a row occurs twice, the last lane wins.
     fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]);
-    /// The first fields of eight records, each as its `x y z w`: where they are is asked once for all fields.
+    /// The first `N` fields of eight records, each as its `x y z w`. Addresses are computed once for all fields.
     fn records<const N: usize>(from: &[Record], rows: &[u32; LANES]) -> [[Self; 4]; N];
-    /// Writes the first fields back. Of records that occur twice the last lane stays.
+    /// Writes the first `N` fields back. If a record occurs twice, the last lane wins.
     fn put_records<const N: usize>(to: &mut [Record], rows: &[u32; LANES], columns: [[Self; 4]; N]);
     /// `x y z w` of the eight rows from `first` on.
     fn run(packed: &[Vec4], first: usize) -> [Self; 4];
     /// Writes them back.
     fn put_run(packed: &mut [Vec4], first: usize, columns: [Self; 4]);
-    /// The eight rows from `first` on, the even ones of the eight in lanes 0 to 3 and the odd ones in lanes 4 to 7: turned without sorting.
+    /// The eight rows from `first` on, the even ones of the eight in lanes 0 to 3 and the odd ones in lanes 4 to 7. That is the order in which a transposition
+    /// needs no permutation.
     fn run_by_parity(packed: &[Vec4], first: usize) -> [Self; 4];
     /// Writes them back.
     fn put_run_by_parity(packed: &mut [Vec4], first: usize, columns: [Self; 4]);
-    /// Lanes 0 to 3, and 4 to 7.
+    /// Loads lanes 0 to 3, and 4 to 7.
     fn load_halves(low: &[f32; LANES / 2], high: &[f32; LANES / 2]) -> Self;
-    /// Into two arrays.
+    /// Stores into two arrays.
     fn store_halves(self, low: &mut [f32; LANES / 2], high: &mut [f32; LANES / 2]);
-    /// Sixteen numbers, these eight and the `next`, as eight pairs of neighbours in the order of [`PARTED`]: the first of each, and the second.
+    /// Splits sixteen numbers, these eight and the `next`, as eight pairs of neighbours in the order of [`PARTED`]: the first of each, and the second.
     fn part(self, next: Self) -> (Self, Self);
-    /// The sixteen numbers of such pairs.
+    /// Interleaves such firsts and seconds again to sixteen numbers.
     fn join(self, seconds: Self) -> (Self, Self);
-    /// Two rows as they lie: `x y z w x y z w`.
+    /// Two rows as they lie in memory: `x y z w x y z w`.
     fn two(packed: &[Vec4], first: usize) -> Self;
     /// Writes them back.
     fn put_two(self, packed: &mut [Vec4], first: usize);
-    /// The fourth of each four, four times.
+    /// The fourth number of each half in all four lanes of that half.
     fn fourths(self) -> Self;
-    /// The same with the fourth of each four from `other`.
+    /// The same with the fourth number of each half from `other`.
     fn with_fourths(self, other: Self) -> Self;
 
     /// The eight numbers.
@@ -358,7 +360,7 @@ pub(crate) trait Lanes: Number {
         array
     }
 
-    /// The mask that [`bits`](Number::bits) makes these bits of.
+    /// The mask with the given [`bits`](Number::bits).
     #[inline(always)]
     fn mask(bits: u32) -> Self {
         let mut mask = [0.0; LANES];
@@ -368,7 +370,7 @@ pub(crate) trait Lanes: Number {
         Self::load(&mask)
     }
 
-    /// The largest of the eight, or `least` if that is larger; NaN does not count.
+    /// The largest of the eight, or `least` if that is larger; NaN is ignored.
     #[inline(always)]
     fn largest(self, least: f32) -> f32 {
         self.array().iter().fold(least, |most, &x| if x > most { x } else { most })
@@ -399,10 +401,10 @@ fn pair_rows(first: usize) -> ([u32; LANES], [u32; LANES]) {
     pairs
 }
 
-/// One vector into a lane of those that lie in memory.
+/// Writes a vector into one lane in memory.
 #[inline(always)]
 pub(crate) fn set(to: &mut [LaneArray; 3], lane: usize, from: Vec3) {
-    // Written out: a loop over two arrays is one of calls, and this stands in the inner loops of packing.
+    // Written out: a loop over two arrays is compiled to calls, and this is in the inner loops of packing.
     let [x, y, z] = to;
     (x[lane], y[lane], z[lane]) = (from.x, from.y, from.z);
 }

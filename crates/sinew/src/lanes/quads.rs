@@ -1,4 +1,4 @@
-//! Two registers of four, by glam, which makes SSE2 of them on x86-64, NEON on ARM and plain numbers elsewhere.
+//! Eight lanes in two registers of four, by glam: SSE2 on x86-64, NEON on ARM, plain numbers elsewhere.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -33,7 +33,7 @@ impl Neg for Quads {
     }
 }
 
-/// Four rows of four numbers as four columns.
+/// The transpose of a 4 × 4 matrix.
 #[inline(always)]
 fn transposed(rows: [Vec4; 4]) -> [Vec4; 4] {
     let [a, b, c, d] = rows;
@@ -57,7 +57,7 @@ impl Quads {
         [a, b, c, d, e, f, g, h]
     }
 
-    /// Hands eight rows out, each with its number.
+    /// Calls `put` with each of eight rows and its number.
     #[inline(always)]
     fn each_row(columns: [Self; 4], mut put: impl FnMut(usize, Vec4)) {
         for (i, &row) in Self::eight_rows(columns).iter().enumerate() {
@@ -66,7 +66,7 @@ impl Quads {
     }
 }
 
-/// Operations of two, four lanes at a time.
+/// Binary operations, four lanes at a time.
 macro_rules! pairwise {
     ($($operation:ident)*) => {$(
         #[inline(always)]
@@ -235,8 +235,8 @@ impl Lanes for Quads {
     }
 }
 
-/// Masks of four, which glam does not show as numbers: by SSE2's own operations, one each. Made of glam's, a comparison and what is selected by it are
-/// nine, and these kernels were half of the work of compiling this crate.
+/// Masks of four, which glam does not expose as numbers, by one SSE2 instruction each. With glam's operations a comparison and the selection by it take nine,
+/// and these kernels were half of the work of compiling this crate.
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code)]
 mod four {
@@ -273,7 +273,7 @@ mod four {
     }
 }
 
-/// The same by glam's operations, on whatever machine.
+/// The same by glam's operations, on other machines.
 #[cfg(not(target_arch = "x86_64"))]
 mod four {
     use glam::{BVec4A, Vec4};
@@ -284,7 +284,7 @@ mod four {
         Vec4::select(holds, Vec4::splat(f32::from_bits(u32::MAX)), Vec4::ZERO)
     }
 
-    /// The comparison of which that is the mask. All ones are a NaN, zeros are not.
+    /// The comparison behind a mask. All ones are a NaN, zeros are not.
     #[inline(always)]
     fn holds(mask: Vec4) -> BVec4A {
         mask.cmpne(mask)

@@ -1,7 +1,7 @@
-//! Arrays of eight: what every other implementation must agree with to the bit. For tests alone.
+//! Arrays of eight: the reference with which every other implementation must agree to the bit. For tests only.
 //!
-//! Operations are functions that are called: written out eight times each in every kernel they would be most of what the crate takes to compile, and
-//! nobody is in a hurry for the truth.
+//! Operations are not inlined: written out eight times each in every kernel they would take up most of the time that compiling the crate takes, and the
+//! reference need not be fast.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -14,7 +14,7 @@ use super::{LANES, Lanes, Number, PARITY, PARTED, Record};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Array([f32; LANES]);
 
-/// All ones, as a mask has them.
+/// All ones: a lane of a mask that is set.
 const SET: f32 = f32::from_bits(u32::MAX);
 
 macro_rules! each {

@@ -1,8 +1,8 @@
-//! One number, for formulas that are wanted of one thing as well as of eight: written once, over [`Number`].
+//! A single `f32` as a [`Number`], for formulas that are needed for a single item as well as for eight.
 
 use super::Number;
 
-/// All ones, as a mask has them.
+/// All ones: a mask that is set.
 const SET: f32 = f32::from_bits(u32::MAX);
 
 #[inline(always)]

@@ -1,4 +1,4 @@
-//! Each operation of each instruction set against the scalar twin, on numbers of every kind.
+//! Each operation of each instruction set against its scalar twin, on numbers of every kind.
 
 use glam::Vec4;
 
@@ -6,7 +6,7 @@ use super::{Doubles, FIELDS, InstructionSet, LANES, Lanes, Record, Work, with};
 
 const SETS: [InstructionSet; 2] = [InstructionSet::Simd128, InstructionSet::Avx2];
 
-/// Numbers of every kind: signs, zeros, the smallest, the largest, infinite.
+/// Numbers of every kind: both signs, zeros, the smallest, the largest, infinite.
 const NUMBERS: [f32; 24] = [
     0.0,
     -0.0,
@@ -34,7 +34,7 @@ const NUMBERS: [f32; 24] = [
     2e-3,
 ];
 
-/// All that can be done with two numbers of lanes.
+/// All operations on one or two numbers of lanes.
 struct Everything {
     a: [f32; LANES],
     b: [f32; LANES],
@@ -75,7 +75,7 @@ impl Work for Everything {
             next,
             firsts.join(seconds).1,
         ];
-        // Which NaN it is depends on what a compiler makes of an expression; whether it is one does not.
+        // Which NaN results depends on how the compiler arranges an expression; whether it is NaN does not.
         let number = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };
         all.into_iter().map(|lanes| lanes.array().map(number)).collect()
     }
@@ -95,7 +95,7 @@ fn every_operation_gives_the_bits_of_its_scalar_twin() {
     }
 }
 
-/// Loads particles and records every way, changes them, and stores them every way.
+/// Loads particles and records in every way, changes them, and stores them in every way.
 struct Moves<'a> {
     packed: &'a mut [Vec4],
     records: &'a mut [Record],
@@ -128,7 +128,7 @@ impl Work for Moves<'_> {
     }
 }
 
-/// Records of eight consecutive particles, round and round.
+/// Records of eight consecutive particles, wrapping around.
 fn records_of(packed: &[Vec4]) -> [Record; 40] {
     core::array::from_fn(|i| Record(core::array::from_fn(|j| packed[(i + j) % packed.len()])))
 }
@@ -150,7 +150,7 @@ fn particles_go_in_and_out_of_lanes_the_same_way() {
     let truth = moved(InstructionSet::Scalar);
     assert_eq!(truth.0[3], Vec4::new(103.0, 3.0, 506.0 - 303.0, 303.0));
     assert_eq!(truth.0[37].x, start[37].x);
-    // The last field became the first, and the third stayed.
+    // The last field became the first, and the third did not change.
     assert_eq!([truth.1[17][0], truth.1[17][2]], [start[24], start[19]]);
     assert_eq!(truth.1[17][1], Vec4::new(17.0 - 317.0, 318.0, 117.0, 217.0));
     for set in SETS {
@@ -173,7 +173,7 @@ fn rows_that_do_not_exist_are_refused_by_every_set() {
     }
 }
 
-/// All that can be done with two numbers of lanes in double precision.
+/// All operations on one or two numbers of lanes in double precision.
 struct Doubled {
     a: [f32; LANES],
     b: [f32; LANES],

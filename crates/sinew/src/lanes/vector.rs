@@ -1,4 +1,4 @@
-//! Vectors of three numbers each: one, or eight side by side.
+//! Vectors of three numbers each: a single vector, or eight side by side.
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -15,7 +15,7 @@ pub(crate) struct Vector<N> {
 }
 
 impl<N: Arithmetic> Vector<N> {
-    /// Of three numbers.
+    /// From three numbers.
     #[inline(always)]
     pub(crate) fn new(x: N, y: N, z: N) -> Self {
         Self { x, y, z }
@@ -41,7 +41,7 @@ impl<N: Arithmetic> Vector<N> {
         self.dot(self)
     }
 
-    /// Component by component.
+    /// The product component by component.
     #[inline(always)]
     pub(crate) fn times(self, other: Self) -> Self {
         Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
@@ -49,13 +49,13 @@ impl<N: Arithmetic> Vector<N> {
 }
 
 impl<N: Number> Vector<N> {
-    /// The same vector eight times.
+    /// The same vector in each lane.
     #[inline(always)]
     pub(crate) fn splat(v: Vec3) -> Self {
         Self::new(N::splat(v.x), N::splat(v.y), N::splat(v.z))
     }
 
-    /// The positions of packed particles, and what is in their fourth lanes.
+    /// The positions of packed particles, and their `w`.
     #[inline(always)]
     pub(crate) fn of([x, y, z, w]: [N; 4]) -> (Self, N) {
         (Self { x, y, z }, w)
@@ -72,7 +72,7 @@ impl<N: Number> Vector<N> {
         self.dot(self).sqrt()
     }
 
-    /// Where a mask is set this one, elsewhere the other.
+    /// This one where a mask is set, the other elsewhere.
     #[inline(always)]
     pub(crate) fn or_else(self, mask: N, other: Self) -> Self {
         Self {
@@ -90,7 +90,7 @@ impl<L: Lanes> Vector<L> {
         Vector { x: self.x.widen(), y: self.y.widen(), z: self.z.widen() }
     }
 
-    /// The nearest in single precision.
+    /// Rounded to single precision.
     #[inline(always)]
     pub(crate) fn narrow(v: Vector<L::Doubles>) -> Self {
         Self { x: L::narrow(v.x), y: L::narrow(v.y), z: L::narrow(v.z) }
@@ -98,7 +98,7 @@ impl<L: Lanes> Vector<L> {
 }
 
 impl<D: Doubles> Vector<D> {
-    /// The same vector eight times.
+    /// The same vector in each lane.
     #[inline(always)]
     pub(crate) fn double(v: DVec3) -> Self {
         Self { x: D::splat(v.x), y: D::splat(v.y), z: D::splat(v.z) }
@@ -109,7 +109,7 @@ impl<D: Doubles> Vector<D> {
         [self.x.array(), self.y.array(), self.z.array()]
     }
 
-    /// A bit for each of finite numbers alone.
+    /// One bit for each lane whose three components are finite.
     #[inline(always)]
     pub(crate) fn finite(self) -> u32 {
         self.x.finite() & self.y.finite() & self.z.finite()

@@ -1,4 +1,5 @@
-//! A sweep over large cloth with its particles in columns from beginning to end: a run of its rows, and what is [tied](super::parts) to them beside it.
+//! A sweep over large cloth whose particles stay in columns (SoA) from beginning to end: a run of its rows, and the [parts](super::parts) that are tied to
+//! them.
 
 use core::ops::Range;
 
@@ -15,7 +16,7 @@ use super::turned_places::TurnedPlaces;
 use crate::islands::Island;
 use crate::particles::Places;
 
-/// How an island is swept, with a run of its rows in columns.
+/// Sweeps an island with a run of its rows in columns.
 pub(super) struct ColumnSweep<'a> {
     plan: &'a Plan,
     island: &'a Island,
@@ -33,7 +34,7 @@ impl<'a> ColumnSweep<'a> {
         Self { plan, island, run, mode }
     }
 
-    /// Holds at once what is to be, and sweeps the island once. Returns the largest error found, metres.
+    /// Projects tethers and chains, and sweeps the island once. Returns the largest error found, metres.
     pub(super) fn sweep(
         &self,
         places: &mut Places,
@@ -45,11 +46,11 @@ impl<'a> ColumnSweep<'a> {
         let (rows, instructions) = (places.at(run.start)..places.at(run.end), mode.instructions);
         columns.reset(plan.rods.half());
         columns.turn_in(0, &places.position[rows.clone()], instructions);
-        // Tethers of the last eight ask after lanes beyond it, too, and what was there was of whatever island was in these columns before.
+        // The last block of eight tethers also reads lanes beyond the rows, which still hold the island that was in these columns before.
         columns.blank(rows.len());
         let tethers = plan.tethers.of(island).filter(|_| mode.tethers);
         if let Some(tethers) = tethers {
-            // Pins stay where they are in a sweep.
+            // Pins do not move during a sweep.
             scratch.pins.clear();
             scratch.pins.extend(tethers.pins(places.position, places.first));
         }
@@ -79,7 +80,7 @@ impl<'a> ColumnSweep<'a> {
         worst
     }
 
-    /// Holds all particles to what they may be away from their pins; returns how far out the farthest was, metres.
+    /// Projects all particles into the range of their tethers. Returns how far outside the farthest was, metres.
     fn hold(&self, tethers: Option<&IslandTethers>, at: &mut TurnedPlaces, pins: &[Vec4]) -> f32 {
         let (Some(tethers), Some((columns, _))) = (tethers, &mut at.columns) else { return 0.0 };
         let (island, instructions) = (self.island, self.mode.instructions);
@@ -89,7 +90,7 @@ impl<'a> ColumnSweep<'a> {
         others.max(tethers.project_columns(columns, own.start, &own, pins, instructions))
     }
 
-    /// Solves ropes that are chains at once.
+    /// Solves ropes that are chains directly.
     fn sweep_chains(&self, at: &mut TurnedPlaces, scratch: &mut SweepScratch) -> f32 {
         let Self { plan, island, run, mode } = *self;
         let links = || island.chains.clone().flat_map(|chain| plan.chains.links(chain));

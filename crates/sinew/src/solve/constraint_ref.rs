@@ -1,4 +1,4 @@
-//! One constraint of the plan, whatever its kind: what the orders that pick constraints one by one work with.
+//! A reference to one constraint of the plan, of any kind. The orders that pick constraints one by one work with it.
 
 use glam::{Vec3, Vec4};
 
@@ -25,31 +25,31 @@ pub(crate) struct ConstraintRef {
 pub(crate) struct SolveMode {
     pub(crate) substep_context: SubstepContext,
     pub(crate) gradient_at: GradientAt,
-    /// Whether tethers and spans are held in this sweep.
+    /// Whether tethers and spans are projected in this sweep.
     pub(crate) tethers: bool,
-    /// How much of their errors rods take, if not all, in a sweep of rods alone: see [`relaxation`](super::relaxation).
+    /// In a sweep of rods alone, the share of their errors that rods correct: see [`relaxation`](super::relaxation). `None` in normal sweeps.
     pub(crate) relaxed: Option<Relaxation>,
-    /// Whether there is no other sweep in this substep: then nothing has to be summed up.
+    /// Whether this is the only sweep of the substep, so that no multiplier has to be accumulated.
     pub(crate) single_sweep: bool,
-    /// What is off by more than this is violated, metres.
+    /// An error above this counts as a violation, metres.
     pub(crate) violation: f32,
-    /// For its kernels.
+    /// The instruction set of the kernels.
     pub(crate) instructions: InstructionSet,
 }
 
 impl SolveMode {
-    /// Whether a cluster batch is swept.
+    /// Whether a cluster batch takes part in the sweep.
     pub(super) fn takes(&self, cluster_batch: &ClusterBatch) -> bool {
         self.relaxed.is_none() || cluster_batch.kind == GroupKind::Rods
     }
 
-    /// What counts of the largest error that chains found, metres: they correct it at once, so it only matters where it is a violation.
+    /// What the largest error found in chains, metres, counts as. A direct solve corrects it at once, so it counts only where it is a violation.
     pub(super) fn of_chains(&self, found: f32) -> f32 {
         if found > self.violation { found } else { 0.0 }
     }
 }
 
-/// The particles of one constraint side by side, in its own order. Scratch.
+/// The particles of one constraint, copied side by side in its own order. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Local {
     pub(crate) now: Vec<Vec4>,
@@ -58,7 +58,7 @@ pub(crate) struct Local {
 }
 
 impl Local {
-    /// Takes copies of some particles.
+    /// Copies the particles in some rows.
     #[inline]
     pub(crate) fn take(&mut self, places: &Places, rows: &[u32]) {
         self.now.clear();
@@ -99,7 +99,7 @@ impl ConstraintRef {
         }
     }
 
-    /// The equation that it is.
+    /// The constraint as an equation.
     pub(crate) fn equation(self, plan: &Plan) -> &dyn Equation {
         let number = self.number as usize;
         match self.kind {
@@ -108,12 +108,12 @@ impl ConstraintRef {
         }
     }
 
-    /// Whether it asks for another sweep while it does not hold.
+    /// Whether it has to be satisfied, so that its error requires another sweep.
     pub(crate) fn is_hard(self, plan: &Plan) -> bool {
         self.equation(plan).softness().is_hard()
     }
 
-    /// Projects it once, on the particles themselves. Returns the error found, metres; of a soft one, how far it moved.
+    /// Projects the constraint once, on the particles themselves. Returns the error found, metres; for a compliant one the size of the correction.
     #[inline]
     pub(crate) fn project(
         self,
@@ -147,7 +147,7 @@ impl ConstraintRef {
         }
     }
 
-    /// Projects it once on the copies in `local`, whose inverse masses may be others.
+    /// Projects the constraint once on the copies in `local`, whose inverse masses may differ.
     pub(crate) fn project_local(
         self,
         plan: &Plan,
@@ -181,7 +181,7 @@ impl ConstraintRef {
         project(now, starts, &distance, mode.substep_context, multipliers.distance(number))
     }
 
-    /// How far it is from being kept, metres, moving nothing; zero for a soft one.
+    /// The error, metres, without moving anything; zero for a compliant constraint.
     pub(crate) fn error(self, places: &Places, plan: &Plan, local: &mut Local) -> f32 {
         let number = self.number as usize;
         if self.kind == GroupKind::Constraints {
@@ -191,7 +191,7 @@ impl ConstraintRef {
     }
 }
 
-/// How far a hard distance is from being kept, metres; zero for a soft one, and between pinned particles.
+/// The error of a hard distance, metres; zero for a compliant one, and between pinned particles.
 #[inline]
 pub(crate) fn distance_error(places: &Places, distance: &Distance) -> f32 {
     let at = |row: u32| places.position[places.at(row)];
@@ -202,7 +202,7 @@ pub(crate) fn distance_error(places: &Places, distance: &Distance) -> f32 {
     distance.error(a.truncate(), b.truncate())
 }
 
-/// Energy that the soft distances and constraints of a plan store, J.
+/// Energy that the compliant distances and constraints of a plan store, J.
 pub(crate) fn soft_energy(particles: &mut Particles, plan: &Plan) -> f64 {
     let places = &Places::all(particles);
     let mut local = Local::default();
@@ -267,7 +267,7 @@ pub(crate) fn project_constraint(
     )
 }
 
-/// How far a constraint is from being kept, metres.
+/// The error of a constraint, metres.
 pub(crate) fn constraint_error(places: &Places, constraint: &Constraint, local: &mut Local) -> f32 {
     let rows = constraint.rows.as_slice();
     local.take(places, rows);

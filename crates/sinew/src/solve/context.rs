@@ -1,4 +1,4 @@
-//! What solving needs to know of a substep, the same for all islands.
+//! The context of a substep, the same for all islands.
 
 use core::ops::Range;
 
@@ -7,10 +7,10 @@ use crate::collide::{InstantInterval, NormalImpulses, ParticleContacts};
 use crate::particles::Places;
 use crate::threads::ExecutionContext;
 
-/// Which of several microsteps of a substep it is.
+/// One of the microsteps into which a substep is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Microstep {
-    /// From 0.
+    /// Counted from 0.
     pub(crate) number: u32,
     pub(crate) of: u32,
 }
@@ -20,33 +20,33 @@ impl Microstep {
     pub(crate) const WHOLE: Self = Self { number: 0, of: 1 };
 }
 
-/// A substep, whatever is solved in it.
+/// The parameters of a substep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SubstepParameters {
     /// Length, seconds.
     pub(crate) h: f32,
-    /// How much of it a derived velocity is the mean of, seconds.
+    /// The lag of derived velocities, seconds: each is the mean velocity over this time.
     pub(crate) lag: f32,
     /// Magnitude of gravity, m/s².
     pub(crate) gravity: f32,
-    /// Which of the step it is, counted from 0, and of how many.
+    /// The number of the substep in its step, counted from 0, and the number of substeps.
     pub(crate) number: u32,
     pub(crate) of: u32,
 }
 
-/// What solving needs to know, the same for all islands.
+/// What solving reads, the same for all islands.
 #[derive(Clone, Copy)]
 pub(crate) struct SolveContext<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) contacts: &'a ParticleContacts,
     pub(crate) substep: SubstepParameters,
-    /// Which part of it.
+    /// Which part of the substep it is.
     pub(crate) microstep: Microstep,
     pub(crate) execution: ExecutionContext<'a>,
 }
 
 impl<'a> SolveContext<'a> {
-    /// That of a whole substep.
+    /// The context of a whole substep.
     pub(crate) fn new(
         plan: &'a Plan,
         contacts: &'a ParticleContacts,
@@ -56,30 +56,30 @@ impl<'a> SolveContext<'a> {
         Self { plan, contacts, substep, microstep: Microstep::WHOLE, execution }
     }
 
-    /// The same in a part of `h` seconds of the substep.
+    /// The context of a microstep of `h` seconds.
     pub(super) fn divided(self, microstep: Microstep, h: f32) -> Self {
         let substep = SubstepParameters { h, lag: h, ..self.substep };
         Self { substep, microstep, ..self }
     }
 
-    /// The same in a later substep of the step, by so many.
+    /// The context of the substep that comes `by` substeps later in the step.
     pub(super) fn later(self, by: u32) -> Self {
         let number = self.substep.number + by;
         Self { substep: SubstepParameters { number, ..self.substep }, ..self }
     }
 
-    /// From when to when surfaces move in it.
+    /// The times between which surfaces move in it.
     pub(super) fn interval(&self) -> InstantInterval {
         let Microstep { number, of } = self.microstep;
         self.contacts.interval(self.substep.number, number, of)
     }
 
-    /// The same, for one worker alone.
+    /// The same context for a single worker.
     pub(super) fn by_one(self) -> Self {
         Self { execution: ExecutionContext { workers: None, ..self.execution }, ..self }
     }
 
-    /// Bounces rows off what they touched, when their velocities have been derived.
+    /// Applies restitution to rows that touched something, after their velocities have been derived.
     pub(super) fn bounce(
         &self,
         places: &mut Places,

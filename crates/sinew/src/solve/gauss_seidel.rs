@@ -1,5 +1,5 @@
-//! Gauss–Seidel (the lectures' cascade): constraints enforced one after the other, colour by colour. The order never changes from substep to substep,
-//! because alternating it pumps energy.
+//! Gauss–Seidel (the lectures' cascade): constraints are projected one after the other, colour by colour. The order is the same in every substep, because
+//! alternating it pumps energy.
 
 use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -14,7 +14,7 @@ use crate::lanes::Columns;
 use crate::particles::Places;
 use crate::threads::{ExecutionContext, Pool, TASKS, each};
 
-/// Projects every constraint of some cluster batches once and returns the largest error found, metres; of soft ones, how far they moved.
+/// Projects every constraint of some cluster batches once. Returns the largest error found, metres; for compliant ones the largest correction.
 pub(super) fn sweep(
     places: &mut Places,
     plan: &Plan,
@@ -41,7 +41,7 @@ pub(super) fn sweep_cluster_batch(
 ) -> f32 {
     let groups = &plan.groups[cluster_batch.groups.clone()];
     let (Plan { rods, constraints, .. }, instructions) = (plan, mode.instructions);
-    // What is soft asks for no start of the substep, which columns do not know.
+    // Compliant distances in columns are undamped and do not read the start of the substep, which columns do not store.
     let current = cluster_batch.kind != GroupKind::Rods || mode.gradient_at == GradientAt::Current;
     if cluster_batch.columns && current {
         let (columns, rows) = (&mut scratch.columns, cluster_batch.rows.clone());
@@ -97,7 +97,7 @@ pub(super) fn sweep_cluster_batch(
     worst
 }
 
-/// The same of a cluster batch that is swept in columns, on columns that begin with the row `first`.
+/// The same for a cluster batch that is swept in columns; these begin with row `first`.
 pub(super) fn sweep_turned(
     columns: &mut Columns,
     plan: &Plan,
@@ -128,7 +128,7 @@ pub(super) fn sweep_turned(
     worst
 }
 
-/// The same of one large island, by several workers: stage after stage, and in each stage clusters that share no particle side by side.
+/// The same for one large island by several workers: stage by stage, and within a stage the clusters, which share no particle, in parallel.
 pub(super) fn sweep_shared(
     mut places: Places,
     plan: &Plan,
@@ -138,7 +138,7 @@ pub(super) fn sweep_shared(
     execution: ExecutionContext,
     scratches: &Pool<impl AsMut<SweepScratch> + Default + Send>,
 ) -> f32 {
-    // Errors are not negative, and the bits of such numbers order as they do.
+    // Errors are not negative, and the bits of such numbers have the same order as the numbers.
     let worst = AtomicU32::new(0);
     let mut number = cluster_batches.start;
     for stage in
@@ -162,7 +162,7 @@ pub(super) fn sweep_shared(
     f32::from_bits(worst.into_inner())
 }
 
-/// Takes the rows and the multipliers of some cluster batches of one stage from what is left.
+/// Splits the rows and the multipliers of some cluster batches of one stage off what is left.
 fn take<'a>(
     left: &mut Option<(Places<'a>, MultiplierSlice<'a>)>,
     plan: &Plan,

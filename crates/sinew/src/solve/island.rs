@@ -1,4 +1,4 @@
-//! One island: particles that constraints connect, solved until they hold or the sweeps are spent, whatever happens elsewhere.
+//! Solves one island, particles connected by constraints, until its constraints are satisfied or its sweeps are used up, independently of all other islands.
 
 use std::time::Instant;
 
@@ -24,7 +24,7 @@ use crate::particles::Places;
 use crate::settings::Order;
 use crate::threads::ExecutionContext;
 
-/// A sweep over an island by one worker, in whatever order the island asks for. As every sweep it returns the largest error that it found, metres.
+/// A sweep over an island by one worker, in the order that its settings require. Like every sweep it returns the largest error found, metres.
 #[inline]
 pub(super) fn sweep_in_order(
     plan: &Plan,
@@ -65,10 +65,10 @@ pub(super) fn sweep_in_order(
     }
 }
 
-/// Solves the island of a number by a `sweep`; returns what its corrections gave it and should not have.
+/// Solves island `number` by repeated calls of `sweep`. Returns the momentum that its corrections must not have added.
 ///
-/// Constraints come first, contacts last: what must not be seen to fail, a foot in the ground, has the last word. A sweep's error is what it
-/// *found*, before it corrected it: reaching the tolerance therefore costs no extra pass, and is never claimed too early.
+/// Constraints come first and contacts last, so that an error that remains is not a visible penetration such as a foot in the ground. The error of a sweep is
+/// the one *found*, before it was corrected. So reaching the tolerance costs no extra pass, and convergence is never reported too early.
 pub(super) fn solve(
     context: SolveContext,
     number: usize,
@@ -90,7 +90,7 @@ pub(super) fn solve(
     let Swept { sweeps, converged, touched, violated } =
         sweep_until_held(context, number, gradient_at, columns, sweep);
     report.violated = violated;
-    // Of constraints: who has none only left what it touches.
+    // Only sweeps over constraints count; an island without any was only projected out of contacts.
     let sweeps = if island.groups.is_empty() { 0 } else { sweeps };
     report.sweeps += sweeps;
     report.most_sweeps = report.most_sweeps.max(sweeps);
@@ -104,8 +104,8 @@ pub(super) fn solve(
     momentum_drift
 }
 
-/// Whether the island of a number can be swept once more after contacts between bodies: hard constraints on particles alone. The multiplier of a soft one, which
-/// starts afresh, would press twice in a substep, and of a chain each sweep is the whole of the load that a contact holds.
+/// Whether an island can be swept once more after contacts between bodies. All its constraints must be hard and act on particles alone. The multiplier of a
+/// compliant one restarts at zero, so it would push twice in a substep; and each sweep of a chain transmits the whole load that a contact carries.
 fn can_propagate(plan: &Plan, island: &Island) -> bool {
     let settings = &island.settings;
     let suits = settings.order == Order::GaussSeidel
@@ -116,8 +116,8 @@ fn can_propagate(plan: &Plan, island: &Island) -> bool {
         && plan.is_hard(island)
 }
 
-/// Sweeps the island of a number once more in a substep in which a contact between bodies has stopped a part of it suddenly; returns what its corrections gave it
-/// and should not have. `before` is scratch.
+/// Sweeps island `number` once more in a substep in which a contact between bodies has suddenly stopped a part of it. Returns the momentum that its corrections
+/// must not have added. `before` is scratch.
 pub(super) fn propagate_impact(
     context: SolveContext,
     number: usize,
@@ -143,17 +143,17 @@ pub(super) fn propagate_impact(
     if free { MomentumDrift::since(&places, (rows, before), h, settings.keep_spin) } else { None }
 }
 
-/// How sweeping an island went.
+/// The result of sweeping an island.
 struct Swept {
     sweeps: u32,
     converged: bool,
-    /// Whether one of its particles touched something that stands.
+    /// Whether one of its particles touched static or kinematic geometry.
     touched: bool,
-    /// Whether it was off by more than is recovered in a substep.
+    /// Whether the first error found was more than is recovered in a substep.
     violated: bool,
 }
 
-/// Sweeps until the largest error met is within the tolerance, or the sweeps are spent.
+/// Sweeps until the largest error found is within the tolerance, or the sweeps are used up.
 #[inline]
 fn sweep_until_held(
     context: SolveContext,
@@ -194,10 +194,10 @@ fn sweep_until_held(
     swept
 }
 
-/// Holds at once what rods hold one after the other, before they have their say: what hangs on pins to what it may be away from them, and chains. Returns how
-/// far out the farthest from its pin was, metres; of a chain, whose rods have next to nothing left to find, only what is a violation. Where corrections are to
-/// keep energy, along the start of the substep, there is none of it; and small islands have tethers in the first sweep of a substep alone, after which little is
-/// left to hold.
+/// Projects, before the rods are swept, what they would only reach over many sweeps: tethers, and chains by a direct solve. Returns how far outside its tether
+/// the farthest particle was, metres. For a chain, whose rods then have next to no error left, only a violation counts. Does nothing with corrections along the
+/// start of the substep, which are to conserve energy. Small islands have their tethers projected in the first sweep of a substep only, after which little is
+/// left.
 pub(super) fn hold_at_once(
     plan: &Plan,
     island: &Island,
@@ -221,9 +221,9 @@ pub(super) fn hold_at_once(
     worst
 }
 
-/// Holds large cloth at once after its rods have had their say: to its pins again, and its particles to what they may be away from each other. Each
-/// sweep leaves most where it was last, and what is worst is then what rods left; where spans had the first word, cloth was stretched by a seventh more at the
-/// worst, and a flag at the corner that all of it hangs on by a quarter. How far out they are, the rods between their ends find in the next sweep.
+/// Projects large cloth again after its rods: tethers to its pins, and spans, which bound distances between free particles. Rods leave the largest errors where
+/// they were swept last, so spans come after them: with spans first, cloth was stretched by a seventh more at its worst, and a flag by a quarter more at the
+/// corner that all of it hangs on. The errors of spans are not measured here, since the rods between their ends find them in the next sweep.
 pub(super) fn hold_again(
     plan: &Plan,
     island: &Island,
@@ -239,7 +239,7 @@ pub(super) fn hold_again(
     }
 }
 
-/// Holds what hangs on pins to what it may be away from them; returns how far out the farthest was, metres.
+/// Projects particles into the range of their tethers. Returns how far outside the farthest was, metres.
 fn hold_by_pins(
     plan: &Plan,
     island: &Island,
@@ -254,11 +254,11 @@ fn hold_by_pins(
     tethers.project(places.position, places.first, pins, mode.instructions)
 }
 
-/// Starts the multipliers of an island afresh.
+/// Sets the multipliers of an island to zero.
 fn reset_multipliers(plan: &Plan, island: &Island, multipliers: &mut MultiplierSlice) {
     for group in &plan.groups[island.groups.clone()] {
         match group.kind {
-            // Hard rods have none that matter.
+            // Hard rods do not accumulate multipliers.
             GroupKind::Rods => {}
             GroupKind::Distances => multipliers.of_distances(group.range.clone()).fill(0.0),
             GroupKind::Constraints => multipliers.of_constraints(group.range.clone()).fill(0.0),
@@ -266,10 +266,10 @@ fn reset_multipliers(plan: &Plan, island: &Island, multipliers: &mut MultiplierS
     }
 }
 
-/// Whether a rod of the island turns so far in this substep that the direction that it had at the start says little about the one it needs.
+/// Whether a rod of the island turns so far in this substep that its direction at the start says little about the direction it needs.
 ///
-/// A bond that turns by θ is corrected along a line that is off by θ, with a gain of 1/cos θ: harmless at 20°, without bound at 90°. And where one
-/// bond of an island goes wrong its neighbours follow, so all of it goes back.
+/// A rod that turns by θ is corrected along a line that is off by θ, with a gain of 1/cos θ: harmless at 20°, unbounded at 90°. Where one rod of an island
+/// fails its neighbours follow, so the whole island falls back.
 fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
     let mut rods = plan.groups[island.groups.clone()]
         .iter()
@@ -285,7 +285,7 @@ fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
     })
 }
 
-/// Projects the particles of an island out of whatever stands in the world once; returns the deepest it found, metres.
+/// Projects the particles of an island out of static and kinematic geometry once. Returns the deepest penetration found, metres.
 #[inline]
 pub(super) fn project_contacts(
     context: SolveContext,
@@ -322,8 +322,8 @@ mod tests {
         instructions: InstructionSet::Simd128,
     };
 
-    /// Cloth of so many columns and rows, pinned by two corners, that is being shaken. By its other corners it hangs on two ropes, one that was there before it and one
-    /// that has come after it, if so many particles of others are between them; the second rope carries a box. With the number of its island.
+    /// Shaken cloth of a size, pinned at two corners. If `between` is given, its other corners are tied to two ropes, one with rows before the cloth and one
+    /// after it, with `between` unrelated particles in between; the second rope carries a box. Returns the world and the number of the cloth's island.
     fn shaken_cloth((columns, rows): (u32, u32), between: Option<usize>) -> (Simulation, usize) {
         let mut world = Simulation::default();
         let others = |world: &mut Simulation, count: usize| {
@@ -377,7 +377,7 @@ mod tests {
         (world, island as usize)
     }
 
-    /// Its tethers, spans, soft ties and rods, and what is tied to it, do to the bit the same in columns as one cluster batch after the other.
+    /// Tethers, spans, compliant distances, rods and tied parts give the same bits in columns as one cluster batch after the other.
     #[test]
     fn cloth_in_columns_has_the_bits_of_its_cluster_batches_one_by_one() {
         let sizes = [(20, 20), (63, 63), (90, 31)];
@@ -413,7 +413,7 @@ mod tests {
 
     #[test]
     fn rods_relaxed_by_all_of_their_errors_go_where_they_go_anyway() {
-        // In columns, and in an order in which nothing is in step.
+        // In columns, and in an order of rows without regular strides.
         for step in [1, 37] {
             let material = ClothMaterial { bend_compliance: None, ..Default::default() };
             let spec = ClothSpec { material, ..Default::default() };

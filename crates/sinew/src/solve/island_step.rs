@@ -1,6 +1,6 @@
-//! Whole steps in one go: where nothing but gravity acts from outside, no island needs to know of another between two substeps. So a task takes its
-//! islands through all substeps of a step, while their particles lie in a core's own cache, and threads meet once a step instead of thrice a substep.
-//! The bits are those of phase after phase.
+//! Island steps: with no external force but gravity, no island depends on another between two substeps. So a task takes its islands through all substeps of a
+//! step while their particles are in a core's own cache, and threads synchronise once a step instead of three times a substep. The result has the same bits as
+//! phase after phase.
 
 use core::mem::take;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -23,7 +23,7 @@ use crate::lanes::with;
 use crate::particles::{Particles, Places};
 use crate::threads::{Pool, each};
 
-/// Predicts, solves and derives, so many substeps of `h` seconds. Forces have been summed up, and are the same in all of them.
+/// Predicts, solves and derives for `substeps` substeps. Forces have been accumulated before and are the same in all of them.
 pub(crate) fn advance_all(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
@@ -38,7 +38,7 @@ pub(crate) fn advance_all(
     iteration_counts.clear();
     iteration_counts.resize_with(substeps as usize, AtomicU32::default);
     let (places, motion) = MotionColumns::all(particles);
-    // What has been summed up is the same for all.
+    // The accumulated forces are the same for all particles, and are in `common`.
     let motion = MotionColumns { acceleration: &[], medium: &[], drift: &[], ..motion };
     let (normal_impulses, multipliers) =
         (NormalImpulses::all(normal_impulses), all_multipliers.all());
@@ -82,7 +82,7 @@ pub(crate) fn advance_all(
     }
 }
 
-/// Leaves out what moves as rigid states, whose rows are one stretch each.
+/// Removes islands that move as one rigid state. The rows of each are contiguous.
 fn leave_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
     let mut islands = task.islands.clone();
     while let Some(first) = islands.find(|&number| plan.islands.list[number].one_state) {
@@ -102,9 +102,9 @@ fn leave_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
     }
 }
 
-/// Through all substeps of a step.
+/// Stepping through all substeps of a step.
 impl TaskSlice<'_> {
-    /// The instance batches in it.
+    /// The instance batches of the task.
     fn step_batches<'b>(
         &'b mut self,
         thread_scratch: &'b mut ThreadScratch,
@@ -133,7 +133,7 @@ impl TaskSlice<'_> {
         }
     }
 
-    /// A single large island, by all workers, who meet after each stage of each sweep.
+    /// Steps a single large island by all workers, which synchronise after each stage of each sweep.
     fn step_by_all(
         mut self,
         thread_scratches: &Pool<ThreadScratch>,
@@ -160,7 +160,7 @@ impl TaskSlice<'_> {
         }
     }
 
-    /// Its islands one after the other through all substeps. `iteration_counts` are the most sweeps in each.
+    /// Steps the remaining islands one after the other through all substeps. `iteration_counts` has the largest sweep count of each substep.
     fn step_one_by_one(
         mut self,
         thread_scratch: &mut ThreadScratch,

@@ -1,8 +1,8 @@
-//! Jacobi: every constraint is solved from the same positions, and each particle goes to the mean of what its constraints ask of it.
+//! Jacobi: every constraint is projected from the same positions, and each particle moves by the mean of its constraints' corrections.
 //!
-//! Plain averaging loses momentum where two particles are in different numbers of constraints. So the mass of a particle is split among its n
-//! constraints first (Tonge et al., *Mass splitting for jitter-free parallel rigid body simulation*, 2012): each sees the inverse mass `n w`, and
-//! the mean of the n corrections keeps the barycentre of every constraint where it was.
+//! Plain averaging loses momentum where two particles have different numbers of constraints. So the mass of a particle is first split among its n constraints
+//! (Tonge et al., *Mass splitting for jitter-free parallel rigid body simulation*, 2012): each uses the inverse mass `n w`, and the mean of the n corrections
+//! keeps the barycentre of every constraint where it was.
 
 use glam::Vec3;
 
@@ -12,14 +12,14 @@ use super::plan::Plan;
 use crate::islands::Island;
 use crate::particles::Places;
 
-/// What is asked of each particle. Scratch.
+/// The sum and the number of the corrections of each particle. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Asked {
     sum: Vec<Vec3>,
     count: Vec<u32>,
 }
 
-/// Projects every constraint of an island once, from the same positions, and returns the largest error found among the hard ones, metres.
+/// Projects every constraint of an island once, from the same positions. Returns the largest error found, metres; for compliant ones the largest correction.
 pub(super) fn sweep(
     places: &mut Places,
     plan: &Plan,

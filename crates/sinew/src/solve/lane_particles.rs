@@ -1,10 +1,10 @@
-//! A particle of each of eight bodies, which are solved side by side.
+//! The same particle of eight bodies that are solved side by side.
 
 use glam::{Vec3, Vec4};
 
 use crate::lanes::{LANES, Lanes};
 
-/// `x y z w` of one particle of each body; on lines of the cache of its own.
+/// `x y z w` of one particle of each body, in SoA order, on cache lines of its own.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct LaneParticles([[f32; LANES]; 4]);
@@ -37,26 +37,26 @@ impl LaneParticles {
         d.store(w);
     }
 
-    /// The same with one number in all fourth places.
+    /// A copy with the same number in all `w`.
     pub(super) fn with_fourths(&self, fourth: f32) -> Self {
         let [x, y, z, _] = self.0;
         Self([x, y, z, [fourth; LANES]])
     }
 
-    /// What stands in the fourth places.
+    /// The `w` of all eight.
     pub(super) fn fourths(&self) -> &[f32; LANES] {
         &self.0[3]
     }
 
-    /// Takes one of other bodies.
+    /// Copies the particle in lane `from` of another entry into `lane`.
     pub(super) fn take(&mut self, lane: usize, other: &Self, from: usize) {
-        // Written out: each particle of each body that changes its lane comes here.
+        // Written out, because it runs for each particle of each body that changes its lane.
         let (lane, from) = (lane % LANES, from % LANES);
         let ([x, y, z, w], [a, b, c, d]) = (&mut self.0, &other.0);
         (x[lane], y[lane], z[lane], w[lane]) = (a[from], b[from], c[from], d[from]);
     }
 
-    /// Of one body.
+    /// The particle of one body.
     pub(super) fn lane(&self, lane: usize) -> Vec4 {
         let [x, y, z, w] = &self.0;
         Vec4::new(x[lane], y[lane], z[lane], w[lane])

@@ -1,4 +1,4 @@
-//! What is left to correct, for the report.
+//! Measures the remaining errors, for the report.
 
 use super::constraint_ref::{constraint_error, distance_error};
 use super::lane_particles::LaneParticles;
@@ -11,8 +11,8 @@ use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::{Particles, Places};
 
-/// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances. Islands that
-/// went as a wavefront have been measured on the way.
+/// Measures without moving anything: the largest error of the hard constraints, metres, and the largest strain of the hard distances. Islands that were solved
+/// as a wavefront have been measured already.
 pub(crate) fn measure(
     particles: &mut Particles,
     contacts: &ParticleContacts,
@@ -23,7 +23,7 @@ pub(crate) fn measure(
 ) {
     (report.error, report.strain) = (0.0, 0.0);
     report.converged &= report.islands.iter().all(|island| island.converged);
-    // What moves as one rigid state has nothing left to correct.
+    // A rigid state has no constraint errors.
     for (island, own) in plan.islands.list.iter().zip(&mut report.islands) {
         own.measured |= island.one_state;
     }
@@ -36,7 +36,7 @@ pub(crate) fn measure(
     );
     for (number, (island, own)) in plan.islands.list.iter().zip(&mut report.islands).enumerate() {
         let (mut error, mut strain) = (0.0_f32, 0.0_f32);
-        // What broke was put back after it was measured.
+        // Frozen particles were put back after that measurement, so it no longer holds.
         let measured = core::mem::take(&mut own.measured) && report.frozen.is_empty();
         if measured {
             (error, strain) = (own.error, own.strain);
@@ -45,7 +45,7 @@ pub(crate) fn measure(
         for cluster_batch in &plan.cluster_batches[cluster_batches] {
             let groups = &plan.groups[cluster_batch.groups.clone()];
             if cluster_batch.columns && cluster_batch.kind == GroupKind::Distances {
-                // What is soft has nothing left to be kept.
+                // Compliant distances have no error.
                 continue;
             }
             if cluster_batch.columns {
@@ -89,7 +89,7 @@ pub(crate) fn measure(
                 (error, strain) = (error.max(left), strain.max(share));
             }
         }
-        // Nor do its particles touch anything by themselves.
+        // The particles of a rigid state do not touch anything by themselves.
         if !contacts.is_empty() && !island.one_state {
             let rows = &plan.islands.members[island.members.clone()];
             error = error.max(contacts.island_error(&places, (number, rows), instructions));
@@ -100,7 +100,7 @@ pub(crate) fn measure(
     }
 }
 
-/// The largest error of some distances, metres, and the largest share of a rest length.
+/// The largest error of some distances, metres, and the largest error as a share of the rest length.
 fn distance_errors(places: &Places, distances: &[Distance]) -> (f32, f32) {
     let (mut error, mut strain) = (0.0_f32, 0.0_f32);
     for d in distances {
@@ -111,8 +111,8 @@ fn distance_errors(places: &Places, distances: &[Distance]) -> (f32, f32) {
     (error, strain)
 }
 
-/// Adds how deep body colliders are in each other and in what stands, metres, given with a row of each: an island whose tolerance that exceeds has not
-/// converged.
+/// Adds the penetrations of body colliders into each other and into static geometry, metres, each given with a row of the body. An island with a penetration
+/// above its tolerance has not converged.
 pub(crate) fn measure_overlaps(
     overlaps: impl Iterator<Item = (u32, f32)>,
     islands: &Islands,

@@ -1,27 +1,28 @@
 //! Solving: in which order the kernels of the [constraints](crate::constraints) run, and how often.
 //!
-//! - `plan` compiles the constraints island by island into groups of one kind and colour, and updates them incrementally where few
-//!   constraints were added or removed;
-//! - `world` deals islands out to threads, `island_step` for whole steps; `island` solves one: until the largest error in it is small enough or the
-//!   sweeps are spent;
-//! - `context` is what all of them need to know of a substep, `task_slice` what a task or an island has to itself, `sweep_scratch` what a thread keeps the memory of to sweep it;
-//! - `microsteps` takes a large soft island through a substep in smaller steps of its own; when a step ends `relaxation` shares out what is left of its errors, and
-//!   `strain_limit` brings within 3 % those of its rods that are off by more;
-//! - `pressed_cloth` is large cloth that shapes of other bodies press on: which particles go along with one that is pushed, and how rods and tethers hold them in between;
-//! - `rod_graph` says which rods end at a particle;
-//! - `instances` takes islands that are built alike side by side, as `lane_particles`;
-//! - `wavefront` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;
-//! - `rods` takes hard rods eight by eight; `chains` solves those of a rope at once; `tethers` hold what hangs on a pin through many of them;
-//! - `wide` takes most other constraints eight by eight;
-//! - `gauss_seidel`, `most_violated_first` and `jacobi` are the orders of a sweep; `column_sweep` is the first of them for large cloth; `parts` are what is tied to it,
-//!   and `tie_rods` its rods about that, which are swept more often, on `turned_places`;
-//! - `constraint_ref` is one constraint of the plan, whatever its kind;
-//! - `remaining` is what instance batches and wavefronts leave of a task;
-//! - `momentum` keeps round-off out of what constraints cannot change; `damping` is friction inside a body;
-//! - `recovery` bounds the speed at which violations are recovered;
-//! - `multipliers` are the multipliers of soft constraints; `measure` looks at what is left to correct;
-//! - `loads` measures with what force single constraints hold;
-//! - `report` says how it went.
+//! - `plan` compiles the constraints, island by island, into groups of one kind and colour, and updates them incrementally where few constraints were added or
+//!   removed.
+//! - `world` distributes islands to threads for one substep, `island_step` for a whole step. `island` solves one, until its largest error is small enough or
+//!   its sweeps are used up.
+//! - `context` is the context of a substep, `task_slice` the columns of one task or island, `sweep_scratch` the scratch of a thread's sweeps.
+//! - `microsteps` takes a large soft island through a substep in smaller steps. When a step ends, `relaxation` spreads out the errors that remain, and
+//!   `strain_limit` brings rods that are off by more than 3 % within that.
+//! - `pressed_cloth` is large cloth in contact with other bodies' shapes: which particles move along with one that is pushed, and how rods and tethers are
+//!   projected between turns of the contacts.
+//! - `rod_graph` lists the rods at each particle.
+//! - `instances` solves islands of the same topology side by side, stored as `lane_particles`.
+//! - `wavefront` pipelines all substeps of a step through a large island of rods (temporal blocking), on one or several threads.
+//! - `rods` projects hard rods eight at a time, `chains` solves those of a rope directly, and `tethers` bound the distances of particles from their pins.
+//! - `wide` projects most other constraints eight at a time.
+//! - `gauss_seidel`, `most_violated_first` and `jacobi` are the orders of a sweep. `column_sweep` is Gauss–Seidel for large cloth. `parts` are the bodies tied
+//!   to that, and `tie_rods` the cloth's rods near the ties, which are swept more often; both work on `turned_places`.
+//! - `constraint_ref` refers to one constraint of the plan, of any kind.
+//! - `remaining` is what instance batches and wavefronts leave of a task.
+//! - `momentum` removes momentum that corrections must not add; `damping` is internal friction of a body.
+//! - `recovery` bounds the speed at which violations are recovered.
+//! - `multipliers` are the multipliers of compliant constraints; `measure` measures the remaining errors.
+//! - `loads` measures the forces of single constraints.
+//! - `report` is the solver's report.
 
 mod chains;
 mod column_sweep;

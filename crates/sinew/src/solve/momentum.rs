@@ -1,14 +1,14 @@
-//! The momenta of an island that nothing outside holds: what its constraints among themselves cannot have changed is put back.
+//! Conserves the momenta of an island that nothing outside acts on: momentum that its own constraints cannot have added is removed.
 //!
-//! Constraints among the particles of an island sum to no momentum, but a correction is rounded to the spacing of positions, 6e-8 m within a
-//! metre, and divided by `h` becomes a kick: at 600 substeps a second, noise of some 1e-5 m/s that adds up like a random walk, until after a
-//! minute a free brick tumbles otherwise than it should. What the sums must be is known, so the difference is taken from all particles as the
-//! answer of a rigid body to it.
+//! Constraints among the particles of an island add no momentum in sum. But a correction is rounded to the spacing of positions, 6e-8 m within a metre, which
+//! divided by `h` becomes an impulse. At 600 substeps a second that is noise of some 1e-5 m/s which adds up like a random walk, until after a minute a free
+//! brick tumbles differently than it should. The true sums are known, so the difference is removed from all particles as the velocity with which a rigid body
+//! would respond to it.
 //!
-//! The angular momentum `Σ m p × v`, with `p` where the substep began, is what Verlet conserves, and what corrections along the start of the
-//! step ([`GradientAt::StepStart`]) keep. To the nearest point they do not: a cube of rods loses its spin as `ω₀/√(1 + 2ω₀²ht)`, and a skin under
-//! pressure makes some out of nothing. That is mended in the same way, unless
-//! [`keep_spin`](crate::SolverSettings::keep_spin) asks for the lectures' loop as it is.
+//! Verlet conserves the angular momentum `Σ m p × v` with `p` at the start of the substep, and so do corrections along the start of the step
+//! ([`GradientAt::StepStart`]). Corrections to the nearest point do not: a cube of rods loses its spin as `ω₀/√(1 + 2ω₀²ht)`, and a skin under pressure gains
+//! spin out of nothing. This is corrected in the same way, unless [`keep_spin`](crate::SolverSettings::keep_spin) is off, which leaves the lectures' loop as it
+//! is.
 
 use glam::{DVec3, Vec3, Vec4};
 
@@ -18,10 +18,10 @@ use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
 use crate::particles::Places;
 use crate::pose::pseudo_solve;
 
-/// What the corrections of an island together gave it, and has to be taken off again.
+/// The motion that the corrections of an island added in sum and that has to be removed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MomentumDrift {
-    /// Where the substep began at the first of its rows, which the barycentre is measured from, metres.
+    /// Position at the start of the substep of the first of its rows, metres; the barycentre is measured from it.
     pub(super) anchor: DVec3,
     pub(super) centre: DVec3,
     /// Velocity of the barycentre, m/s, and angular velocity, rad/s.
@@ -30,11 +30,11 @@ pub(super) struct MomentumDrift {
 }
 
 impl MomentumDrift {
-    /// Of an island that nothing held, before its velocities are derived: linear momentum, and angular momentum if the corrections are to keep that.
+    /// The drift of an island without external contacts, before its velocities are derived. With `keeps_angular` it includes angular momentum.
     ///
-    /// With `v' = u + (q' - q)/h` ([`integrate`](crate::integrate)) they gave the momentum `P = Σ m (v' - u)`, and the angular momentum
-    /// `L = Σ r × m (v' - u)` about the point that `r` is measured from, where the substep began. A rigid body of the same masses answers with
-    /// `P/M` and `I⁻¹ (L - r̄ × P)`. Differences of velocities are exact in `f64`, so nothing is lost by summing up.
+    /// With `v' = u + (q' - q)/h` ([`integrate`](crate::integrate)) the corrections added the momentum `P = Σ m (v' - u)`, and the angular momentum `L = Σ r ×
+    /// m (v' - u)` about the point that `r` is measured from, with `r` at the start of the substep. A rigid body of the same masses responds with `P/M` and
+    /// `I⁻¹ (L - r̄ × P)`. Differences of velocities are exact in `f64`, so summing them loses nothing.
     pub(super) fn of(places: &Places, rows: &[u32], h: f32, keeps_angular: bool) -> Option<Self> {
         let per_second = 1.0 / h;
         let gained = |_, i: usize| {
@@ -46,7 +46,7 @@ impl MomentumDrift {
         Self::of_gains(places, rows, keeps_angular, gained)
     }
 
-    /// The same of corrections since particles were where they were `before`, within the substep.
+    /// The same for the corrections since the particles were at `before`, within the substep.
     pub(super) fn since(
         places: &Places,
         (rows, before): (&[u32], &[Vec4]),
@@ -61,7 +61,7 @@ impl MomentumDrift {
         Self::of_gains(places, rows, keeps_angular, gained)
     }
 
-    /// Of particles that have gained so much velocity, m/s, by their numbers among the rows and where they are among the places.
+    /// The drift of particles whose velocity gains, m/s, are given by a function of their number among the rows and their index among the places.
     #[inline(always)]
     fn of_gains(
         places: &Places,
@@ -80,7 +80,7 @@ impl MomentumDrift {
         Some(Self { anchor, centre, shift, turn })
     }
 
-    /// Adds it to what particles are to have taken off when their velocities are derived, m/s.
+    /// Adds the velocity that each particle is to lose when its velocity is derived, m/s.
     pub(super) fn add_to(&self, places: &Places, rows: &[u32], to: &mut [Vec4]) {
         for &row in rows {
             let i = places.at(row);
@@ -88,7 +88,7 @@ impl MomentumDrift {
         }
     }
 
-    /// Takes it off the derived velocities.
+    /// Subtracts the drift from the derived velocities.
     pub(super) fn take_off(&self, places: &mut Places, rows: &[u32]) {
         for &row in rows {
             let i = places.at(row);
@@ -96,14 +96,14 @@ impl MomentumDrift {
         }
     }
 
-    /// What a particle that was there when the substep began has to have taken off, m/s.
+    /// The velocity to be removed from a particle that was at `start` when the substep began, m/s.
     fn share(&self, start: Vec4) -> Vec3 {
         let arm = start.truncate().as_dvec3() - self.anchor - self.centre;
         (self.shift + self.turn.cross(arm)).as_vec3()
     }
 }
 
-/// What eight bodies have to have taken off.
+/// The drifts of eight bodies.
 pub(super) struct WideMomentumDrift<D> {
     pub(super) anchor: Vector<D>,
     pub(super) centre: Vector<D>,
@@ -112,7 +112,7 @@ pub(super) struct WideMomentumDrift<D> {
 }
 
 impl<D: Doubles> WideMomentumDrift<D> {
-    /// Eight times that of one body.
+    /// The same drift in all lanes.
     #[inline(always)]
     pub(super) fn all(one: &MomentumDrift) -> Self {
         let MomentumDrift { anchor, centre, shift, turn } = *one;
@@ -120,7 +120,7 @@ impl<D: Doubles> WideMomentumDrift<D> {
         Self { anchor: all(anchor), centre: all(centre), shift: all(shift), turn: all(turn) }
     }
 
-    /// What particles have to have taken off their velocities that were there when the substep began, m/s.
+    /// The velocities to be removed from particles that were at `from` when the substep began, m/s.
     #[inline(always)]
     pub(super) fn share<L: Lanes<Doubles = D>>(&self, from: Vector<L>) -> Vector<L> {
         let arm = from.widen() - self.anchor - self.centre;
@@ -130,12 +130,12 @@ impl<D: Doubles> WideMomentumDrift<D> {
 }
 
 kernel!(
-    /// Notes what the particles of an island are to have taken off when their velocities are derived, m/s: eight at a time.
+    /// Stores the velocity that each particle of an island is to lose when its velocity is derived, m/s; eight at a time.
     pub(super) fn note_drift<L: Lanes>(
         momentum_drift: &MomentumDrift,
         places: &Places<'_>,
         rows: &[u32],
-        // For each of the places.
+        // One for each of the places.
         to: &mut [Vec4],
     ) {
         let (eights, others) = rows.as_chunks::<LANES>();
@@ -152,7 +152,7 @@ kernel!(
     }
 );
 
-/// What is summed up over an island, or a body.
+/// Moments and momenta summed over an island or a body.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MomentumSums {
     mass: f64,
@@ -166,7 +166,7 @@ pub(super) struct MomentumSums {
 }
 
 impl MomentumSums {
-    /// Adds a mass, kg, where it is, metres from the anchor, and its velocity or what that has gained, m/s.
+    /// Adds a mass, kg, at `r`, metres from the anchor, with a velocity or a gain in velocity, m/s.
     #[inline]
     pub(super) fn add(&mut self, m: f64, r: DVec3, change: DVec3) {
         let (weighed, gained) = (r * m, change * m);
@@ -178,7 +178,7 @@ impl MomentumSums {
         self.angular += r.cross(gained);
     }
 
-    /// The barycentre from the anchor, metres; the velocity and the angular velocity that a rigid body would have of what was summed up.
+    /// The barycentre relative to the anchor, metres, and the velocity and angular velocity that a rigid body with these sums would have.
     pub(super) fn answer(&self, keeps_angular: bool) -> Option<(DVec3, DVec3, DVec3)> {
         let centre = self.first / self.mass;
         let shift = self.momentum / self.mass;
@@ -199,7 +199,7 @@ impl MomentumSums {
 
 /// Whether an island has constraints, all of them between its own particles, and none of its particles is `held`.
 pub(crate) fn is_free(island: &Island, held: bool) -> bool {
-    // Explicit Euler adds the forces of the substep after the constraints; an explicit rigid body's velocities are its own.
+    // Explicit Euler adds the forces of the substep after the constraints; an explicit rigid body has velocities of its own.
     !held
         && !island.groups.is_empty()
         && !island.rigid

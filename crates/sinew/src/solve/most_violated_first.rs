@@ -1,4 +1,4 @@
-//! Most-violated-first: a heap hands out the constraint whose error is largest; projecting it changes the errors of its neighbours alone.
+//! Most-violated-first: a heap yields the constraint with the largest error; projecting it only changes the errors of its neighbours.
 
 use std::collections::BinaryHeap;
 
@@ -8,22 +8,23 @@ use super::plan::Plan;
 use crate::islands::Island;
 use crate::particles::Places;
 
-/// What the heap needs beside the plan. Scratch.
+/// The state of the heap. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Queue {
-    /// Error (as bits, which order like the number, since it is not negative), place in the list reversed so that the first wins a tie, stamp.
+    /// The error (as bits, which have the order of the number, since it is not negative), the place in the list (reversed, so that the first wins a tie), and a
+    /// stamp.
     heap: BinaryHeap<(u32, core::cmp::Reverse<u32>, u32)>,
-    /// How often each item's error was measured: an entry with an older stamp is out of date.
+    /// How often each constraint's error was measured: a heap entry with an older stamp is out of date.
     stamps: Vec<u32>,
     /// The place of each particle among the members of the island, by row.
     slots: Vec<u32>,
-    /// The items that bind each member: where they begin in `touching`.
+    /// For each member, where the list of its constraints begins in `touching`.
     begins: Vec<u32>,
     touching: Vec<u32>,
 }
 
-/// As many projections as the island has constraints, always of the one that is violated most; returns the largest error found, metres.
-/// Soft constraints, which are not meant to be kept, take one turn each, first.
+/// Makes as many projections as the island has constraints, always of the one with the largest error. Returns the largest error found, metres. Compliant
+/// constraints, which are not meant to reach zero error, are projected once each, before the others.
 pub(super) fn sweep(
     places: &mut Places,
     plan: &Plan,
@@ -72,7 +73,7 @@ pub(super) fn sweep(
 }
 
 impl Queue {
-    /// Lists the items that bind each particle of the island.
+    /// Lists the constraints of each particle of the island.
     fn connect(&mut self, plan: &Plan, island: &Island, constraint_refs: &[ConstraintRef]) {
         let Self { slots, begins, touching, .. } = self;
         let members = &plan.islands.members[island.members.clone()];
@@ -88,7 +89,7 @@ impl Queue {
                 begins[slots[row as usize] as usize] += 1;
             }
         }
-        // Sums up to the end of each stretch, which is then filled from its back, until `begins` is where it begins.
+        // Prefix sums to the end of each list. Filling a list from its back then leaves `begins` at its beginning.
         let mut sum = 0;
         for begin in begins.iter_mut() {
             sum += *begin;
@@ -105,7 +106,7 @@ impl Queue {
         }
     }
 
-    /// Notes the present error of an item; what is within the tolerance does not queue up.
+    /// Enters the present error of a constraint. One within the tolerance is not queued.
     fn enter(&mut self, place: usize, error: f32, tolerance: f32) {
         self.stamps[place] += 1;
         if error > tolerance {

@@ -1,10 +1,11 @@
-//! Multipliers: what each soft constraint has summed up in a substep, apart from the plan, so that threads that share the plan each have their own.
+//! The accumulated Lagrange multipliers of compliant constraints in a substep. Kept apart from the plan, so that threads that share the plan each write their
+//! own.
 
 use core::ops::Range;
 
 /// The multipliers of consecutive distances and of consecutive constraints of a plan.
 pub(crate) struct MultiplierSlice<'a> {
-    /// Numbers of the first of either in the plan.
+    /// Numbers in the plan of the first distance and the first constraint.
     first_distance: usize,
     first_constraint: usize,
     distances: &'a mut [f32],
@@ -19,7 +20,7 @@ pub(crate) struct Multipliers {
 }
 
 impl Multipliers {
-    /// So many of either.
+    /// Resizes to the numbers of distances and constraints.
     pub(crate) fn resize(&mut self, distances: usize, constraints: usize) {
         self.distances.resize(distances, 0.0);
         self.constraints.resize(constraints, 0.0);
@@ -37,32 +38,32 @@ impl Multipliers {
 }
 
 impl<'a> MultiplierSlice<'a> {
-    /// Those of distance number `i` of the plan.
+    /// The multiplier of distance number `i` of the plan.
     #[inline]
     pub(crate) fn distance(&mut self, i: usize) -> &mut f32 {
         &mut self.distances[i - self.first_distance]
     }
 
-    /// The same of constraint number `i`.
+    /// The multiplier of constraint number `i` of the plan.
     #[inline]
     pub(crate) fn constraint(&mut self, i: usize) -> &mut f32 {
         &mut self.constraints[i - self.first_constraint]
     }
 
-    /// Those of several distances.
+    /// The multipliers of several distances.
     #[inline]
     pub(crate) fn of_distances(&mut self, range: Range<usize>) -> &mut [f32] {
         &mut self.distances[range.start - self.first_distance..range.end - self.first_distance]
     }
 
-    /// Those of several constraints.
+    /// The multipliers of several constraints.
     #[inline]
     pub(crate) fn of_constraints(&mut self, range: Range<usize>) -> &mut [f32] {
         &mut self.constraints
             [range.start - self.first_constraint..range.end - self.first_constraint]
     }
 
-    /// Those before the distance and the constraint of these numbers, and the others. `None` for none of a list.
+    /// Splits before the distance and the constraint of these numbers. `None` leaves all of a list in the second part.
     pub(crate) fn split(self, distance: Option<usize>, constraint: Option<usize>) -> (Self, Self) {
         let distance = distance.unwrap_or(self.first_distance);
         let constraint = constraint.unwrap_or(self.first_constraint);
@@ -78,7 +79,7 @@ impl<'a> MultiplierSlice<'a> {
         (MultiplierSlice { distances, constraints, ..self }, rest)
     }
 
-    /// The same, lent on.
+    /// Reborrows the slice.
     pub(crate) fn lend(&mut self) -> MultiplierSlice<'_> {
         MultiplierSlice { distances: self.distances, constraints: self.constraints, ..*self }
     }

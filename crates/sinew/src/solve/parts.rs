@@ -1,11 +1,11 @@
-//! What is tied to large cloth: ropes that it hangs on, a crate that hangs on it, a figure that wears it.
+//! Parts: what is tied to large cloth, such as ropes that it hangs on, a crate that hangs on it, or a ragdoll that wears it.
 //!
-//! Those parts are of few constraints, which are no good in columns. They are swept where particles lie as they are; of what they share with a cloth whose particles are
-//! in [columns](super::column_sweep), the few that it is tied by, each reads the places from there, and writes them back. So a tie costs what it is, and not the
-//! columns of all of the cloth, to the bits of one cluster batch after the other.
+//! Parts have too few constraints to be worth columns, so they are swept in memory. If the particles of the cloth are in [columns](super::column_sweep), only
+//! the few that are shared with a part are copied out before and back afterwards. So a tie costs in proportion to its own size rather than to that of the
+//! cloth, and gives the same bits as one cluster batch after the other.
 //!
-//! They may ask for more sweeps than cloth does, a figure for ten times as many: where the cloth has one sweep they have several, until they hold; and so have the
-//! [`tie_rods`](super::tie_rods) of the cloth.
+//! Parts may need more sweeps than cloth, a ragdoll ten times as many. For each sweep of the cloth they are swept several times, until they converge, and so
+//! are the [`tie_rods`](super::tie_rods) of the cloth.
 
 use super::constraint_ref::SolveMode;
 use super::gauss_seidel::sweep_cluster_batch;
@@ -16,7 +16,7 @@ use super::tie_rods::TieRods;
 use super::turned_places::TurnedPlaces;
 use crate::islands::Island;
 
-/// How the parts of an island are swept.
+/// Sweeps the parts of an island.
 #[derive(Clone, Copy)]
 pub(super) struct Parts<'a> {
     pub(super) plan: &'a Plan,
@@ -25,7 +25,7 @@ pub(super) struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// Sweeps one once, which is not in the columns. Returns the largest error found, metres.
+    /// Sweeps a part, which is not in the columns, once. Returns the largest error found, metres.
     pub(super) fn sweep(
         &self,
         part: &ClusterBatch,
@@ -41,7 +41,7 @@ impl Parts<'_> {
         found
     }
 
-    /// Sweeps all of them, and the tie rods of the cloth, after a sweep of the cloth: as often as they ask for, until they hold.
+    /// Sweeps all parts and the tie rods of the cloth again after a sweep of the cloth, until they converge or have used up their additional sweeps.
     pub(super) fn sweep_again(
         &self,
         at: &mut TurnedPlaces,

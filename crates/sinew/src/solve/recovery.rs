@@ -1,16 +1,16 @@
 //! Violations are recovered at a bounded speed, whatever kind of constraint is violated.
 //!
-//! What a hard constraint is violated by when a substep begins, because it was spawned so, or because a contact has pushed harder than it could hold, is
-//! corrected by the sweeps like all else; but what is moved by a length in a substep leaves with that length by the time of one. A short rod between particles
-//! that were far apart flung them at as much as may be, 500 m/s. Of a constraint that is kept nothing gets faster towards it. So what closes a violation that
-//! is older than the substep may do so at the speed at which an overlap is recovered, and no faster: the rest is taken off the velocities of its particles, by
-//! the impulse along its gradient that does it, which keeps their momenta.
+//! A hard constraint may be violated at the start of a substep because it was spawned so, or because a contact has pushed harder than it could hold. The sweeps
+//! correct that like any other error, but what is moved by a length in a substep gets the velocity of that length over the substep: a short rod between
+//! particles far apart flung them at the speed limit, 500 m/s. A satisfied constraint never accelerates particles towards itself. So a violation that is older
+//! than the substep may close at the speed at which a penetration is recovered, and no faster. The excess is removed from the velocities of its particles by an
+//! impulse along its gradient, which conserves their momenta.
 //!
-//! Ragdolls that begin inside of something are flung otherwise: by contacts, which move limbs at up to 10 m/s in their own place and at a multiple of it at
-//! their ends. With this alone one of 252 came to 151 m/s, and to 29 where contacts recover by 20 falls; `body_contact` bounds those.
+//! Ragdolls that are spawned inside of something are flung by contacts instead, which move limbs at up to 10 m/s at the contact and at a multiple of that at
+//! their ends. With this file alone one of 252 reached 151 m/s, and 29 m/s when contacts recovered at most 20 times what gravity adds in a substep;
+//! `body_contact` bounds those.
 //!
-//! It costs where a sweep has met a violation of so much, and nothing elsewhere. Islands that are swept in columns, which are cloth, are left out, and so
-//! are those that take microsteps.
+//! It costs time only where a sweep has found a violation of that size. Islands with rods in columns (cloth) and islands that take microsteps are left out.
 
 use super::constraint_ref::{ConstraintRef, Local, list_constraint_refs};
 use super::context::{SolveContext, SubstepParameters};
@@ -22,11 +22,11 @@ use crate::constraints::{GradientAt, Points, Solved, solve_equation};
 use crate::islands::Island;
 use crate::particles::{Particles, Places};
 
-/// Rounds over the violated constraints of an island, each of which may make others faster.
+/// Rounds over the violated constraints of an island; slowing one down may speed others up.
 const ROUNDS: u32 = 4;
 
 impl Plan {
-    /// Whether the velocities of an island are bounded where it was violated.
+    /// Whether the velocities of an island are bounded after a violation.
     pub(crate) fn bounds_recovery(&self, island: &Island) -> bool {
         let cluster_batches = &self.cluster_batches[island.cluster_batches.clone()];
         !(island.takes_microsteps() || island.is_left_alone() || island.rigid)
@@ -34,7 +34,7 @@ impl Plan {
     }
 }
 
-/// Takes off the velocities that an island has after a substep of `h` seconds what recovers violations faster than by `most` metres in it.
+/// Removes from the velocities of an island, after a substep of `h` seconds, what recovers violations by more than `most` metres in a substep.
 fn limit_recovery(
     plan: &Plan,
     island: &Island,
@@ -56,7 +56,7 @@ fn limit_recovery(
             let rates = rows.clone().zip(&local.gradients);
             let velocity = |row: &u32| places.velocity[places.at(*row)].truncate();
             let rate: f32 = rates.map(|(row, by)| by.dot(velocity(row))).sum();
-            // A value of so much is a metre.
+            // Converts an error in metres to a value.
             let unit = own.value.abs() / own.error;
             let excess = -rate * own.value.signum() - most / h * unit;
             if excess.is_nan() || excess <= 0.0 {
@@ -77,7 +77,7 @@ fn limit_recovery(
 }
 
 impl SolveContext<'_> {
-    /// Takes off the velocities of the island of a number, when they have been derived, what recovers violations too fast.
+    /// Removes from the derived velocities of island `number` what recovers violations too fast.
     pub(super) fn limit_recovery(
         &self,
         number: usize,
@@ -94,7 +94,7 @@ impl SolveContext<'_> {
     }
 }
 
-/// The same of all islands, after substeps that have been taken phase by phase.
+/// The same for all islands, after substeps that were taken phase by phase.
 pub(crate) fn limit_all_recoveries(
     particles: &mut Particles,
     plan: &Plan,
@@ -111,7 +111,7 @@ pub(crate) fn limit_all_recoveries(
     }
 }
 
-/// The value of a hard constraint where the substep began, if it is violated there; its gradients are those of `local`.
+/// Evaluates a hard constraint at the start of the substep; `None` if it was satisfied there. Writes its gradients to `local`.
 fn solved(one: ConstraintRef, plan: &Plan, places: &Places, local: &mut Local) -> Option<Solved> {
     let mut pair = [0; 2];
     let rows = one.rows(plan, &mut pair);

@@ -1,4 +1,4 @@
-//! The rest: what of a task is left to those who take islands one by one, after instance batches and wavefronts have taken theirs.
+//! What remains of a task for the solvers that take islands one by one, after instance batches and wavefronts have taken theirs.
 
 use core::ops::Range;
 
@@ -13,7 +13,7 @@ pub(crate) struct Remaining {
 }
 
 impl Remaining {
-    /// All of a task.
+    /// Sets it to the whole task.
     pub(super) fn reset(&mut self, task: &Task) {
         self.islands.clear();
         self.rows.clear();
@@ -21,28 +21,28 @@ impl Remaining {
         self.rows.push(task.rows.clone());
     }
 
-    /// Whether nothing is left.
+    /// Whether nothing remains.
     pub(super) fn is_empty(&self) -> bool {
         self.islands.iter().all(Range::is_empty) && self.rows.iter().all(Range::is_empty)
     }
 
-    /// Whether an island is among it.
+    /// Whether an island remains.
     pub(super) fn holds(&self, island: usize) -> bool {
         self.islands.iter().any(|islands| islands.contains(&island))
     }
 
-    /// Less some islands and their rows.
+    /// Removes some islands and their rows.
     pub(super) fn leave(&mut self, islands: Range<usize>, rows: Range<u32>) {
         self.leave_islands(islands);
         cut(&mut self.rows, rows);
     }
 
-    /// Less some islands, of which the rows go on as all do.
+    /// Removes some islands but not their rows, which are still predicted and derived.
     pub(super) fn leave_islands(&mut self, islands: Range<usize>) {
         cut(&mut self.islands, islands);
     }
 
-    /// Less the [single particles](Singles) of a task, which are not swept.
+    /// Removes the [single particles](Singles) of a task, which are not swept.
     pub(super) fn leave_singles(&mut self, singles: &[Singles], task: &Task) {
         for islands in singles.iter().map(|all| all.among(&task.islands).islands) {
             if !islands.is_empty() {
@@ -52,8 +52,8 @@ impl Remaining {
     }
 }
 
-/// Cuts a range out of the one that it is in, mostly the last. Nothing of it is no range: there may be many instance batches, and what is left is
-/// looked through for each island.
+/// Cuts a range out of the range that contains it, mostly the last one. Leaves no empty ranges: there may be many instance batches, and the list is searched
+/// for each island.
 fn cut<T: Copy + PartialOrd>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
     let all_in = |range: &Range<T>| range.start <= out.start && out.end <= range.end;
     let Some(i) = ranges.iter().rposition(all_in) else { return };

@@ -1,54 +1,54 @@
-//! What the solver says of its own work.
+//! The solver's report.
 
 use crate::collide::Impact;
 
-/// How the last step went.
+/// How the last step went: iteration counts, errors that remain, and what was limited. Read it with [`Simulation::report`](crate::Simulation::report).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolverReport {
-    /// Substeps taken.
+    /// Number of substeps taken.
     pub substeps: u32,
-    /// Sweeps of whichever island needed most, summed over the substeps.
+    /// Sweeps of the island that needed most, summed over the substeps.
     pub sweeps: u32,
-    /// The most sweeps that one island needed in one substep.
+    /// The largest number of sweeps that an island needed in one substep.
     pub most_sweeps: u32,
-    /// Whether every island met the tolerance in every substep before its sweeps were spent.
+    /// Whether every island was within its tolerance in every substep before its sweeps were used up.
     pub converged: bool,
-    /// Largest error left in any hard constraint at the end of the step, metres.
+    /// Largest remaining error of any hard constraint or contact at the end of the step, metres.
     pub error: f32,
-    /// Largest error left in a hard distance as a share of its rest length.
+    /// Largest remaining error of a hard distance as a share of its rest length.
     pub strain: f32,
-    /// Rows that turned non-finite and were put back to where the step began, at rest.
+    /// Rows of particles that became non-finite. They were put back to their positions at the start of the step, at rest.
     pub frozen: Vec<u32>,
-    /// Rows that were slowed down to [the most speed](crate::SolverSettings::max_speed).
+    /// Rows of particles that were slowed down to [the speed limit](crate::SolverSettings::max_speed).
     pub too_fast: Vec<u32>,
-    /// What has touched what, where a body or a collider asked for it: a line for each two, sorted by who they are.
+    /// Contact events of the step, for bodies and colliders that report them: one entry for each pair of participants, sorted by participants.
     pub impacts: Vec<Impact>,
-    /// The islands one by one, in the order of their first particles.
+    /// One report for each island, in the order of their first particles.
     pub islands: Vec<IslandReport>,
 }
 
-/// How the last step of one island went: of particles that constraints connect, and so of a body.
+/// How the last step of one island went. An island is a set of particles that constraints connect, usually a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IslandReport {
-    /// Sweeps over its constraints, summed over the substeps; none of what has none.
+    /// Sweeps over its constraints, summed over the substeps. Zero for an island without constraints.
     pub sweeps: u32,
-    /// The most that it needed in one substep.
+    /// The largest number of sweeps in one substep.
     pub most_sweeps: u32,
-    /// Those of the last substep.
+    /// Sweeps in the last substep.
     pub last_sweeps: u32,
-    /// Whether it met the tolerance in every substep.
+    /// Whether it was within the tolerance in every substep.
     pub converged: bool,
-    /// Substeps in which it turned too fast to be corrected along the start of the step.
+    /// Number of substeps in which it turned too fast to be corrected along the start of the step.
     pub fallbacks: u32,
-    /// Largest error left in a hard constraint, metres.
+    /// Largest remaining error of a hard constraint or contact, metres.
     pub error: f32,
-    /// Largest error left in a hard distance as a share of its rest length.
+    /// Largest remaining error of a hard distance as a share of its rest length.
     pub strain: f32,
-    /// Time that solving it took, seconds; zero unless [`SolverSettings::timed`](crate::SolverSettings::timed). Not part of any state.
+    /// Time spent on solving it, seconds; zero unless [`SolverSettings::timed`](crate::SolverSettings::timed) is on. Not part of any state.
     pub seconds: f64,
-    /// Whether what is left has been measured on the way. Taken back when the step ends.
+    /// Whether the remaining errors were measured during the step. Reset at its end.
     pub(crate) measured: bool,
-    /// Whether the last substep began with more violated than may be recovered in it.
+    /// Whether the last substep began with a larger violation than may be recovered in it.
     pub(crate) violated: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The rods of an island as a graph: at each particle those that end there, and where they lead.
+//! The rods of an island as a graph: the rods at each particle, and the particles at their other ends.
 
 /// No particle.
 const NONE: u32 = u32::MAX;
@@ -6,9 +6,9 @@ const NONE: u32 = u32::MAX;
 /// Particles, and the rods between them (an adjacency list).
 #[derive(Clone, Debug)]
 pub(super) struct RodGraph {
-    /// Where the rods of each particle begin, and in the end their number.
+    /// Where the rods of each particle begin; the last entry is the number of rod ends.
     first: Vec<u32>,
-    /// Of several between the same two particles each is the shortest.
+    /// Where several rods connect the same two particles, each is the shortest of them.
     rods: Vec<RodEnd>,
 }
 
@@ -17,16 +17,16 @@ pub(super) struct RodGraph {
 pub(super) struct RodEnd {
     /// The particle at the other end.
     pub(super) to: u32,
-    /// Its number among the rods that the graph is of.
+    /// Its number in the list that the graph was built from.
     pub(super) number: u32,
     /// Rest length, metres.
     pub(super) rest: f32,
-    /// Whether it may be shorter: a rope, not a bar.
+    /// Whether it may be shorter: a rope rather than a bar.
     pub(super) slackens: bool,
 }
 
 impl RodGraph {
-    /// Of so many particles; rods as their two ends, their rest length, metres, and whether they slacken.
+    /// A graph of a number of particles. Rods are given by their two ends, the rest length in metres, and whether they slacken.
     pub(super) fn new(particles: usize, rods: &[(u32, u32, f32, bool)]) -> Self {
         let mut first = vec![0_u32; particles + 1];
         for &(a, b, ..) in rods {
@@ -71,23 +71,23 @@ impl RodGraph {
         }
     }
 
-    /// How many particles it has.
+    /// Number of particles.
     pub(super) fn particles(&self) -> usize {
         self.first.len() - 1
     }
 
-    /// How many ends its rods have.
+    /// Number of rod ends, two for each rod.
     pub(super) fn ends(&self) -> usize {
         self.rods.len()
     }
 
-    /// The rods that end at a particle.
+    /// The rods at a particle.
     pub(super) fn rods_of(&self, particle: u32) -> &[RodEnd] {
         let at = particle as usize;
         &self.rods[self.first[at] as usize..self.first[at + 1] as usize]
     }
 
-    /// Of each particle a hash of its rods, whatever order they are in: two graphs differ at the particles whose hashes do.
+    /// For each particle a hash of its rods, independent of their order: two graphs differ at the particles whose hashes differ.
     pub(super) fn hashes(&self) -> Vec<u64> {
         let hash = |rod: &RodEnd| {
             let ends = u64::from(rod.rest.to_bits()) << 32 | u64::from(rod.to);

@@ -1,4 +1,4 @@
-//! What sweeping an island needs, in whatever order, and keeps the memory of.
+//! Scratch memory of a sweep over an island, in any order.
 
 use glam::Vec4;
 
@@ -8,14 +8,14 @@ use super::jacobi::Asked;
 use super::most_violated_first::Queue;
 use crate::lanes::Columns;
 
-/// What a thread needs to sweep an island, or to look at its constraints one by one. Scratch.
+/// What a thread needs to sweep an island, or to visit its constraints one by one. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SweepScratch {
     pub(super) local: Local,
     pub(super) columns: Columns,
-    /// The same of a whole island.
+    /// Columns of a whole island.
     pub(super) island_columns: Columns,
-    /// Where the pins of an island are that has tethers.
+    /// Positions of the pins of an island with tethers.
     pub(super) pins: Vec<Vec4>,
     pub(super) chains: ChainScratch,
     pub(super) constraint_refs: Vec<ConstraintRef>,

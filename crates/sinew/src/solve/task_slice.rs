@@ -1,4 +1,4 @@
-//! What a task, and an island, has to itself of what all are solved in.
+//! Task slices: the parts of the columns, multipliers and reports that belong to one task or one island.
 
 use core::ops::Range;
 
@@ -13,12 +13,13 @@ use crate::integrate::{MotionColumns, Predict};
 use crate::particles::Places;
 use crate::settings::Order;
 
-/// From so many rows on, one island is shared by all workers, who meet after each stage of each sweep. Two of them have two thirds of the speed of one alone at
-/// 16 thousand, and 1.2 times as much at 65 thousand: at 16 thousand a stage takes some 30 µs, as long as the meeting, and what one has written the other must
-/// fetch. Even threads that spin, which meet within a microsecond, gain 1.1 times there by two of them and 1.4 by four.
+/// Islands with at least this many rows are shared by all workers, which synchronise after each stage of each sweep. Two workers have two thirds of the speed
+/// of one at 16 thousand rows, and 1.2 times its speed at 65 thousand: at 16 thousand a stage takes some 30 µs, as long as synchronising, and each worker has
+/// to fetch what another has written. Even spinning threads, which synchronise within a microsecond, only reach a speed-up of 1.1 there with two threads and
+/// 1.4 with four.
 const SHARED_ROWS: usize = 32_768;
 
-/// A task, and what is its alone.
+/// A task with exclusive access to its part of everything.
 pub(super) struct TaskSlice<'a> {
     pub(super) context: SolveContext<'a>,
     pub(super) task: Task,
@@ -27,11 +28,11 @@ pub(super) struct TaskSlice<'a> {
     pub(super) multipliers: MultiplierSlice<'a>,
     pub(super) normal_impulses: NormalImpulses<'a>,
     pub(super) reports: &'a mut [IslandReport],
-    /// A place for what each particle has to have taken off, if velocities are derived later; none otherwise.
+    /// For each particle the velocity to be removed when it is derived later, m/s; empty if velocities are derived at once.
     pub(super) momentum_drift: &'a mut [Vec4],
 }
 
-/// Cuts what there is into the tasks of a plan.
+/// Cuts everything into the tasks of a plan.
 pub(super) fn slices<'a>(
     context: SolveContext<'a>,
     (places, motion): (Places<'a>, MotionColumns<'a>),
@@ -65,7 +66,7 @@ pub(super) fn slices<'a>(
 }
 
 impl TaskSlice<'_> {
-    /// Whether all workers are to take it together, one island that it is, rather than one of them.
+    /// Whether all workers solve it together. It is a single island then.
     pub(super) fn is_shared(&self) -> bool {
         let SolveContext { plan, execution, .. } = self.context;
         let order = plan.islands.list[self.task.islands.start].settings.order;
@@ -73,7 +74,7 @@ impl TaskSlice<'_> {
         many && execution.workers.is_some() && order == Order::GaussSeidel
     }
 
-    /// The same, of which nothing else is done meanwhile, in another context.
+    /// Reborrows the slice with another context.
     pub(super) fn lend<'b>(&'b mut self, context: SolveContext<'b>) -> TaskSlice<'b> {
         TaskSlice {
             context,
@@ -92,7 +93,7 @@ impl TaskSlice<'_> {
         &mut self.reports[number - self.task.islands.start]
     }
 
-    /// What solving one of its islands changes.
+    /// The slice of one of its islands.
     pub(super) fn island(&mut self, number: usize) -> IslandSlice<'_> {
         IslandSlice {
             places: self.places.lend(),
@@ -102,7 +103,7 @@ impl TaskSlice<'_> {
         }
     }
 
-    /// Some of its particles, to be predicted; counted from its first row on.
+    /// The prediction of some of its particles, counted from its first row.
     #[inline(always)]
     pub(super) fn predict(&mut self, rows: Range<usize>) -> Predict<'_> {
         let Places { position, start, velocity, .. } = &mut self.places;
@@ -110,7 +111,7 @@ impl TaskSlice<'_> {
     }
 }
 
-/// What solving an island changes: columns in which its rows are, and its report.
+/// What solving an island changes: columns that contain its rows, and its report.
 pub(super) struct IslandSlice<'a> {
     pub(super) places: Places<'a>,
     pub(super) multipliers: MultiplierSlice<'a>,

@@ -1,9 +1,9 @@
-//! Tie rods: the rods of large cloth about a particle that something else is tied to, which are swept more often than the others.
+//! Tie rods: the rods of large cloth near a particle that is tied to another body. They are swept more often than the others.
 //!
-//! All that hangs on a rope hangs on the few rods at its end, and the particle there weighs next to nothing: a sweep, which hands a pull on by a rod or two, leaves to
-//! those rods what it does not hand on. Of a hammock of 64 × 64 on four ropes they were off by 42 %, of cloth that is pinned there by 2 %. So those within two rods
-//! of a tie, and the tie, have some sweeps of their own in each sweep of the cloth, as many as do not weigh: eight of a hundred rods in sixteen thousand. They ask for
-//! nothing that the others do not ask for, and to and fro, so that none of them is always the last.
+//! Everything that hangs on a rope hangs on the few rods at its end, where the particle weighs next to nothing. A sweep propagates a pull by one or two rods
+//! and leaves the rest of the error in these. In a hammock of 64 × 64 on four ropes they were off by 42 %, in cloth pinned at the same places by 2 %. So the
+//! rods within two rods of a tie are swept several times in each sweep of the cloth. That costs little: eight sweeps of a hundred rods, of sixteen thousand.
+//! They impose nothing that a full sweep does not. The direction alternates, so that no rod is always the last.
 
 use glam::Vec4;
 
@@ -11,28 +11,29 @@ use super::rod_graph::RodGraph;
 use super::rods::{Whole, project};
 use super::turned_places::TurnedPlaces;
 
-/// So many rods from a tie on are tie rods. Of the hammock above, by 2, 4 and 8, with eight sweeps: 11.7, 12.5 and 12.3 %.
+/// Tie rods are those within this many rods of a tie. The hammock above is off by 11.7, 12.5 and 12.3 % with 2, 4 and 8, at eight sweeps.
 const RINGS: usize = 2;
 
-/// So often they are swept in a sweep. The same by 0, 8 and 32, of the four rings: 42, 12.5 and 6.7 %, in 1.7, 2.3 and 4.8 ms.
+/// Sweeps over the tie rods in each sweep of the cloth. The same scene with four rings is off by 42, 12.5 and 6.7 % with 0, 8 and 32 sweeps, which take 1.7,
+/// 2.3 and 4.8 ms.
 const SWEEPS: usize = 8;
 
-/// But no more than this share of what a sweep of all rods is.
+/// The tie rods may cost at most one part in this many of a sweep of all rods.
 const SHARE: usize = 4;
 
 /// The tie rods of an island. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TieRods {
-    /// Rows of the two ends, length, metres, and whether it may be shorter.
+    /// Rows of the two ends, rest length in metres, and whether it may be shorter.
     rods: Vec<(u32, u32, f32, bool)>,
-    /// How often they are swept in each sweep of the cloth.
+    /// Sweeps over them in each sweep of the cloth.
     sweeps: usize,
     /// [Edits](crate::particles::Particles::edits) of the particles when they were found.
     pub(super) edits: u64,
 }
 
 impl TieRods {
-    /// Of an island with such rods between its members, of which some, which ascend, are tied to another body.
+    /// The tie rods of an island with this graph of rods between its members. `tied` are the members tied to another body, ascending.
     pub(super) fn of(graph: &RodGraph, members: &[u32], mut tied: Vec<u32>, edits: u64) -> Self {
         let mut from = 0;
         let mut is_in = vec![false; members.len()];
@@ -60,17 +61,17 @@ impl TieRods {
         Self { rods, sweeps, edits }
     }
 
-    /// None, of an island that nothing is tied to.
+    /// No tie rods, for an island that nothing is tied to.
     pub(super) fn none(edits: u64) -> Self {
         Self { edits, ..Self::default() }
     }
 
-    /// How often they are swept.
+    /// Sweeps over them in each sweep of the cloth.
     pub(super) fn sweeps(&self) -> usize {
         self.sweeps
     }
 
-    /// Projects all of them once, from the first to the last or `back`. Returns the largest error found, metres.
+    /// Projects all of them once, from the first to the last or, with `back`, from the last to the first. Returns the largest error found, metres.
     pub(super) fn project(&self, at: &mut TurnedPlaces, back: bool) -> f32 {
         let mut worst = 0.0_f32;
         let mut each = |&(a, b, rest, slackens): &(u32, u32, f32, bool)| {

@@ -1,4 +1,4 @@
-//! Particles that lie as they are, but for a run of rows that has been turned into columns: for what asks for single ones, wherever they are.
+//! Access to single particles of an island, whether they are in memory or in columns.
 
 use core::ops::Range;
 
@@ -7,7 +7,7 @@ use glam::Vec4;
 use crate::lanes::Columns;
 use crate::particles::Places;
 
-/// Positions of an island, of which those of a run of rows may be in columns.
+/// Positions of an island, of which a run of rows may be in columns.
 pub(super) struct TurnedPlaces<'a, 'b> {
     pub(super) columns: Option<(&'a mut Columns, &'a Range<u32>)>,
     pub(super) places: &'a mut Places<'b>,
@@ -30,14 +30,14 @@ impl TurnedPlaces<'_, '_> {
         }
     }
 
-    /// Has places have what columns have of some rows of the run.
+    /// Copies some rows of the run from the columns to memory.
     pub(super) fn turn_out(&mut self, rows: impl Iterator<Item = u32>) {
         if self.columns.is_some() {
             rows.for_each(|row| self.places.position[self.places.at(row)] = self.get(row));
         }
     }
 
-    /// And the other way round.
+    /// Copies them back.
     pub(super) fn turn_in(&mut self, rows: impl Iterator<Item = u32>) {
         if self.columns.is_some() {
             rows.for_each(|row| self.set(row, self.places.position[self.places.at(row)]));

@@ -1,4 +1,4 @@
-//! All islands: dealt out to the workers, and reported together.
+//! Solves all islands: distributes them to the workers and reports on them.
 
 use core::mem::take;
 use core::sync::atomic::AtomicU32;
@@ -30,20 +30,20 @@ use crate::kept::Kept;
 use crate::particles::{Particles, Places};
 use crate::threads::{ExecutionContext, Pool, each};
 
-/// What solving needs and nobody saves.
+/// What solving needs and what is not saved. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SolveScratch {
     all_multipliers: Multipliers,
     thread_scratches: Pool<ThreadScratch>,
-    /// What particles have to have taken off when their velocities are derived, m/s, where that is done later; one for each row then.
+    /// For each row, the velocity to be removed when it is derived, m/s. Empty if velocities are derived at once.
     momentum_drift: Vec<Vec4>,
-    /// The same of islands whose loads are measured.
+    /// The momentum drifts of islands whose loads are measured.
     measured: Vec<(u32, MomentumDrift)>,
-    /// Where particles of an island were before it was swept once more.
+    /// Positions of an island's particles before an additional sweep.
     before: Vec<Vec4>,
-    /// What cloth needs that is pressed on.
+    /// Scratch of cloth that shapes press on.
     pressed: PressedScratch,
-    /// The most sweeps in each substep of a whole step.
+    /// The largest sweep count of each substep of a whole step.
     iteration_counts: Kept<Vec<AtomicU32>>,
 }
 
@@ -52,25 +52,25 @@ pub(crate) struct SolveScratch {
 pub(super) struct ThreadScratch {
     pub(super) sweep: SweepScratch,
     pub(super) lane_compaction: LaneCompaction,
-    /// What is left of a task beside its instance batches.
+    /// What remains of a task beside its instance batches.
     pub(super) remaining: Remaining,
-    /// Where a large island is meanwhile.
+    /// State of a large island that is solved as a wavefront.
     pub(super) wavefront: Wavefront,
-    /// Rows of a task by how they step.
+    /// Rows of a task by their number of microsteps.
     pub(super) step_rows: Vec<StepRows>,
     pub(super) microsteps: MicrostepScratch,
-    /// Islands whose corrections gave them what has to be taken off again.
+    /// Islands whose corrections added momentum that has to be removed.
     pub(super) momentum_drifts: Vec<(u32, MomentumDrift)>,
 }
 
 impl ThreadScratch {
-    /// Begins with a task.
+    /// Begins a task.
     pub(super) fn begin(&mut self, task: &Task) {
         self.remaining.reset(task);
         self.momentum_drifts.clear();
     }
 
-    /// What solving instance batches needs of it.
+    /// The part that solving instance batches needs.
     pub(super) fn of_batches(&mut self) -> BatchScratch<'_> {
         let Self { sweep, lane_compaction, remaining, momentum_drifts, .. } = self;
         BatchScratch { sweep, lane_compaction, remaining, momentum_drifts }
@@ -90,7 +90,7 @@ impl AsMut<Wavefront> for ThreadScratch {
 }
 
 impl SolveScratch {
-    /// Cloth as contacts of a substep see it.
+    /// Large cloth that shapes press on, for the contacts of a substep.
     pub(crate) fn pressed_cloth<'a>(
         &'a mut self,
         plan: &'a Plan,
@@ -107,8 +107,8 @@ impl SolveScratch {
     }
 }
 
-/// Sweeps each island until the largest error met in it is within its tolerance, at most `max_sweeps` times; then derives the velocities, unless some rows
-/// are `open`: contacts between islands come first, and [`settle_all`] of those rows after them. Adds to the report.
+/// Sweeps each island until its largest error is within its tolerance, at most `max_sweeps` times; then derives the velocities. If some rows are `open`,
+/// velocities are not derived: contacts between islands follow first, then [`settle_all`] for those rows. Adds to the report.
 pub(crate) fn solve_all(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
@@ -172,8 +172,8 @@ pub(crate) fn solve_all(
     report.most_sweeps = report.most_sweeps.max(iteration_counts);
 }
 
-/// Sweeps islands of some numbers once more after an `open` [`solve_all`] and after contacts between bodies, which have stopped a part of each suddenly: what
-/// constraints hand on of that reaches the others in the same substep.
+/// Sweeps the `stopped` islands once more, after an `open` [`solve_all`] and after contacts between bodies that suddenly stopped a part of each. So the impact
+/// propagates through the constraints within the same substep.
 pub(crate) fn propagate_impacts(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
@@ -235,7 +235,7 @@ pub(crate) fn settle_all(
 }
 
 impl TaskSlice<'_> {
-    /// One island after the other, by one worker.
+    /// Solves the remaining islands one after the other, by one worker.
     fn one_by_one(mut self, thread_scratch: &mut ThreadScratch) {
         self.context = self.context.by_one();
         let plan = self.context.plan;
@@ -262,7 +262,7 @@ impl TaskSlice<'_> {
             return;
         }
         let Self { context, task, mut places, mut normal_impulses, .. } = self;
-        // Instance batches are solved, and to be derived: these are all rows of the task.
+        // Velocities are derived for all rows of the task, those of solved instance batches included.
         let mut step_rows = take(&mut thread_scratch.step_rows);
         thread_scratch.remaining.reset(&task);
         thread_scratch.remaining.leave_singles(&plan.islands.singles, &task);
@@ -277,7 +277,7 @@ impl TaskSlice<'_> {
         context.bounce(&mut places, &mut normal_impulses, task.rows);
     }
 
-    /// Has single particles leave what they touch.
+    /// Projects single particles out of what they touch.
     pub(super) fn solve_singles(&mut self) {
         let SolveContext { plan, contacts, .. } = self.context;
         if contacts.is_empty() {
@@ -294,14 +294,14 @@ impl TaskSlice<'_> {
         }
     }
 
-    /// Notes what the particles of an island are to have taken off when their velocities are derived.
+    /// Stores the velocities that the particles of an island are to lose when their velocities are derived.
     fn note_drift(&mut self, momentum_drift: &MomentumDrift, number: usize) {
         let SolveContext { plan, execution, .. } = self.context;
         let (places, rows, to) = (&self.places, plan.members(number), &mut *self.momentum_drift);
         note_drift(momentum_drift, places, rows, to, execution.instructions);
     }
 
-    /// The instance batches in it.
+    /// The instance batches of the task.
     fn instance_batches<'b>(&'b mut self, thread_scratch: &'b mut ThreadScratch) -> BatchSolve<'b> {
         let Self { places, momentum_drift, normal_impulses, .. } = self;
         let Places { position, start, velocity, origin, radius, .. } = places;
@@ -318,7 +318,7 @@ impl TaskSlice<'_> {
         }
     }
 
-    /// A single large island, by all workers.
+    /// Solves a single large island by all workers.
     pub(super) fn by_all(mut self, thread_scratches: &Pool<ThreadScratch>) {
         let SolveContext { plan, execution, substep, .. } = self.context;
         let SubstepParameters { h, lag, .. } = substep;
@@ -330,7 +330,7 @@ impl TaskSlice<'_> {
         let sweep = sweep_shared(plan, island, execution, thread_scratches);
         let mut microsteps =
             thread_scratches.with(|thread_scratch| take(&mut thread_scratch.microsteps));
-        // What is measured has been solved.
+        // An island whose loads are measured has been solved already.
         let momentum_drift =
             if island.measured { None } else { self.solve_substep(number, sweep, &mut microsteps) };
         thread_scratches.with(|thread_scratch| thread_scratch.microsteps = microsteps);

@@ -1,4 +1,4 @@
-//! Solves instance batches: through the solving of one substep, or through all substeps of a step.
+//! Solves instance batches: either the constraints of one predicted substep, or all substeps of a step.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -25,16 +25,15 @@ use crate::solve::report::IslandReport;
 use crate::solve::sweep_scratch::SweepScratch;
 use crate::solve::tethers::IslandTethers;
 
-/// Particles of the bodies side by side in all storage that is solved together, at most: with all that belongs to them they fit into a core's second
+/// Limit on the particles per lane, summed over all lane storages that are solved together. This many, with everything stored beside them, fit into a core's L2
 /// cache.
 const STORED_PARTICLES: usize = 512;
 
-/// The instance batches of a task, to be solved. What cannot be in lanes in this step is left to others, and noted as
-/// [remaining](BatchScratch::remaining).
+/// Solves the instance batches of a task. Batches that cannot be solved in lanes in this step stay in [remaining](BatchScratch::remaining).
 pub(crate) struct BatchSolve<'a> {
     pub(crate) context: SolveContext<'a>,
     pub(crate) task: &'a Task,
-    /// Columns from the task's first row on.
+    /// Positions and inverse masses, from the task's first row on; the other columns likewise.
     pub(crate) position: &'a mut [Vec4],
     pub(crate) motion: BatchMotion<'a>,
     pub(crate) origin: &'a [Vec3],
@@ -44,42 +43,42 @@ pub(crate) struct BatchSolve<'a> {
     pub(crate) scratch: BatchScratch<'a>,
 }
 
-/// What solving them needs of a thread's scratch.
+/// The thread scratch that a batch solve uses.
 pub(crate) struct BatchScratch<'a> {
     pub(crate) sweep: &'a mut SweepScratch,
     pub(crate) lane_compaction: &'a mut LaneCompaction,
-    /// What is not solved is left here.
+    /// The islands and rows of the task that are not solved in batches; those that are solved are removed from it.
     pub(crate) remaining: &'a mut Remaining,
-    /// Islands whose corrections gave them what has to be taken off again.
+    /// Islands whose corrections added momentum that has to be removed once their velocities are derived.
     pub(crate) momentum_drifts: &'a mut Vec<(u32, MomentumDrift)>,
 }
 
-/// How far they are solved.
+/// Which part of a step is solved.
 pub(crate) enum BatchMotion<'a> {
-    /// Through the solving of a substep that has been predicted. Velocities are not derived: what has to be taken off then is noted for each
-    /// particle, m/s, or where there is no place for that, for each island in the scratch.
+    /// One substep that has already been predicted. Velocities are not derived. The velocity to be removed from each particle later, m/s, is written to
+    /// `momentum_drift`; if that is empty, the drift of each island goes into [`BatchScratch::momentum_drifts`].
     Substep { start: &'a [Vec4], velocity: &'a [Vec4], momentum_drift: &'a mut [Vec4] },
-    /// Through all substeps of a step.
+    /// All substeps of a step, prediction and velocities included.
     Step(WholeStep<'a>),
 }
 
-/// What there is through the substeps of a step.
+/// What solving all substeps of a step needs in addition.
 pub(crate) struct WholeStep<'a> {
     pub(crate) start: &'a mut [Vec4],
     pub(crate) velocity: &'a mut [Vec4],
     pub(crate) rounding: &'a mut [Vec4],
-    /// 1/s; may have one number for all.
+    /// Damping rates, 1/s: one for each row, or a single one for all rows.
     pub(crate) damping: &'a [f32],
-    /// The same, of all besides.
+    /// Damping rate that is added to that of every particle, 1/s.
     pub(crate) air: f32,
-    /// Acceleration of all, m/s².
+    /// Acceleration of all particles, m/s².
     pub(crate) common: Vec3,
-    /// The most sweeps in each substep.
+    /// For each substep, the largest sweep count of any island.
     pub(crate) iteration_counts: &'a [AtomicU32],
 }
 
 impl<'a> BatchSolve<'a> {
-    /// Solves them.
+    /// Solves all batches that can be solved in lanes, groups of batches with the same topology together.
     pub(crate) fn run(mut self) {
         let plan = self.context.plan;
         let instance_batches = &plan.instance_batches.all[self.task.instance_batches.clone()];
@@ -88,7 +87,7 @@ impl<'a> BatchSolve<'a> {
             (0, instance_batches.first().and_then(|first| self.contacts(first)));
         while begin < instance_batches.len() {
             let (first, contacts) = (&instance_batches[begin], found);
-            // Where each has but one sweep nobody waits for anybody.
+            // Bodies that take a single sweep all finish at once: there are no lanes to compact, so each batch is solved by itself.
             let sweeps = plan.islands.list[first.islands.start].settings.max_sweeps;
             let limit = if sweeps > 1 { STORED_PARTICLES / first.members as usize } else { 1 };
             let mut end = begin + 1;
@@ -113,7 +112,7 @@ impl<'a> BatchSolve<'a> {
         *self.scratch.lane_compaction = lane_compaction;
     }
 
-    /// What an instance batch may touch, if its bodies can go through this step together.
+    /// The planes and surfaces that the batch may touch, or `None` if its bodies cannot be solved in lanes in this step.
     fn contacts(&self, batch: &InstanceBatch) -> Option<BatchContacts<'a>> {
         let islands = &self.context.plan.islands.list[batch.islands.clone()];
         if islands.iter().any(|island| island.rigid || island.measured || island.one_state) {
@@ -128,12 +127,12 @@ impl<'a> BatchSolve<'a> {
         let ready = settings.order == Order::GaussSeidel
             && !settings.timed
             && islands.iter().all(|island| island.settings == *settings)
-            // A body whose particles have more than one origin has more than one height above a plane.
+            // Heights above planes are stored per body, so all particles of a body need one origin.
             && (contacts.planes.is_empty() || islands.iter().all(|island| island.one_origin));
         ready.then_some(contacts)
     }
 
-    /// Whether two instance batches are of the same bodies, which are to be solved in the same way.
+    /// Whether the bodies of two batches are identical and have the same settings.
     fn has_same_topology(&self, one: &InstanceBatch, other: &InstanceBatch) -> bool {
         let settings =
             |batch: &InstanceBatch| self.context.plan.islands.list[batch.islands.start].settings;
@@ -181,7 +180,8 @@ impl<'a> BatchSolve<'a> {
         for substep in 0..substeps {
             if let BatchMotion::Step(whole) = &self.motion {
                 for storage in lane_compaction.storages() {
-                    // The last step may have been of another length, or none, but this one's substeps are alike.
+                    // The lags of the first substep come from the previous step, which may have had another length. From the second substep on they are all
+                    // `h`.
                     if substep < 2 {
                         storage.note_losses(h);
                     }
@@ -216,7 +216,7 @@ impl<'a> BatchSolve<'a> {
         }
     }
 
-    /// Takes an instance batch into a lane storage.
+    /// Loads an instance batch into a lane storage.
     fn load(
         &self,
         batch: &InstanceBatch,
@@ -226,7 +226,7 @@ impl<'a> BatchSolve<'a> {
         let (begin, islands) = (self.task.rows.start, &self.context.plan.islands.list);
         let islands = &islands[batch.islands.clone()];
         self.note_heights(batch, planes, storage);
-        // In the lanes that are left, too, the last body is what it is: they write the same as its own.
+        // Unused lanes repeat the last body: they compute and write the same values.
         let last = islands.len() - 1;
         (storage.free, storage.asleep) = (0, 0);
         for lane in 0..LANES {
@@ -256,7 +256,7 @@ impl<'a> BatchSolve<'a> {
         }
     }
 
-    /// Takes the tethers of instance batches that are solved together. Pins stand, or have been led.
+    /// Loads the tethers of instance batches that are solved together. Pins are static, or have been moved kinematically before, so they are read once.
     fn load_tethers(&self, instance_batches: &[InstanceBatch], storages: &mut [LaneStorage]) {
         const NONE: Vec4 = Vec4::new(0.0, 0.0, 0.0, f32::INFINITY);
         let (plan, begin) = (self.context.plan, self.task.rows.start);
@@ -268,7 +268,7 @@ impl<'a> BatchSolve<'a> {
         }
         for (batch, storage) in instance_batches.iter().zip(storages) {
             for (column, is_there) in storage.tethers.iter_mut().zip(are_there) {
-                // Whoever is there is written below.
+                // Every entry is overwritten below.
                 column
                     .resize(if is_there { batch.members as usize } else { 0 }, LaneParticles::ZERO);
             }
@@ -297,7 +297,7 @@ impl<'a> BatchSolve<'a> {
         }
     }
 
-    /// Takes tethers of bodies that have the same: only their pins are elsewhere.
+    /// Loads tethers that are the same in all eight bodies but for the positions of their pins.
     fn load_like_tethers<'p>(
         &self,
         one: &IslandTethers,
@@ -322,7 +322,7 @@ impl<'a> BatchSolve<'a> {
         }
     }
 
-    /// Writes what has become of an instance batch.
+    /// Scatters the results of an instance batch.
     fn give_back(
         &mut self,
         context: &BatchContext,
@@ -346,7 +346,7 @@ impl<'a> BatchSolve<'a> {
                     scatter(&storage.velocity, batch, begin, momentum_drift, instructions);
                     return;
                 }
-                // No more of them than there are bodies.
+                // At most one entry for each body.
                 let own = momentum_drifts.each(left & storage.mask());
                 let own = own.map(|(lane, one)| ((batch.islands.start + lane) as u32, one));
                 self.scratch.momentum_drifts.extend(own);
@@ -359,7 +359,7 @@ impl<'a> BatchSolve<'a> {
         }
     }
 
-    /// Notes radii, and how high the origin of each body is above each plane.
+    /// Stores the radii, and the height of each body's origin above each plane.
     fn note_heights(&self, batch: &InstanceBatch, planes: &[Plane], storage: &mut LaneStorage) {
         storage.ground.clear();
         storage.radius.clear();
@@ -368,7 +368,7 @@ impl<'a> BatchSolve<'a> {
         }
         let begin = self.task.rows.start;
         let mut places = batch.places(begin, 0);
-        // Loops, and no `map` of an array: that is a call for each lane, in each substep.
+        // Loops instead of `array::map`, which would be a call for each lane in each substep.
         for plane in planes {
             let mut heights = [0.0; LANES];
             for (lane, place) in places.into_iter().enumerate() {
@@ -376,7 +376,7 @@ impl<'a> BatchSolve<'a> {
             }
             storage.ground.push(heights);
         }
-        // Most bodies have one radius all through.
+        // Most bodies have a single radius.
         let rows = batch.rows();
         let radii = &self.radius[(rows.start - begin) as usize..(rows.end - begin) as usize];
         let (first, mut uniform) = (radii.first().copied().unwrap_or(0.0), true);
@@ -398,7 +398,7 @@ impl<'a> BatchSolve<'a> {
     }
 }
 
-/// Takes off the velocities of the body in a lane, of the island of a number, what recovers violations too fast.
+/// Removes from the velocities of the body in `lane`, which is island `number`, the part that closes violations too fast.
 #[cold]
 fn limit_recovery(
     context: SolveContext,
@@ -428,7 +428,7 @@ fn limit_recovery(
     }
 }
 
-/// Notes at which rates velocities are lost.
+/// Stores the damping rate of each particle, 1/s.
 fn note_rates(batch: &InstanceBatch, begin: u32, whole: &WholeStep, storage: &mut LaneStorage) {
     let air = whole.air + 0.0;
     storage.rate.clear();

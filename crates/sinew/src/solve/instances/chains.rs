@@ -1,4 +1,4 @@
-//! Chains of eight bodies.
+//! Chains (ropes solved directly) of eight bodies at once.
 
 use core::ops::Range;
 
@@ -7,7 +7,7 @@ use crate::solve::chains::{Eliminated, Links, project_chain};
 use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::InstancedLink;
 
-/// Solves chains once, and leaves bodies of the mask `aside` where they are. Returns the largest error found in each body, metres.
+/// Solves each chain once. Bodies in the mask `aside` are not moved. Returns the largest error found in each body, metres.
 pub(super) struct ProjectInstancedChains<'a> {
     pub(super) chains: &'a [Range<usize>],
     pub(super) links: &'a [InstancedLink],
@@ -33,12 +33,12 @@ impl Work for ProjectInstancedChains<'_> {
     }
 }
 
-/// A chain of eight bodies.
+/// The same chain in eight bodies.
 struct OfBodies<'a, L> {
     links: &'a [InstancedLink],
     now: &'a mut [LaneParticles],
     eliminated: &'a mut [Eliminated<[f32; LANES]>],
-    /// A mask of those that move.
+    /// Mask of the bodies that may move.
     moves: L,
 }
 

@@ -3,22 +3,22 @@
 use crate::lanes::LANES;
 use crate::solve::report::IslandReport;
 
-/// A bit for each body, and sweeps.
+/// One bit for each body, and its sweep count.
 #[derive(Clone, Debug)]
 pub(super) struct ConvergenceMask {
-    /// Neither holds nor has spent its sweeps.
+    /// Has neither converged nor used up its sweeps.
     pub(super) going: u32,
     pub(super) converged: u32,
-    /// Went back to the nearest point.
+    /// Turned too fast in this substep to be corrected along the start of the substep, so gradients are taken at the current positions.
     pub(super) fell_back: u32,
-    /// Touched a plane.
+    /// Touched a plane or a surface.
     pub(super) touched: u32,
-    /// Where more was violated when the substep began than may be recovered in it.
+    /// Had a larger violation at the start of the substep than may be recovered in one substep.
     pub(super) violated: u32,
     pub(super) sweeps: [f32; LANES],
 }
 
-/// All before their first sweep.
+/// No body has been swept yet.
 impl Default for ConvergenceMask {
     fn default() -> Self {
         Self::all_but(0)
@@ -26,18 +26,18 @@ impl Default for ConvergenceMask {
 }
 
 impl ConvergenceMask {
-    /// All before their first sweep but those of a mask, which have none.
+    /// No body has been swept yet; the bodies in the mask `aside` are not going to be.
     pub(super) fn all_but(aside: u32) -> Self {
         let going = ((1 << LANES) - 1) & !aside;
         Self { going, converged: 0, fell_back: 0, touched: 0, violated: 0, sweeps: [0.0; LANES] }
     }
 
-    /// Whether a body is to be swept again.
+    /// Whether the body in a lane is to be swept again.
     pub(super) fn is_going(&self, lane: usize) -> bool {
         self.going >> lane & 1 != 0
     }
 
-    /// Takes how it goes with one of other bodies.
+    /// Copies the state of the body in lane `from` of another mask.
     pub(super) fn take(&mut self, lane: usize, other: &Self, from: usize) {
         let copy = |to: &mut u32, bits: u32| {
             *to = *to & !(1 << lane) | (bits >> from & 1) << lane;
@@ -50,7 +50,7 @@ impl ConvergenceMask {
         self.sweeps[lane] = other.sweeps[from];
     }
 
-    /// Adds it to the reports of the islands but those `asleep`; returns the most sweeps.
+    /// Adds the state to the reports of the islands, except those `asleep`. Returns the largest sweep count.
     pub(super) fn report(&self, reports: &mut [IslandReport], asleep: u32) -> u32 {
         let mut most = 0;
         let awake = |lane: usize| asleep >> lane & 1 == 0;

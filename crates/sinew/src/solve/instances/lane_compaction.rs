@@ -1,29 +1,29 @@
-//! Lane compaction: instance batches of identical bodies are solved together, and bodies may change lanes.
+//! Lane compaction: batches of identical bodies are solved together, and bodies that have not converged are moved into common lanes.
 //!
-//! Of eight bodies that lie about, most hold after a sweep or two, and one that has just landed on its elbow spends all of its sweeps: seven lanes
-//! would go on for the sake of that one. So as soon as one body of a batch has converged, the others wait for a lane of another storage, the
-//! compacted one, where they go on together with those of other batches; a lane that converges is given to the next. A lane has the bits that its
-//! body has alone, whatever is beside it, so nothing depends on which bodies were compacted together.
+//! Of eight bodies lying about, most converge after a sweep or two, while one that has just landed on its elbow uses up all of its sweeps; seven lanes would go
+//! on for that one body alone. So as soon as one body of a batch has converged, the others of the batch are queued for a lane of another storage, the compacted
+//! one, where they continue beside bodies of other batches. A lane that converges there is given to the next body in the queue. A lane computes the same bits
+//! as its body alone, whatever is in the other lanes, so the result does not depend on which bodies were compacted together.
 
 use super::lane_storage::LaneStorage;
 use super::solve::BatchContext;
 use crate::collide::NormalImpulses;
 use crate::lanes::LANES;
 
-/// Lane storage of instance batches that are solved together. Scratch.
+/// Lane storages of instance batches that are solved together. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneCompaction {
-    /// One for each batch, and more, which are kept for their memory.
+    /// One for each batch. Surplus ones are kept for their memory.
     storages: Vec<LaneStorage>,
     instance_batches: usize,
-    /// Those that wait for a lane of the compacted storage.
+    /// Bodies that are queued for a lane of the compacted storage.
     waiting: Vec<LanePlace>,
     compacted: LaneStorage,
-    /// Whose bodies are in its lanes.
+    /// Where the body in each lane of the compacted storage came from.
     lane_owners: [Option<LanePlace>; LANES],
 }
 
-/// A lane of a lane storage.
+/// A lane of one of the storages.
 #[derive(Clone, Copy, Debug)]
 struct LanePlace {
     storage: usize,
@@ -31,7 +31,7 @@ struct LanePlace {
 }
 
 impl LaneCompaction {
-    /// Makes room for so many instance batches.
+    /// Makes room for a number of instance batches.
     pub(super) fn make_room(&mut self, instance_batches: usize) {
         self.instance_batches = instance_batches;
         if self.storages.len() < instance_batches {
@@ -39,12 +39,12 @@ impl LaneCompaction {
         }
     }
 
-    /// The lane storages of its instance batches.
+    /// The lane storages of the current instance batches.
     pub(super) fn storages(&mut self) -> &mut [LaneStorage] {
         &mut self.storages[..self.instance_batches]
     }
 
-    /// Solves all lane storages, which have been predicted.
+    /// Solves all lane storages, which have already been predicted.
     pub(super) fn solve(&mut self, context: &BatchContext, normal_impulses: &mut NormalImpulses) {
         for storage in self.storages() {
             context.begin(storage);
@@ -52,18 +52,18 @@ impl LaneCompaction {
         self.compacted.clear_as(&self.storages[0]);
         let mut turn = 0;
         while let Some((storage, may_leave)) = self.take_turn(turn) {
-            // Who touches surfaces by rows of his own stays: what is known of those is known of his own lanes.
+            // A body whose own rows may touch surfaces keeps its lane: `last_seen` and its contacts belong to that lane.
             let may_leave =
                 may_leave && !context.surfaces.is_some_and(|surfaces| surfaces.touches(storage));
-            // While others wait for a lane, as soon as one is free is soon enough.
+            // While bodies are queued, the sweeps stop as soon as one lane is free.
             let few = if may_leave { LANES as u32 - 1 } else { 0 };
             context.sweep(storage, normal_impulses, few);
             turn += 1;
         }
     }
 
-    /// The lane storage to be swept next, and whether a lane that gets free in it is of use: one batch after the other, then the compacted storage
-    /// until none waits.
+    /// The lane storage to sweep next, and whether freeing a lane in it is useful. Visits one batch after the other, then the compacted storage until its queue
+    /// is empty and its lanes have converged.
     fn take_turn(&mut self, turn: usize) -> Option<(&mut LaneStorage, bool)> {
         let Self { storages, instance_batches, waiting, compacted, lane_owners } = self;
         let storages = &mut storages[..*instance_batches];

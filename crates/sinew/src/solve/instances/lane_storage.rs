@@ -1,4 +1,4 @@
-//! Lane storage: the particles of an instance batch while it is solved, particle by particle, each of eight bodies in a lane.
+//! Lane storage (AoSoA): the particles of an instance batch while it is solved. Entry `i` holds particle `i` of eight bodies, one body a lane.
 
 use glam::Vec4;
 
@@ -8,48 +8,49 @@ use crate::solve::chains::Eliminated;
 use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::InstanceBatch;
 
-/// The particles of eight bodies. Scratch.
+/// The particles of eight bodies, and what solving them needs. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneStorage {
-    /// Positions and inverse masses.
+    /// Current positions and inverse masses.
     pub(crate) now: Vec<LaneParticles>,
-    /// Where the substep began.
+    /// Positions and inverse masses at the start of the substep.
     pub(crate) start: Vec<LaneParticles>,
-    /// Velocities and lags.
+    /// Velocities, m/s, with their lags, seconds; and what their last sum rounded away, m/s.
     pub(super) velocity: Vec<LaneParticles>,
     pub(super) rounding: Vec<LaneParticles>,
-    /// Bodies that have converged, as they were then.
+    /// Snapshots of the bodies that have converged or sleep. Sweeps go on writing to their lanes; the snapshots are restored afterwards.
     pub(super) kept: Vec<LaneParticles>,
-    /// Rates at which velocity is lost, 1/s, and the share that goes in a substep.
+    /// Damping rates, 1/s, and the share of velocity that is lost in a substep.
     pub(super) rate: Vec<[f32; LANES]>,
     pub(super) lost: Vec<[f32; LANES]>,
-    /// Metres.
+    /// Metres; empty where there are no planes.
     pub(super) radius: Vec<[f32; LANES]>,
-    /// How high the origins of the bodies are above each plane, metres.
+    /// For each plane, the height of each body's origin above it, metres.
     pub(super) ground: Vec<[f32; LANES]>,
     /// Kilograms.
     pub(super) mass: Vec<[f64; LANES]>,
-    /// Multipliers of soft constraints; empty where no sweep follows that would ask for them.
+    /// Multipliers of compliant constraints; empty with a single sweep a substep, where nothing reads them.
     pub(crate) multipliers: Vec<[f32; LANES]>,
-    /// Where each was when it was looked for what it may touch, and the square of how far it may go from there, m²; empty where there are no surfaces.
+    /// For each particle, the position at which its contacts were last searched for, and in `w` the square of the distance for which the result is valid, m².
+    /// Empty where there are no surfaces.
     pub(super) last_seen: Vec<LaneParticles>,
-    /// Of each particle where its two pins are and how long its tethers; empty where no body has any.
+    /// For each particle, the positions of its two pins and in `w` the tether lengths, metres; empty where no body has any.
     pub(super) tethers: [Vec<LaneParticles>; 2],
-    /// Of the chain at hand.
+    /// Elimination scratch of the current chain.
     pub(super) eliminated: Vec<Eliminated<[f32; LANES]>>,
-    /// The numbers of the bodies' islands.
+    /// Island numbers of the bodies.
     pub(super) islands: [u32; LANES],
-    /// How many bodies there are. The lanes that are left have the last one again.
+    /// Number of bodies. Unused lanes repeat the last one.
     pub(super) bodies: usize,
-    /// A bit for each body to which nothing outside gives momentum.
+    /// One bit for each body that gets no momentum from outside: all its constraints are internal, no particle is pinned, and it is awake.
     pub(super) free: u32,
-    /// A bit for each body that sleeps: it is neither swept nor reported, and stays as it is.
+    /// One bit for each sleeping body. It is neither swept nor reported, and does not change.
     pub(super) asleep: u32,
     pub(super) convergence: ConvergenceMask,
 }
 
 impl LaneStorage {
-    /// Takes positions and starts from slices that begin with the row `begin`.
+    /// Gathers positions and substep starts from columns that begin with row `begin`.
     pub(super) fn load(
         &mut self,
         batch: &InstanceBatch,
@@ -64,17 +65,17 @@ impl LaneStorage {
         self.kept.resize(self.now.len(), LaneParticles::ZERO);
     }
 
-    /// A bit for each body.
+    /// One bit for each body.
     pub(super) fn mask(&self) -> u32 {
         (1 << self.bodies) - 1
     }
 
-    /// A bit for each body to which nothing has given momentum in this substep.
+    /// One bit for each body that nothing outside has given momentum in this substep: free, and without contacts so far.
     pub(super) fn left(&self) -> u32 {
         self.free & !self.convergence.touched
     }
 
-    /// Makes room for eight bodies that are built as those of another lane storage, and has none.
+    /// Makes room for eight bodies of the same topology as those in `other`, and marks all lanes as done.
     pub(super) fn clear_as(&mut self, other: &Self) {
         (self.bodies, self.asleep) = (LANES, 0);
         self.convergence = ConvergenceMask { going: 0, ..ConvergenceMask::default() };
@@ -90,16 +91,16 @@ impl LaneStorage {
         self.multipliers.resize(other.multipliers.len(), [0.0; LANES]);
     }
 
-    /// Takes a body of another lane storage, with all that it is solved by.
+    /// Copies a body from lane `from` of another storage, with all data that a sweep reads.
     pub(super) fn admit(&mut self, lane: usize, other: &Self, from: usize) {
-        // Loops of their own, which the compiler unrolls; those of a chain it does not.
+        // Separate loops: the compiler unrolls these, but not the loop over a chained iterator.
         for (spot, other) in self.start.iter_mut().zip(&other.start) {
             spot.take(lane, other, from);
         }
         for (spot, other) in self.last_seen.iter_mut().zip(&other.last_seen) {
             spot.take(lane, other, from);
         }
-        // Tethers hold in the first sweep alone.
+        // Tethers are only projected in the first sweep of a substep.
         if other.convergence.sweeps[from] == 0.0 {
             for (own, other) in self.tethers.iter_mut().zip(&other.tethers) {
                 for (spot, other) in own.iter_mut().zip(other) {
@@ -115,7 +116,7 @@ impl LaneStorage {
         self.take(lane, other, from);
     }
 
-    /// Takes a body back that has been solved elsewhere.
+    /// Copies the results of a body back from another storage in which it was solved.
     pub(super) fn take_back(&mut self, lane: usize, other: &Self, from: usize) {
         let end = if lane + 1 == self.bodies { LANES } else { lane + 1 };
         for lane in lane..end {
@@ -123,7 +124,7 @@ impl LaneStorage {
         }
     }
 
-    /// Takes what solving changes.
+    /// Copies what a sweep changes.
     fn take(&mut self, lane: usize, other: &Self, from: usize) {
         for (spot, other) in self.now.iter_mut().zip(&other.now) {
             spot.take(lane, other, from);
@@ -134,7 +135,7 @@ impl LaneStorage {
         self.convergence.take(lane, &other.convergence, from);
     }
 
-    /// Keeps the bodies of a mask as they are now.
+    /// Takes a snapshot of the bodies in a mask.
     pub(super) fn keep(&mut self, which: u32) {
         for lane in lanes(which) {
             for (kept, now) in self.kept.iter_mut().zip(&self.now) {
@@ -143,7 +144,7 @@ impl LaneStorage {
         }
     }
 
-    /// Puts the bodies of a mask back to how they were kept.
+    /// Restores the bodies in a mask from their snapshots.
     pub(super) fn put_back(&mut self, which: u32) {
         for lane in lanes(which) {
             for (kept, now) in self.kept.iter().zip(&mut self.now) {
@@ -153,13 +154,13 @@ impl LaneStorage {
     }
 }
 
-/// The lanes of a mask.
+/// The lanes set in a mask.
 fn lanes(which: u32) -> impl Iterator<Item = usize> {
     (0..LANES).filter(move |lane| which >> lane & 1 != 0)
 }
 
 kernel!(
-    /// Takes the rows of an instance batch from a slice that begins with the row `begin`.
+    /// Gathers the rows of an instance batch from a column that begins with row `begin`.
     pub(super) fn gather<L: Lanes>(
         to: &mut Vec<LaneParticles>,
         batch: &InstanceBatch,
@@ -176,7 +177,7 @@ kernel!(
 );
 
 kernel!(
-    /// Gives them back.
+    /// Scatters them back.
     pub(super) fn scatter<L: Lanes>(
         from: &[LaneParticles],
         batch: &InstanceBatch,
@@ -191,7 +192,7 @@ kernel!(
     }
 );
 
-/// The next particle of each body. Numbers made one by one would have to be waited for before they are read as one register.
+/// Advances to the next particle of each body. All eight are incremented together: numbers made one by one would stall when they are read as one register.
 #[inline(always)]
 pub(super) fn next(places: &mut [u32; LANES]) {
     places.iter_mut().for_each(|place| *place += 1);

@@ -1,4 +1,4 @@
-//! What is left to correct in eight bodies side by side: a body has too few rods of a colour for eight lanes here, too.
+//! Measures the remaining errors, eight bodies at a time: as in solving, a single body has too few rods of a colour to fill eight lanes.
 
 use glam::Vec4;
 
@@ -10,8 +10,8 @@ use crate::solve::report::IslandReport;
 use crate::solve::rods::worse;
 
 impl InstanceBatches {
-    /// Measures the bodies of all instance batches but of those that were measured on their way, and notes that: the largest error of the hard
-    /// constraints of each, metres, and the largest strain of its rods. `lane_particles` is scratch.
+    /// Measures the bodies of all instance batches, except those measured already, and marks them as measured. Writes the largest error of each body's hard
+    /// constraints, metres, and the largest strain of its hard distances. `lane_particles` is scratch.
     pub(crate) fn measure(
         &self,
         position: &[Vec4],
@@ -35,7 +35,7 @@ impl InstanceBatches {
                         self.instanced.measure(part, lane_particles, instructions)
                     }
                 };
-                // The least is zero, and the larger of two numbers is the same wherever it is found.
+                // All values are at least zero, and a maximum does not depend on the order.
                 for (worst, found) in worst.as_flattened_mut().iter_mut().zip(found.as_flattened())
                 {
                     *worst = if *worst < *found { *found } else { *worst };
@@ -52,7 +52,7 @@ impl InstanceBatches {
 }
 
 kernel!(
-    /// The largest error of rods in each of eight bodies, metres, and the largest strain.
+    /// The largest error of the rods in each of eight bodies, metres, and the largest strain.
     fn measure_rods<L: Lanes>(
         rods: &[InstancedRod],
         lane_particles: &[LaneParticles],

@@ -1,23 +1,23 @@
-//! Instance batches: bodies of the same topology, eight side by side, each in a lane of its own.
+//! Instance batches: bodies of the same topology, solved eight at a time, one body in each lane.
 //!
-//! A box of eight particles has too few constraints of a colour to fill eight lanes, and particles gathered for each of them and put back cost more
-//! than the formula. Eight boxes have eight of everything. So their particles are turned into lanes once ([`LaneStorage`]), particle `i` of all of
-//! them side by side, and each constraint of the body is then one operation in lanes: no colours needed, nothing gathered. Where a whole step is
-//! taken at once they stay there for all its substeps.
+//! A box of eight particles has too few constraints of a colour to fill eight lanes, and gathering and scattering particles for each constraint costs more than
+//! the formula. Eight boxes have eight of everything. So their particles are transposed once into [`LaneStorage`], particle `i` of all eight side by side. Each
+//! constraint of the body is then one operation on lanes, without colours and without gathering. If a whole step is taken at once, the particles stay there for
+//! all its substeps.
 //!
-//! **What is beside a body must not matter**, nor whether it is in an instance batch at all: a lane has the bits that its body has alone. So the
-//! constraints of a body are enforced in the order of its own plan, in which those of one colour may come in any order; formulas are those of eights
-//! of one body; and a body that has converged is kept as it is while others go on. Which bodies make an instance batch may therefore depend on
-//! anything; that it depends on the plan alone is for the sake of those who measure.
+//! **The result must not depend on the other lanes**, nor on whether a body is in a batch at all: a lane computes the same bits as its body alone. So the
+//! constraints of a body are projected in the order of its own plan, in which those of one colour may come in any order; the formulas are those of the
+//! eight-wide kernels for a single body; and a body that has converged is kept unchanged while others go on. Which bodies form a batch is therefore free to
+//! choose. It depends on the plan alone so that timings are reproducible.
 //!
-//! - the [plan](super::plan::instance_batches) finds them when it is compiled;
-//! - `lane_storage` is where their particles are meanwhile;
-//! - `solve` sweeps them until each holds, `rods`, `chains` and the plan's [constraint batches](super::wide) are what it does, `surfaces` puts them out of
-//!   planes and colliders, `convergence` is how it goes;
-//! - `lane_compaction` lets those that take longer than the others of their batch go on together;
-//! - `motion` predicts and derives, `momentum_drift` keeps round-off out of their momenta;
-//! - `batch_solve` does all that, batch by batch;
-//! - `measure` looks at what is left in the end.
+//! - The [plan](super::plan::instance_batches) finds the batches when it is compiled.
+//! - `lane_storage` holds their particles meanwhile.
+//! - `solve` sweeps a storage until each body has converged. A sweep consists of `rods`, `chains` and the plan's [constraint batches](super::wide), then of
+//!   `surfaces`, which projects particles out of planes and colliders. `convergence` is its state.
+//! - `lane_compaction` collects the bodies that take longer than the others of their batch.
+//! - `motion` predicts positions. `momentum_drift` derives velocities and removes the momentum that round-off added.
+//! - `batch_solve` runs all of this, batch by batch.
+//! - `measure` measures the errors that remain in the end.
 
 mod batch_solve;
 mod chains;

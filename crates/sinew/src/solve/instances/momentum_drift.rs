@@ -1,5 +1,5 @@
-//! The velocities of eight bodies, less what their corrections gave them and should not have: as [`MomentumDrift`](crate::solve::momentum) has it of
-//! one, operation by operation, and in one go with the velocities themselves.
+//! Derives the velocities of eight bodies without the momentum that their corrections must not have added. Operation by operation this is
+//! [`MomentumDrift`](crate::solve::momentum) of a single body, done in the same pass as the velocities.
 
 use glam::DVec3;
 
@@ -9,13 +9,13 @@ use crate::pose::{MomentSums, WORST, pseudo_solve};
 use crate::solve::momentum::{MomentumDrift, WideMomentumDrift};
 
 impl<D: Doubles> WideMomentumDrift<D> {
-    /// A bit for each body of which that is a number.
+    /// One bit for each body whose drift is finite.
     #[inline(always)]
     fn sound(&self) -> u32 {
         self.centre.finite() & self.shift.finite() & self.turn.finite()
     }
 
-    /// In memory.
+    /// The drifts as arrays in memory.
     #[inline(always)]
     fn bodies(&self) -> DriftLanes {
         let Self { anchor, centre, shift, turn } = self;
@@ -24,7 +24,7 @@ impl<D: Doubles> WideMomentumDrift<D> {
     }
 }
 
-/// Excesses in memory: anchors, centres, shifts and turns, each as x, y and z.
+/// Momentum drifts of eight bodies in memory: anchors, centres, shifts and turns, each as x, y and z.
 #[derive(Default)]
 pub(super) struct DriftLanes {
     vectors: [[[f64; LANES]; 3]; 4],
@@ -32,7 +32,7 @@ pub(super) struct DriftLanes {
 }
 
 impl DriftLanes {
-    /// One by one, of the bodies with a bit.
+    /// The finite drifts of the bodies in a mask, with their lanes.
     pub(super) fn each(&self, which: u32) -> impl Iterator<Item = (usize, MomentumDrift)> {
         let which = which & self.sound;
         (0..LANES).filter(move |lane| which >> lane & 1 != 0).map(move |lane| {
@@ -44,8 +44,8 @@ impl DriftLanes {
 }
 
 kernel!(
-    /// Derives the velocities in a lane storage at the end of a substep of `h` seconds. Of the bodies of the mask `free`, to which nothing was given,
-    /// linear momentum is kept, and of those of `keeps_angular` angular momentum, too.
+    /// Derives the velocities in a lane storage at the end of a substep of `h` seconds. Bodies in the mask `free`, which got no momentum from outside, keep
+    /// their linear momentum; those that are in `keeps_angular` too also keep their angular momentum.
     pub(super) fn derive_lanes<L: Lanes>(
         storage: &mut LaneStorage,
         h: f32,
@@ -74,8 +74,9 @@ kernel!(
 );
 
 kernel!(
-    /// Finds what the bodies of the mask `which` in a lane storage have to have taken off after a substep of `h` seconds, of those of `turning` angular
-    /// momentum, too; and puts it, m/s, in place of the velocities of their particles if it is to be `parted`, and nothing in those of other bodies.
+    /// Computes the momentum drift of the bodies in the mask `which` after a substep of `h` seconds, with the angular part for those in `turning`. If `parted`,
+    /// writes the velocity to be removed from each particle, m/s, in place of the velocities in the storage (zero for all other bodies) and returns an empty
+    /// result.
     pub(super) fn take_drift<L: Lanes>(
         storage: &mut LaneStorage,
         h: f32,
@@ -98,7 +99,7 @@ kernel!(
 );
 
 impl LaneStorage {
-    /// What bodies have to have taken off before their velocities are derived; of those with a bit in `turning`, angular momentum, too.
+    /// The momentum drift of each body before its velocities are derived; with the angular part for the bodies in `turning`.
     #[inline(always)]
     pub(super) fn momentum_drifts<L: Lanes>(
         &self,
@@ -108,7 +109,7 @@ impl LaneStorage {
         let per_second = L::splat(1.0 / h);
         let h = L::splat(h);
         let Self { now, start, velocity, mass, .. } = self;
-        // A match, for a closure is not made for the processor that it runs on.
+        // A `match`, because a closure is not compiled with the target features of the kernel.
         let anchor = match start.first() {
             None => Vector::double(DVec3::ZERO),
             Some(first) => Vector::of(first.load::<L>()).0.widen(),
@@ -127,7 +128,7 @@ impl LaneStorage {
 }
 
 impl<D: Doubles> MomentSums<D> {
-    /// Barycentres, velocities and angular velocities; the last of those whose bits are set, zero of others.
+    /// Barycentres, velocities and angular velocities. The latter are zero for bodies that are not in `turning`.
     #[inline(always)]
     fn answer(&self, turning: u32) -> (Vector<D>, Vector<D>, Vector<D>) {
         let centre = self.first / self.mass;
@@ -141,7 +142,7 @@ impl<D: Doubles> MomentSums<D> {
         let (xx, yy, zz) = (s.y + s.z, s.z + s.x, s.x + s.y);
         let (xy, yz, xz) = (-p.x, -p.y, -p.z);
         let b = self.angular - c.cross(self.momentum);
-        // As `pose::symmetric::solve`.
+        // The same operations as in `pose::symmetric::solve`.
         let (cxx, cyy, czz) = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
         let (cxy, cxz, cyz) = (xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz);
         let determinant = xx * cxx + xy * cxy + xz * cxz;
@@ -167,7 +168,7 @@ impl<D: Doubles> MomentSums<D> {
     }
 }
 
-/// Solves again, one by one, where the matrix is as good as singular; zero where nothing is asked for.
+/// Solves again, lane by lane, where the inertia is nearly singular. Zero for bodies that are not in `turning`.
 #[cold]
 fn solve_singular(
     mut turn: [[f64; LANES]; 3],

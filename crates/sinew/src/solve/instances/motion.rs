@@ -1,5 +1,5 @@
-//! Verlet's step for eight bodies: as [`Predict`](crate::integrate::Predict) and [`Derive`](crate::integrate::Derive) have it, operation by
-//! operation.
+//! The Verlet step of eight bodies. Operation by operation the prediction is [`Predict`](crate::integrate::Predict); [`Derive`](crate::integrate::Derive) has
+//! its counterpart in `momentum_drift`.
 
 use glam::Vec3;
 
@@ -8,9 +8,9 @@ use crate::integrate::loss;
 use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
 
 impl LaneStorage {
-    /// Notes how much velocity is lost over a substep of `h` seconds by particles that had their last step as long ago as they say.
+    /// Computes the share of velocity that each particle loses over a substep of `h` seconds, from its damping rate and the lag of its velocity.
     pub(super) fn note_losses(&mut self, h: f32) {
-        // Neighbours mostly share their damping.
+        // Consecutive particles mostly have the same damping, so the last exponential is reused.
         let mut last = (0.0, 0.0);
         let Self { velocity, rate, lost, .. } = self;
         for ((velocity, rate), lost) in velocity.iter().zip(rate).zip(lost) {
@@ -34,7 +34,7 @@ impl LaneStorage {
 }
 
 kernel!(
-    /// Notes masses.
+    /// Stores the masses as the reciprocals of the inverse masses.
     pub(super) fn note_masses<L: Lanes>(storage: &mut LaneStorage) {
         let LaneStorage { mass, now, .. } = storage;
         mass.resize(now.len(), [0.0; LANES]);
@@ -46,7 +46,7 @@ kernel!(
 );
 
 kernel!(
-    /// Predicts where all in a lane storage go in a substep of `h` seconds, accelerated by `a`, m/s².
+    /// Predicts the positions of all bodies after a substep of `h` seconds with the acceleration `a`, m/s².
     pub(super) fn predict_lanes<L: Lanes>(storage: &mut LaneStorage, a: Vec3, h: f32) {
         let (a, h, zero) = (Vector::<L>::splat(a), L::splat(h), L::zero());
         let LaneStorage { now, start, velocity, rounding, lost, .. } = storage;

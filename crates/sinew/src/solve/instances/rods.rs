@@ -1,4 +1,4 @@
-//! Hard rods and tethers of eight bodies.
+//! Hard rods and tethers of eight bodies at once.
 
 use glam::Vec4;
 
@@ -10,9 +10,9 @@ use crate::solve::rods::{COS_SQUARED, Whole, project, project_from_start};
 use crate::solve::tethers::hold;
 
 kernel!(
-    /// Projects rods once, one after the other; returns the largest error found in each body, metres, or what it was before. Bodies of the mask `may` are
-    /// corrected along where the rods pointed when the substep began; if there are none, `START` need not be. What becomes of those of the mask `aside`
-    /// does not matter.
+    /// Projects rods once, one after the other. Returns the largest error found in each body, metres, or `worst` if that is larger. Bodies in the mask `may`
+    /// are corrected along the directions that the rods had at the start of the substep; `START` must be true unless that mask is empty. Bodies in the mask
+    /// `aside` are not swept any more: their lanes may be written with anything.
     pub(super) fn sweep_rods<L: Lanes, const START: bool>(
         rods: &[InstancedRod],
         now: &mut [LaneParticles],
@@ -43,7 +43,7 @@ kernel!(
     }
 );
 
-/// Those whose ends are in one place, or pinned, one after the other. Returns their errors.
+/// Projects a rod lane by lane where its ends coincide or are pinned. Returns the errors, metres.
 #[cold]
 fn part(rod: &InstancedRod, now: &mut [LaneParticles], stuck: u32) -> [f32; LANES] {
     let mut found = [0.0; LANES];
@@ -58,10 +58,10 @@ fn part(rod: &InstancedRod, now: &mut [LaneParticles], stuck: u32) -> [f32; LANE
 }
 
 kernel!(
-    /// Puts the particles of the bodies that are still `going` where they may be; returns how far out the farthest of each body was, metres.
+    /// Projects the particles of the bodies in `going` into the range of their tethers. Returns how far outside the farthest particle of each body was, metres.
     pub(super) fn hold_tethers<L: Lanes>(
         now: &mut [LaneParticles],
-        // Of each particle where its pins are and, in the fourth places, how long its tethers.
+        // For each particle, the positions of its pins and in `w` the tether lengths.
         tethers: &[Vec<LaneParticles>; 2],
         going: u32,
     ) -> [f32; LANES] {
@@ -81,8 +81,8 @@ kernel!(
 );
 
 kernel!(
-    /// A mask of the bodies of which a rod turns so far in this substep that the direction that it had at the start says little about the one it needs:
-    /// as `turns_too_fast` has it of an island.
+    /// Mask of the bodies with a rod that turns so far in this substep that its direction at the start says little about the direction it needs; the same test
+    /// as `turns_too_fast` for a single island.
     pub(super) fn turn_too_fast<L: Lanes>(
         rods: &[InstancedRod],
         now: &[LaneParticles],
@@ -101,7 +101,7 @@ kernel!(
     }
 );
 
-/// From the first particle of a rod to the second.
+/// The vector from the first particle of a rod to the second.
 #[inline(always)]
 fn between<L: Lanes>(lane_particles: &[LaneParticles], rod: &InstancedRod) -> Vector<L> {
     let (one, other) = (&lane_particles[rod.a as usize], &lane_particles[rod.b as usize]);

@@ -1,4 +1,4 @@
-//! Eight bodies, swept until each holds or its sweeps are spent: as [`solve`](crate::solve::island) does with one.
+//! Sweeps eight bodies until each has converged or used up its sweeps, as [`solve`](crate::solve::island) does for one island.
 
 use super::convergence::ConvergenceMask;
 use super::lane_storage::LaneStorage;
@@ -10,21 +10,21 @@ use crate::lanes::{InstructionSet, LANES, with};
 use crate::settings::SolverSettings;
 use crate::solve::plan::instance_batches::{InstanceBatch, InstanceBatches, InstancePart};
 
-/// What solving needs to know beside the lane storage.
+/// What solving needs beside the lane storage.
 #[derive(Clone, Copy)]
 pub(super) struct BatchContext<'a> {
     pub(super) instance_batches: &'a InstanceBatches,
-    /// One whose constraints those in the lane storage have.
+    /// A batch with the same constraints as the bodies in the lane storage.
     pub(super) batch: &'a InstanceBatch,
     pub(super) settings: &'a SolverSettings,
     pub(super) planes: &'a [Plane],
     /// How much of an overlap is recovered in a substep, metres.
     pub(super) recover: f32,
-    /// The most that is recovered of what constraints are violated by, metres.
+    /// How much of a constraint violation is recovered in a substep, metres.
     pub(super) violation: f32,
-    /// `None` where there are none to touch.
+    /// `None` if there are no surfaces to touch.
     pub(super) surfaces: Option<SurfaceContext<'a>>,
-    /// Whether its chains are solved at once.
+    /// Whether the bodies have chains that are solved directly.
     pub(super) chained: bool,
     /// Length of the substep, seconds.
     pub(super) h: f32,
@@ -32,7 +32,7 @@ pub(super) struct BatchContext<'a> {
 }
 
 impl BatchContext<'_> {
-    /// Begins a substep: none has been swept.
+    /// Begins a substep: resets the convergence masks and the multipliers.
     pub(super) fn begin(&self, storage: &mut LaneStorage) {
         storage.convergence = ConvergenceMask::all_but(storage.asleep);
         storage.multipliers.clear();
@@ -52,12 +52,12 @@ impl BatchContext<'_> {
         }
     }
 
-    /// A bit for each body of a lane storage whose corrections keep its angular momentum, or have to.
+    /// One bit for each body whose derived velocities are to keep its angular momentum.
     pub(super) fn keeps_spin(&self, storage: &LaneStorage) -> u32 {
         if self.settings.keep_spin { u32::MAX } else { self.along_start(storage) }
     }
 
-    /// A bit for each body of a lane storage that is corrected along the start of the substep.
+    /// One bit for each body that is corrected along the directions at the start of the substep.
     fn along_start(&self, storage: &LaneStorage) -> u32 {
         if self.settings.gradient_at == GradientAt::StepStart {
             !storage.convergence.fell_back
@@ -66,7 +66,7 @@ impl BatchContext<'_> {
         }
     }
 
-    /// Sweeps until no more bodies than `few` go on.
+    /// Sweeps until at most `few` bodies have not converged.
     pub(super) fn sweep(
         &self,
         storage: &mut LaneStorage,
@@ -75,7 +75,7 @@ impl BatchContext<'_> {
     ) {
         let Self { settings, planes, recover, violation, .. } = *self;
         let most = settings.max_sweeps as f32;
-        // A sleeper's particles count as pinned, and kernels move nobody who is; whatever they do, it is put back.
+        // Particles of sleeping bodies count as pinned and kernels do not move them; the snapshot makes that certain.
         let (mut kept, mut over) = (0, storage.asleep);
         while (storage.convergence.going & storage.mask()).count_ones() > few {
             if over != 0 {
@@ -115,7 +115,7 @@ impl BatchContext<'_> {
         }
     }
 
-    /// Projects all constraints once; returns the largest error found in each body, metres.
+    /// Projects all constraints once. Returns the largest error found in each body, metres.
     fn once(&self, storage: &mut LaneStorage) -> [f32; LANES] {
         let Self { instance_batches, batch, settings, h, violation, chained, instructions, .. } =
             *self;
@@ -167,7 +167,7 @@ impl BatchContext<'_> {
     }
 }
 
-/// A bit for each number of which something holds.
+/// One bit for each number that satisfies a condition.
 fn bits(numbers: [f32; LANES], holds: impl Fn(f32) -> bool) -> u32 {
     numbers.iter().enumerate().fold(0, |bits, (lane, &x)| bits | u32::from(holds(x)) << lane)
 }

@@ -1,7 +1,8 @@
-//! Planes and surfaces against eight bodies, as [`project_island`](crate::collide::ParticleContacts::project_island) has them.
+//! Contacts of eight bodies with planes and surfaces, by the same formulas as [`project_island`](crate::collide::ParticleContacts::project_island).
 //!
-//! Planes hold everybody, and go side by side, operation by operation as for one particle. What stands about in the world touches few rows of few bodies; those are taken out of the lanes, put on
-//! the right side by the same formulas as any other row, and put back. A body of which one has gone further than was foreseen has all of its rows tried.
+//! Every particle is tested against every plane, so planes are solved in lanes, operation by operation as for one particle. Surfaces of colliders touch few
+//! rows of few bodies. Those rows are copied out of the lanes, projected by the same code as any other row, and copied back. If a particle of a body has left
+//! its skin since contacts were last searched for, all rows of that body are tested.
 
 use core::ops::Range;
 
@@ -15,20 +16,20 @@ use crate::particles::Places;
 use crate::solve::context::{SolveContext, SubstepParameters};
 use crate::solve::lane_particles::LaneParticles;
 
-/// What putting rows outside of surfaces needs to know of them.
+/// What is needed to project rows out of surfaces.
 #[derive(Clone, Copy)]
 pub(super) struct SurfaceContext<'a> {
     pub(super) context: SolveContext<'a>,
-    /// The first row of the columns.
+    /// The row with which the columns below begin.
     pub(super) begin: u32,
     pub(super) origin: &'a [Vec3],
     pub(super) radius: &'a [f32],
-    /// That of the rows before the substep, m/s; `None` where it is in the lanes.
+    /// Velocities of the rows before the substep, m/s; `None` if they are in the lane storage.
     pub(super) velocity: Option<&'a [Vec4]>,
 }
 
 impl SurfaceContext<'_> {
-    /// Whether a row of a body in these lanes may touch something, if none goes further than was foreseen.
+    /// Whether a row of a body in this storage may touch a surface, as long as no particle leaves its skin.
     pub(super) fn touches(&self, storage: &LaneStorage) -> bool {
         let touching = |&island: &u32| self.context.contacts.touching(island as usize);
         storage.islands[..storage.bodies]
@@ -36,7 +37,7 @@ impl SurfaceContext<'_> {
             .any(|island| touching(island).is_none_or(|rows| !rows.is_empty()))
     }
 
-    /// Puts the rows of the bodies that are still `going` outside of all surfaces once, with friction; returns the deepest of each body, metres.
+    /// Projects the rows of the bodies in `going` out of all surfaces once, with friction. Returns the deepest penetration of each body, metres.
     pub(super) fn project(
         &self,
         storage: &mut LaneStorage,
@@ -60,13 +61,13 @@ impl SurfaceContext<'_> {
                 });
                 depth = depth.max(found);
             }
-            // The last body is in the lanes that are left, too.
+            // Unused lanes repeat the last body.
             deepest[lane..self.end(storage, lane)].fill(depth);
         }
         deepest
     }
 
-    /// Gives the rows that touched something the velocity that they bounce off with, when velocities in the lanes have been derived.
+    /// Applies restitution to the rows that touched something, after the velocities in the lanes have been derived.
     pub(super) fn bounce(&self, storage: &mut LaneStorage, normal_impulses: &mut NormalImpulses) {
         let SolveContext { contacts, substep: SubstepParameters { h, gravity, .. }, .. } =
             self.context;
@@ -88,12 +89,13 @@ impl SurfaceContext<'_> {
         first..first + island.members.len() as u32
     }
 
-    /// The first lane behind those that a body has.
+    /// One past the last lane that holds the body of `lane`: unused lanes repeat the last body.
     fn end(&self, storage: &LaneStorage, lane: usize) -> usize {
         if lane + 1 == storage.bodies { LANES } else { lane + 1 }
     }
 
-    /// Does something with a row of the body in a lane, whose first row is another, and takes what becomes of its position and its velocity.
+    /// Copies a `row` of the body in `lane` out of the storage, calls `work` with it, and writes its position and velocity back. `first` is the body's first
+    /// row.
     #[inline]
     fn at_row<T>(
         &self,
@@ -105,7 +107,7 @@ impl SurfaceContext<'_> {
         let was = storage.now[member].lane(lane);
         let mut now = [was];
         let mut start = [storage.start[member].lane(lane)];
-        // Compacted lanes have no velocities, and nothing that asks for one.
+        // Compacted lanes have no velocities; nothing that runs on them reads any.
         let column = self.velocity.is_none().then(|| storage.velocity.get(member)).flatten();
         let own = column.map(|column| column.lane(lane));
         let outside = self.velocity.map(|column| column[place]);
@@ -135,7 +137,7 @@ impl SurfaceContext<'_> {
 }
 
 kernel!(
-    /// A bit for each body of which a particle has gone further than was foreseen.
+    /// One bit for each body with a particle that has left its skin.
     fn skin_exceeded<L: Lanes>(storage: &LaneStorage) -> u32 {
         let LaneStorage { now, last_seen, .. } = storage;
         let mut exceeded = L::zero();
@@ -148,7 +150,7 @@ kernel!(
 );
 
 kernel!(
-    /// Puts all particles of the bodies that are still `going` out of all planes once, with friction; returns the deepest of each body, metres.
+    /// Projects all particles of the bodies in `going` out of all planes once, with friction. Returns the deepest penetration of each body, metres.
     pub(super) fn project_planes<L: Lanes>(
         planes: &[Plane],
         // How much of an overlap is recovered in a substep, metres.
@@ -178,7 +180,7 @@ kernel!(
                     out = less.or_else(deep.and(most.lt(depth)), out);
                     depth = out.length();
                 }
-                // Of what is too little to be squared nothing comes.
+                // A depth whose square underflows is ignored.
                 let below = below.and(L::zero().lt(depth * depth));
                 let moved = moved + out;
                 let slid = moved - out * (moved.dot(out) / (depth * depth));

@@ -1,4 +1,4 @@
-//! A body in an instance batch has the bits that it has alone.
+//! A body in an instance batch has the same bits as alone in a world.
 
 use std::sync::Arc;
 
@@ -14,10 +14,10 @@ use crate::{
     Material, ParticleSeed, Plane, Shape, Simulation, Softness, Workers,
 };
 
-/// What a body is built of, and what is done to body number so many of a row of them.
+/// Adds body number `usize` of a series to a world.
 type Build = fn(&mut Simulation, usize);
 
-/// As many bodies in one world, or one of them in a world of its own.
+/// A world with the given bodies of a series: all of them, or one alone.
 fn world(build: Build, bodies: impl IntoIterator<Item = usize>) -> Simulation {
     let mut world = Simulation::default();
     bodies.into_iter().for_each(|number| build(&mut world, number));
@@ -37,7 +37,7 @@ fn place(world: &mut Simulation, body: &Blueprint, number: usize) {
 }
 
 fn boxes(world: &mut Simulation, number: usize) {
-    // Different sizes: lengths may differ.
+    // Rest lengths may differ within a batch.
     let size = Vec3::new(0.5, 0.6, 0.7 + 0.01 * (number % 4) as f32);
     place(world, &box_3d(&BoxSpec { size, radius: 0.02, ..Default::default() }).unwrap(), number);
 }
@@ -56,7 +56,7 @@ fn ragdolls(world: &mut Simulation, number: usize) {
     place(world, &ragdoll(&RagdollSpec::default()).unwrap(), number);
 }
 
-/// A strip with a constraint of each kind that has a kernel.
+/// A strip with a constraint of each kind that has a wide kernel.
 fn strips(world: &mut Simulation, number: usize) {
     let from = world.particles.len() as u32;
     let k = number as f32;
@@ -78,7 +78,7 @@ fn strips(world: &mut Simulation, number: usize) {
     world.distances_mut().push(Distance::new(from + 2, from + 3, 0.9 + 0.01 * k));
 }
 
-/// All that there is of some rows, as bits, and how their island went.
+/// The complete state of some rows as bits, and the report of their island.
 fn bits(world: &Simulation, rows: core::ops::Range<usize>) -> (Vec<[u32; 7]>, IslandReport) {
     let number = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };
     let of = |row: usize| {
@@ -91,7 +91,7 @@ fn bits(world: &Simulation, rows: core::ops::Range<usize>) -> (Vec<[u32; 7]>, Is
     (rows.map(of).collect(), report)
 }
 
-/// Runs as many bodies together and each alone, and compares.
+/// Runs the bodies together in one world and each in a world of its own, and compares them after each tick.
 fn compare(build: Build, count: usize, tune: fn(&mut Simulation)) {
     let mut together = world(build, 0..count);
     let mut alone: Vec<_> = (0..count).map(|number| world(build, [number])).collect();
@@ -136,7 +136,7 @@ fn so_they_have_on_the_ground_between_walls_and_with_other_settings() {
             world.settings.tolerance = 1e-6;
             world.settings.substeps = 2;
         });
-        // What instance batches leave to others.
+        // A case that instance batches do not take.
         compare(build, 8, |world| {
             let sheet = Plane::new(Vec3::Y * 0.3, Vec3::Y).unwrap();
             world.boundaries.plane_constraint = Some(sheet);
@@ -149,7 +149,7 @@ fn jellies(world: &mut Simulation, number: usize) {
     place(world, &soft_lattice(&spec).unwrap(), number);
 }
 
-/// A ball that some fall on, a ground of its own drag that all reach, a thin wall that comes along, and something that only watches.
+/// A ball that some bodies fall on, a ground with its own drag that all reach, a thin kinematic wall, and a sensor.
 fn crowd(world: &mut Simulation) {
     let fixed = |shape: Result<Shape, crate::ShapeFault>, at: Vec3| {
         Collider::fixed(shape.unwrap(), Frame::at(at))
@@ -175,7 +175,7 @@ fn so_they_have_among_colliders() {
         for count in [3, 9, 17] {
             compare(build, count, crowd);
         }
-        // Phase by phase, where what is taken off velocities is kept for later, or not.
+        // Phase by phase, where the momentum drift is stored for later or removed at once.
         compare(build, 9, |world| {
             crowd(world);
             world.forces.winds.push(crate::Wind::steady(Vec3::X * 3.0));
@@ -184,7 +184,7 @@ fn so_they_have_among_colliders() {
     }
 }
 
-/// One particle of a body is far from where it belongs: rods fling others further than is foreseen, and through whatever is there.
+/// One particle of each body is far from its place, so rods fling others farther than the skin and through whatever is there.
 fn torn(world: &mut Simulation, number: usize, build: Build) {
     let row = world.particles.len() + 1;
     build(world, number);
@@ -253,7 +253,7 @@ fn so_they_have_where_a_step_is_taken_phase_by_phase() {
     }
 }
 
-/// One of eight that slept had the others of its batch solved one by one, so that a crowd of figures took longer the more of them lay still.
+/// When one of eight bodies slept, the others of its batch were solved one by one, so a crowd of ragdolls took longer the more of them lay still.
 #[test]
 fn so_they_have_where_some_of_them_sleep() {
     let put_to_sleep = |world: &mut Simulation, body: usize, size: usize| {
@@ -272,7 +272,7 @@ fn so_they_have_where_some_of_them_sleep() {
         let mut together = world(build, 0..20);
         let mut alone: Vec<_> = (0..20).map(|number| world(build, [number])).collect();
         let size = alone[0].particles.len();
-        // So far apart that nobody wakes another one.
+        // So far apart that no body wakes another.
         let part = |world: &mut Simulation, rows: core::ops::Range<usize>, number: usize| {
             for row in rows {
                 let at = world.particles.position(row) + Vec3::Z * 8.0 * number as f32;
@@ -311,7 +311,7 @@ fn so_they_have_where_some_of_them_sleep() {
 #[test]
 fn what_happens_to_one_does_not_change_the_others() {
     let harm: [fn(&mut Simulation, usize); 4] = [
-        // Pinned; poisoned; flung so that it turns too fast; two particles in one place.
+        // Pinned; NaN; flung so that it turns too fast; two particles at one point.
         |world, row| world.particles.position[row].w = 0.0,
         |world, row| world.particles.set_position(row, Vec3::NAN),
         |world, row| world.particles.set_velocity(row, Vec3::new(300.0, -50.0, 80.0)),
@@ -412,7 +412,7 @@ fn eight_of_a_kind_make_a_batch_and_what_is_different_does_not() {
         assert_eq!(instance_batches(build, 2), []);
         assert_eq!(instance_batches(build, 21), [8, 8, 5]);
     }
-    // One is left: among identical ones it is compacted with them, of others it is better off alone.
+    // A single body is left over: identical ones are compacted with the other batches, others are better off alone.
     for build in [ropes, ragdolls] {
         assert_eq!(instance_batches(build, 17), [8, 8, 1]);
     }

@@ -1,15 +1,15 @@
-//! How hard eight constraints are, each in its own way, by one formula.
+//! Packed compliance: the softness of eight constraints, each of any kind, in one formula.
 
 use crate::constraints::{Bound, Softness};
 use crate::lanes::{LANES, Lanes};
 
-/// The softness of eight constraints, but for their compliance, which more often differs from constraint to constraint (a bend's goes with its
-/// triangles) and is kept with them.
+/// The softness of eight constraints, without their compliance. Compliances mostly differ from constraint to constraint (that of a bend depends on its
+/// triangles) and are stored with the constraints.
 ///
 /// # One formula for every softness
 ///
-/// `multiplier` in `softness.rs` has four. With `U` = `Σ w‖∇C‖²` = `W` for a frequency and 1 otherwise, the sum over the sweeps being `Λ = U λ`, all
-/// of them are
+/// `multiplier` in `softness.rs` has four formulas. Let `W` = `Σ w‖∇C‖²`, and let `U` be `W` for a frequency and 1 otherwise. With `Λ = U λ` as the sum over
+/// the sweeps, all four are
 ///
 /// ```text
 /// Δλ = k (C - s Λ + γ ∇C·(q - p)) / ((1 + γ) W + s U)        ΔΛ = U Δλ
@@ -21,31 +21,31 @@ use crate::lanes::{LANES, Lanes};
 /// share          0                0              1 - (1-k)^(1/n)    1
 /// ```
 ///
-/// The first two columns are a number of the constraint over `h²` and `h`: its compliance (m/N, or s²) and its damping (s). Only the share needs a
-/// power, which is taken once for all blocks that are alike.
+/// The first two columns are numbers of the constraint over `h²` and `h`: its compliance (m/N, or s²) and its damping (s). Only a share needs a power, which is
+/// computed once for consecutive batches with the same packed compliance.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PackedCompliance {
     /// αβ or 2ζ/(2πf), s.
     damping: [f32; LANES],
-    /// The share of the error that a substep takes away: 1 for what is not a share.
+    /// The share of the error that a substep removes; 1 for other kinds of softness.
     share: [f32; LANES],
     /// 1 where `U` is `W`.
     by_weights: [f32; LANES],
-    /// 1 where the sum is kept from sweep to sweep.
+    /// 1 where the multiplier is accumulated over the sweeps.
     remembers: [f32; LANES],
-    /// 1 for the hard ones, which are to be kept.
+    /// 1 for hard constraints.
     hard: [f32; LANES],
     /// 1 for ropes.
     at_most: [f32; LANES],
     /// 1 for struts.
     at_least: [f32; LANES],
-    /// All are hard and remember nothing: all that the table has is `C/W`.
+    /// All are hard and accumulate nothing: the formula is `C/W`.
     pub(super) plain: bool,
     /// All are hard.
     pub(super) all_hard: bool,
     /// Some are hard.
     pub(super) some_hard: bool,
-    /// Some are damped, and need to know how far they have moved.
+    /// Some are damped and need their displacement since the start of the substep.
     pub(super) damped: bool,
     /// Some are frequencies.
     frequencies: bool,
@@ -55,7 +55,7 @@ pub(super) struct PackedCompliance {
     pub(super) limited: bool,
 }
 
-/// What kind of number a softness has in place of a compliance, m/N or s²: see [`PackedCompliance`].
+/// The numerator of `s`: the compliance, m/N, or for a frequency 1/(2πf)², s²; see [`PackedCompliance`]. Zero for hard constraints and shares.
 pub(super) fn compliance(softness: Softness) -> f32 {
     match softness {
         Softness::Compliant { compliance, .. } => compliance,
@@ -79,7 +79,7 @@ fn is_frequency(softness: Softness) -> bool {
     matches!(softness, Softness::Frequency { .. })
 }
 
-/// What the shares of one packed compliance are in a single sweep, as long as the same one is asked for.
+/// The share of the error that each of eight constraints removes in a single sweep; kept as long as the packed compliance is the same.
 pub(super) struct Shares {
     each: [f32; LANES],
     number: u32,
@@ -87,13 +87,13 @@ pub(super) struct Shares {
 }
 
 impl Shares {
-    /// Of so many sweeps in a substep.
+    /// For a number of sweeps in a substep.
     #[inline(always)]
     pub(super) fn new(sweeps: u32) -> Self {
         Self { each: [1.0; LANES], number: u32::MAX, sweeps }
     }
 
-    /// Those of the packed compliance of a number.
+    /// The shares of a packed compliance, given with its number.
     #[inline(always)]
     pub(super) fn of(&mut self, number: u32, packed: &PackedCompliance) -> &[f32; LANES] {
         if number != self.number {
@@ -131,7 +131,8 @@ impl PackedCompliance {
         }
     }
 
-    /// The same, asked by the formulas that another one asks for. What they ask for in vain changes a result by an ulp at most, but it may.
+    /// The same softness, computed by the branches of the formula that another packed compliance takes. A term without effect may still change a result by an
+    /// ulp, so a body in a batch must take the branches that it takes alone.
     pub(super) fn asked_as(self, other: &Self) -> Self {
         Self {
             frequencies: other.frequencies,
@@ -158,7 +159,7 @@ impl PackedCompliance {
         each
     }
 
-    /// Where a bound asks for nothing.
+    /// Mask of the inequalities that are satisfied.
     #[inline(always)]
     pub(super) fn holds<L: Lanes>(&self, value: L) -> L {
         let zero = L::zero();
@@ -166,16 +167,16 @@ impl PackedCompliance {
         below.or(flag::<L>(&self.at_least).and(zero.le(value)))
     }
 
-    /// Where it is hard.
+    /// Mask of the hard constraints.
     #[inline(always)]
     pub(super) fn hard<L: Lanes>(&self) -> L {
         flag(&self.hard)
     }
 
-    /// `Δλ` of each constraint, and its new sum. Not for [`plain`](Self::plain) ones, of which the first is `value/weights` and the second stays
-    /// zero.
+    /// `Δλ` of each constraint, and its new accumulated multiplier. Not for [`plain`](Self::plain) ones, whose `Δλ` is `value/weights` and whose multiplier
+    /// stays zero.
     ///
-    /// An inequality only ever pushes one way, so its sum is held on that side of zero.
+    /// An inequality only pushes one way, so its accumulated multiplier is clamped to that side of zero.
     #[inline(always)]
     pub(super) fn change<L: Lanes>(
         &self,
@@ -208,20 +209,20 @@ impl PackedCompliance {
     }
 }
 
-/// What constraints ask for where the particles are.
+/// The inputs of the formula at the current positions.
 #[derive(Clone, Copy)]
 pub(super) struct Asks<L> {
     /// `C`.
     pub(super) value: L,
     /// `Σ w‖∇C‖²`.
     pub(super) weights: L,
-    /// `∇C·(q - p)`: how `C` has changed in this substep. Matters to damped ones.
+    /// `∇C·(q - p)`: how much `C` has changed in this substep. Only read for damped constraints.
     pub(super) moved: L,
-    /// What has been summed up.
+    /// `Λ`, the multiplier accumulated so far.
     pub(super) sum: L,
 }
 
-/// Numbers that are 1 or 0 as a mask.
+/// Flags that are 1 or 0 as a mask.
 #[inline(always)]
 fn flag<L: Lanes>(flags: &[f32; LANES]) -> L {
     L::zero().lt(L::load(flags))

@@ -1,4 +1,4 @@
-//! The constraints of [instance batches](crate::solve::instances): each lane has that of another body, between particles of the same numbers there.
+//! The constraints of [instance batches](crate::solve::instances): each lane holds the constraint of another body, between the same local particles.
 
 use core::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::constraints::{Constraint, Distance, FromKind, SubstepContext, Wide};
 use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
 use crate::solve::lane_particles::LaneParticles;
 
-/// By their numbers in a body, which are the same in all eight.
+/// By local particle numbers, which are the same in all eight bodies.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ByMembers;
 
@@ -25,27 +25,28 @@ impl Names for ByMembers {
 /// Constraints of instance batches.
 pub(in crate::solve) type InstancedConstraints = BatchLists<ByMembers>;
 
-/// Which of them stand for a group.
+/// The batches that belong to one group of constraints.
 #[derive(Clone, Debug)]
 pub(in crate::solve) struct InstancedGroup {
     list: BatchList,
     range: Range<usize>,
-    /// Where their sums begin among the batch's.
+    /// Where the group's multipliers begin among those of the instance batch.
     multipliers: usize,
 }
 
-/// The same group in each of eight bodies, of which the first rows are given, and what it is solved by in the first of them alone.
+/// The same group in each of eight bodies, with the first row of each body, and the wide constraints that solve the group of the first body outside of instance
+/// batches.
 pub(in crate::solve) struct InstancedGroups<'a, T> {
     pub(in crate::solve) each: [&'a [T]; LANES],
     pub(in crate::solve) first: [u32; LANES],
     pub(in crate::solve) constraint_batches: &'a ConstraintBatches,
     pub(in crate::solve) which: &'a Which,
-    /// Where the sums begin among the batch's.
+    /// Where the group's multipliers begin among those of the instance batch.
     pub(in crate::solve) multipliers: usize,
 }
 
 impl InstancedConstraints {
-    /// Takes distances.
+    /// Adds distances.
     pub(in crate::solve) fn add_distances(
         &mut self,
         groups: &InstancedGroups<Distance>,
@@ -61,7 +62,7 @@ impl InstancedConstraints {
         groups.group(BatchList::Distances, begin..self.distances.len())
     }
 
-    /// Takes constraints; `None` if their kinds are not the same after all.
+    /// Adds constraints; `None` if their kinds differ.
     pub(in crate::solve) fn add(
         &mut self,
         groups: &InstancedGroups<Constraint>,
@@ -79,9 +80,9 @@ impl InstancedConstraints {
         Some(groups.group(groups.which.list, range))
     }
 
-    /// Projects a group once, of particles that are `now` somewhere and where they were at the start of the substep, with the multipliers of all that the bodies
-    /// have, if another sweep follows; returns the largest error found in each body, metres, or what it was before. Nothing is asked of bodies of the mask
-    /// `aside`: what becomes of them does not matter.
+    /// Projects a group once. `now` and `start` are the particles at present and at the start of the substep. `multipliers` are those of the whole instance
+    /// batch, or empty if no other sweep follows. Returns the largest error found in each body, metres, or `worst` if that is larger. Bodies in the mask
+    /// `aside` are not swept any more: their lanes may be written with anything.
     pub(in crate::solve) fn sweep(
         &self,
         part: &InstancedGroup,
@@ -90,15 +91,15 @@ impl InstancedConstraints {
         (aside, worst): (u32, LaneValues),
         instructions: InstructionSet,
     ) -> LaneValues {
-        // Where there is no other sweep nothing has to be summed up.
+        // With a single sweep nothing has to be accumulated.
         let from = if multipliers.is_empty() { 0 } else { part.multipliers };
         let multipliers = Some(&mut multipliers[from..]);
         let task = InstancedTask { now, start, multipliers, substep_context, aside, worst };
         self.pass(part, task, instructions)[0]
     }
 
-    /// How far the hard ones of a group are from being kept in each body: the largest error, metres, and of distances the largest share of a rest
-    /// length. Moves nothing.
+    /// The errors of a group's hard constraints in each body: the largest error, metres, and for distances the largest error as a share of the rest length.
+    /// Moves nothing.
     pub(in crate::solve) fn measure(
         &self,
         part: &InstancedGroup,
@@ -125,7 +126,7 @@ impl InstancedConstraints {
 }
 
 impl ConstraintBatches {
-    /// How hard the block is that a constraint of a group is in.
+    /// The packed compliance that a constraint of a group has outside of instance batches.
     fn packed_compliance(&self, which: &Which, place: usize) -> &PackedCompliance {
         let block = which.blocks.start + place / which.each;
         let number = on_list!([&] self, which.list, |batches| batches[block].packed_compliance);
@@ -134,7 +135,7 @@ impl ConstraintBatches {
 }
 
 impl InstancedGroup {
-    /// Takes the group that comes next, if both are in one list and nothing is between them: then they are swept as one. Says whether it did.
+    /// Appends the next group if both are in the same list and adjacent there, so that they are swept as one. Returns whether it did.
     pub(in crate::solve) fn join(&mut self, next: &Self) -> bool {
         let (end, multipliers) = (self.range.end, self.multipliers + self.range.len());
         let joins =
@@ -147,7 +148,7 @@ impl InstancedGroup {
 }
 
 impl<T> InstancedGroups<'_, T> {
-    /// A packed compliance, asked as that of the first body's constraint at a place is.
+    /// `own`, computed by the same branches as the first body's constraint at that place outside of instance batches.
     fn asked(&self, own: PackedCompliance, place: usize) -> PackedCompliance {
         own.asked_as(self.constraint_batches.packed_compliance(self.which, place))
     }
@@ -157,7 +158,7 @@ impl<T> InstancedGroups<'_, T> {
     }
 }
 
-/// The constraint of each of eight bodies at a place of their groups; `None` if the kind of one is another.
+/// The constraints of eight bodies at one place of their groups; `None` if their kinds differ.
 fn instanced<W: Wide<N, Kind: FromKind>, const N: usize>(
     groups: &InstancedGroups<Constraint>,
     place: usize,
@@ -169,29 +170,29 @@ fn instanced<W: Wide<N, Kind: FromKind>, const N: usize>(
 }
 
 impl Which {
-    /// Whether another group is of the same kind, and is cut in the same way.
+    /// Whether another group has constraints of the same kind, batched in the same way.
     pub(in crate::solve) fn is_like(&self, other: &Self) -> bool {
         self.list == other.list && self.each == other.each
     }
 }
 
-/// A number of each of eight bodies.
+/// One number for each of eight bodies.
 type LaneValues = [f32; LANES];
 
-/// What is to be done with the constraints of eight bodies: to project them once, or without multipliers to measure them.
+/// Projects the constraints of eight bodies once, or measures them if there are no multipliers.
 struct InstancedTask<'a> {
     now: &'a mut [LaneParticles],
-    /// Where they were when the substep began.
+    /// Positions at the start of the substep.
     start: &'a [LaneParticles],
     multipliers: Option<&'a mut [LaneValues]>,
     substep_context: SubstepContext,
-    /// A mask of bodies of which nothing is asked.
+    /// Mask of the bodies that are not swept any more.
     aside: u32,
-    /// The largest error that was found before, metres.
+    /// The largest errors found before, metres.
     worst: LaneValues,
 }
 
-/// A task for one list: the largest errors, metres, and shares of rest lengths.
+/// A task on one list. Returns the largest errors, metres, and shares of rest lengths.
 struct SweepInstanced<'a, E, const N: usize> {
     batches: &'a [Batch<[u32; N], E>],
     compliances: &'a [PackedCompliance],
@@ -229,7 +230,7 @@ impl<E: WideKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
     }
 }
 
-/// The particles of one constraint of each of eight bodies.
+/// The particles of one constraint in each of eight bodies.
 struct InstancedParticles<'a, const N: usize> {
     at: &'a [u32; N],
     now: &'a mut [LaneParticles],

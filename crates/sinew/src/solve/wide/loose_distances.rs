@@ -1,5 +1,5 @@
-//! Soft distances in columns that are in no step: gathered from there, eight of one colour, for the kernel that takes any eight. What is in step is taken as
-//! [rods that yield](crate::solve::rods).
+//! Compliant distances between particles in columns that follow no regular stride: gathered from the columns, eight of one colour, for the general distance
+//! kernel. Those with a regular stride are solved as [compliant rods](crate::solve::rods).
 
 use core::ops::Range;
 
@@ -12,22 +12,22 @@ use super::{Batch, WideKernel};
 use crate::constraints::{Distance, SubstepContext};
 use crate::lanes::{Columns, LANES, Lanes, kernel};
 
-/// Those of a plan.
+/// The loose distances of a plan.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LooseDistances {
     compliances: Vec<PackedCompliance>,
     blocks: Vec<Batch<BlockRows, WideDistance>>,
 }
 
-/// The particles of eight, counted from the first row of their cluster batch. Where there are fewer, one stands there again: it computes the same and writes
-/// the same.
+/// The rows of up to eight distances, counted from the first row of their cluster batch. Unused lanes repeat the first distance: they compute and write the
+/// same values.
 #[derive(Clone, Copy, Debug)]
 struct BlockRows {
     rows: [[u32; LANES]; 2],
     count: usize,
 }
 
-/// How long the lists are: of compliances, and of blocks.
+/// Lengths of the lists: compliances, blocks.
 pub(crate) type LooseCounts = [usize; 2];
 
 impl LooseDistances {
@@ -35,14 +35,14 @@ impl LooseDistances {
         [self.compliances.len(), self.blocks.len()]
     }
 
-    /// Forgets what came after they were so long, and keeps the memory.
+    /// Drops everything that was added after the lists had these lengths, and keeps the memory.
     pub(in crate::solve) fn truncate(&mut self, &[compliances, blocks]: &LooseCounts) {
         self.compliances.truncate(compliances);
         self.blocks.truncate(blocks);
     }
 
-    /// Takes distances of one colour in a cluster batch that begins with the row `first`: returns which blocks. `alone` for those that share particles: each
-    /// has a block to itself.
+    /// Adds distances of one colour, in a cluster batch that begins with row `first`. Returns their blocks. With `alone` the distances share particles, and
+    /// each gets a block to itself.
     pub(crate) fn add(&mut self, distances: &[Distance], alone: bool, first: u32) -> Range<usize> {
         let begin = self.blocks.len();
         for some in distances.chunks(if alone { 1 } else { LANES }) {
@@ -57,8 +57,8 @@ impl LooseDistances {
 }
 
 kernel!(
-    /// Projects some blocks once, in their order, on particles in columns, of which that in row 0 is `from` rows before the first one of their cluster batch;
-    /// `sums` are what they have summed up. Returns how far the farthest moved, metres.
+    /// Projects some blocks once, in order, on particles in columns. The cluster batch of the blocks begins `from` rows after the first row of the columns;
+    /// `sums` are the multipliers of the distances. Returns the largest correction, metres.
     pub(in crate::solve) fn sweep_loose<L: Lanes>(
         loose: &LooseDistances,
         columns: &mut Columns,
@@ -101,7 +101,7 @@ impl ParticleAccess<2> for CopiedParticles {
         L::run(&self.0[i], 0)
     }
 
-    /// Columns do not know where the substep began: what is damped is not swept in them.
+    /// Columns do not store the start of the substep, so damped distances are not swept in them.
     #[inline(always)]
     fn start<L: Lanes>(&self, i: usize) -> [L; 4] {
         self.now(i)

@@ -1,12 +1,13 @@
-//! Constraints other than hard rods, eight side by side: soft distances, ropes and struts, and most other kinds.
+//! Constraints other than hard rods, solved eight at a time: compliant distances, ropes and struts, and most other kinds.
 //!
-//! As [rods](super::rods) are: those of one colour share no particle, so eight of them go at once, in any order. The formula of each is that of its
-//! scalar twin in [`constraints`](crate::constraints), to a few units in the last place; how hard it is, is one formula for all ([`compliance`]).
+//! As with [rods](super::rods), constraints of one colour share no particle, so eight of them are solved at once, in any order. The formula of each kind is
+//! that of its scalar twin in [`constraints`](crate::constraints), to within a few units in the last place. Softness is one formula for all kinds
+//! ([`compliance`]).
 //!
-//! - `compliance` is the softness of eight constraints, whatever each one's is;
-//! - `wide_constraint` projects eight constraints of one kind, by their values and gradients ([`Wide`]); `wide_distance` projects eight distances;
-//! - `particle_access` is where the particles of eight are, in memory or in the lanes of an [instance batch](super::instances);
-//! - here are the lists of them, and those in memory; `instanced` are those of instance batches, `loose_distances` those in columns.
+//! - `compliance` is the softness of eight constraints, which may all differ.
+//! - `wide_constraint` projects eight constraints of one kind by their values and gradients ([`Wide`]); `wide_distance` projects eight distances.
+//! - `particle_access` reads and writes the particles of eight constraints, in memory or in the lanes of an [instance batch](super::instances).
+//! - This module has the lists of batches and sweeps those of a plan; `instanced` sweeps those of instance batches, `loose_distances` those in columns.
 
 mod compliance;
 mod instanced;
@@ -34,13 +35,13 @@ use particle_access::{GatheredParticles, ParticleAccess};
 use wide_constraint::WideConstraint;
 use wide_distance::WideDistance;
 
-/// How particles of eight constraints are named.
+/// How the particles of eight constraints are addressed.
 pub(crate) trait Names {
-    /// The names of the particles of eight constraints of `N` each.
+    /// The addresses of the particles of eight constraints of `N` particles each.
     type Of<const N: usize>: Clone + Debug;
 }
 
-/// By rows: each of the eight has its own.
+/// By rows: each lane has its own.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ByRows;
 
@@ -48,7 +49,7 @@ impl Names for ByRows {
     type Of<const N: usize> = [[u32; LANES]; N];
 }
 
-/// Constraints that have wide kernels, kind by kind.
+/// Constraints that have wide kernels, in one list for each kind.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BatchLists<A: Names> {
     compliances: Vec<PackedCompliance>,
@@ -61,7 +62,7 @@ pub(crate) struct BatchLists<A: Names> {
     cones: Vec<Batch<A::Of<5>, WideConstraint<Cones>>>,
 }
 
-/// The lists that there are.
+/// The lists of [`BatchLists`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum BatchList {
     Distances,
@@ -73,7 +74,7 @@ enum BatchList {
     Cones,
 }
 
-/// Does something with one of the lists, whatever is in it; with distances something else where that is said.
+/// Evaluates an expression with one of the lists, whatever its element type; optionally another expression for the list of distances.
 macro_rules! on_list {
     ($by:tt $lists:ident, $which:expr, |$list:ident| $body:expr) => {
         on_list!($by $lists, $which, |$list| $body, {
@@ -97,20 +98,20 @@ macro_rules! on_list {
 
 use on_list;
 
-/// One to eight constraints of one kind. Where there are fewer, one stands there again: it computes the same and writes the same.
+/// One to eight constraints of one kind. Unused lanes repeat the first constraint: they compute and write the same values.
 #[derive(Clone, Debug)]
 struct Batch<P, E> {
-    /// Which particles they bind.
+    /// The particles they act on.
     particles: P,
     eight: E,
-    /// Which of the compliances they have.
+    /// Index of their packed compliance.
     packed_compliance: u32,
 }
 
-/// Eight constraints of one kind, of `N` particles each, but for which those are.
+/// Eight constraints of one kind with `N` particles each, without the particles.
 trait WideKernel<const N: usize> {
-    /// Projects them once. Returns the errors found; without multipliers nothing is moved, and they are those of the hard ones and, of distances, what they
-    /// are as shares of the rest lengths.
+    /// Projects them once. Returns the errors found. Without multipliers nothing is moved, and it returns the errors of the hard ones, metres, and for
+    /// distances the same as shares of the rest lengths.
     fn project<L: Lanes>(
         &self,
         context: KernelContext<L>,
@@ -119,8 +120,8 @@ trait WideKernel<const N: usize> {
     ) -> (L, L);
 }
 
-/// What kernels are told: the packed compliance of eight, what each share is, the substep, seconds, and a mask of those of which nothing is asked: what
-/// becomes of them does not matter.
+/// Parameters of a wide kernel: the packed compliance, the share of each lane in a sweep, the substep in seconds, and a mask of lanes whose result does not
+/// matter.
 type KernelContext<'a, L> = (&'a PackedCompliance, &'a [f32; LANES], f32, L);
 
 impl<P, E> Batch<P, E> {
@@ -134,7 +135,7 @@ impl<P, E> Batch<P, E> {
 }
 
 impl BatchList {
-    /// The list of a kind, if that has a wide kernel.
+    /// The list for a kind; `None` if it has no wide kernel.
     fn of(kind: &ConstraintKind) -> Option<Self> {
         Some(match kind {
             ConstraintKind::Bend(_) => Self::Bends,
@@ -148,7 +149,7 @@ impl BatchList {
     }
 }
 
-/// How long the lists are: of compliances, and of each kind of constraints.
+/// Lengths of the lists: compliances, then each kind of constraint.
 pub(crate) type BatchCounts = [usize; 8];
 
 impl<A: Names> BatchLists<A> {
@@ -166,7 +167,7 @@ impl<A: Names> BatchLists<A> {
         ]
     }
 
-    /// Forgets what came after they were so long, and keeps the memory.
+    /// Drops everything that was added after the lists had these lengths, and keeps the memory.
     pub(super) fn truncate(&mut self, counts: &BatchCounts) {
         let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
         compliances.truncate(counts[0]);
@@ -180,7 +181,7 @@ impl<A: Names> BatchLists<A> {
     }
 }
 
-/// Appends all of them, or nothing if there is one that is not.
+/// Appends all elements, or none if one of them is `None`.
 fn append<T>(list: &mut Vec<T>, all: impl Iterator<Item = Option<T>>) -> Option<Range<usize>> {
     let first = list.len();
     for one in all {
@@ -196,18 +197,18 @@ fn append<T>(list: &mut Vec<T>, all: impl Iterator<Item = Option<T>>) -> Option<
 /// The constraints of a plan that have wide kernels.
 pub(crate) type ConstraintBatches = BatchLists<ByRows>;
 
-/// Which of them a group has.
+/// The batches that belong to one group of constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Which {
     list: BatchList,
     blocks: Range<usize>,
-    /// How many of the group's constraints are in a block: eight, or one where they share particles.
+    /// How many of the group's constraints are in a batch: eight, or one if they share particles.
     each: usize,
 }
 
 impl ConstraintBatches {
-    /// Takes the constraints of a group, all of one colour, in their order; `alone` those that share particles: each has a block to itself. `None`
-    /// where there is no wide kernel for them, or not the same one for all.
+    /// Adds the constraints of a group, all of one colour, in order. With `alone` the constraints share particles, and each gets a batch to itself. `None` if
+    /// they have no wide kernel or differ in kind.
     pub(crate) fn add(&mut self, constraints: &[Constraint], alone: bool) -> Option<Which> {
         let each = if alone { 1 } else { LANES };
         let list = BatchList::of(&constraints.first()?.kind)?;
@@ -224,7 +225,7 @@ impl ConstraintBatches {
         Some(Which { list, blocks, each })
     }
 
-    /// Takes distances, likewise.
+    /// Adds the distances of a group, likewise.
     pub(crate) fn add_distances(&mut self, distances: &[Distance], alone: bool) -> Which {
         let (first, each) = (self.distances.len(), if alone { 1 } else { LANES });
         for some in distances.chunks(each) {
@@ -236,8 +237,8 @@ impl ConstraintBatches {
         Which { list: BatchList::Distances, blocks: first..self.distances.len(), each }
     }
 
-    /// Projects a group once; `all_multipliers` are what its constraints have summed up, in their order. Returns the largest error found, metres; of
-    /// soft ones, how far they moved.
+    /// Projects a group once. `all_multipliers` are those of its constraints, in order. Returns the largest error found, metres; for compliant ones the largest
+    /// correction.
     pub(crate) fn sweep(
         &self,
         places: &mut Places,
@@ -250,7 +251,7 @@ impl ConstraintBatches {
         self.pass(places, which, multipliers, substep_context, instructions)
     }
 
-    /// How far the hard ones of a group are from being kept, metres, the largest; moves nothing.
+    /// The largest error of the hard constraints of a group, metres. Moves nothing.
     pub(crate) fn measure(
         &self,
         places: &mut Places,
@@ -277,7 +278,7 @@ impl ConstraintBatches {
     }
 }
 
-/// One to eight constraints of one kind; `None` if the kind of one is another.
+/// One to eight constraints of one kind; `None` if their kinds differ.
 fn gathered<W: Wide<N, Kind: FromKind>, const N: usize>(
     some: &[Constraint],
     compliances: &mut Vec<PackedCompliance>,
@@ -293,13 +294,13 @@ fn gathered<W: Wide<N, Kind: FromKind>, const N: usize>(
     Some(Batch::new(rows, WideConstraint::of(eight)?, compliances))
 }
 
-/// Projects batches once, in their order; returns the largest error found, metres, of soft ones how far they moved. Without multipliers it measures:
-/// nothing is moved, and what is returned is the largest error of the hard ones.
+/// Projects batches once, in order. Returns the largest error found, metres; for compliant ones the largest correction. Without multipliers it measures:
+/// nothing is moved, and it returns the largest error of the hard ones.
 struct SweepBatches<'a, 'b, E, const N: usize> {
     batches: &'a [Batch<[[u32; LANES]; N], E>],
     compliances: &'a [PackedCompliance],
     places: &'a mut Places<'b>,
-    /// Cut to a batch each.
+    /// One chunk for each batch.
     multipliers: Option<ChunksMut<'a, f32>>,
     substep_context: SubstepContext,
 }
@@ -327,10 +328,10 @@ impl<E: WideKernel<N>, const N: usize> Work for SweepBatches<'_, '_, E, N> {
     }
 }
 
-/// What is measured has no substep: nothing of it is read.
+/// The context of a measurement, which does not read it.
 const MEASURING: SubstepContext = SubstepContext { h: 0.0, sweeps: 1 };
 
-/// The number of a packed compliance, which is the last one's if they are the same: so bodies of one softness have one, which stays in the cache.
+/// The index of a packed compliance. Reuses the last one if it is equal, so that bodies of one softness share one, which stays in the cache.
 fn number(compliances: &mut Vec<PackedCompliance>, packed_compliance: PackedCompliance) -> u32 {
     if compliances.last() != Some(&packed_compliance) {
         compliances.push(packed_compliance);
@@ -338,8 +339,8 @@ fn number(compliances: &mut Vec<PackedCompliance>, packed_compliance: PackedComp
     (compliances.len() - 1) as u32
 }
 
-/// Rows as places in slices that begin with the row `first`; in `room` if they are others. Those in memory are left there: a copy would go into a
-/// register, and from there, more slowly, lane by lane to where addresses are made.
+/// Rows as indices into slices that begin with row `first`, written to `room` unless `first` is zero. Then they are used where they are: a copy would be loaded
+/// into a vector register and extracted from it lane by lane for addressing, which is slower.
 #[inline(always)]
 fn less<'a, const N: usize>(
     rows: &'a [[u32; LANES]; N],
@@ -357,8 +358,8 @@ fn less<'a, const N: usize>(
     room
 }
 
-/// Does something for each of up to five particles, with its number a constant: a loop that the compiler may choose not to unroll keeps all vectors
-/// in memory.
+/// Repeats a block for each of up to `n` ≤ 5 particles with the number as a constant. A loop that the compiler decides not to unroll would keep all vectors in
+/// memory.
 macro_rules! each {
     ($i:ident of $n:ident $body:block) => {
         each!(@ $i $n $body 0 1 2 3 4)
@@ -376,7 +377,7 @@ macro_rules! each {
 
 use each;
 
-/// What one to eight constraints have summed up; the first one's again where there are fewer. Nothing where there are none.
+/// The multipliers of one to eight constraints; unused lanes repeat the first. Zero if there are none.
 #[inline(always)]
 fn load_sums<L: Lanes>(multipliers: &[f32]) -> L {
     match multipliers.try_into() {

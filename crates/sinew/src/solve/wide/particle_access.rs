@@ -1,20 +1,20 @@
-//! Where the particles of eight constraints are: as they lie in memory, or in the lanes of an instance batch.
+//! Access to the particles of eight constraints: gathered from memory, or in the lanes of an instance batch.
 
 use glam::Vec4;
 
 use crate::lanes::{LANES, Lanes};
 
-/// The particles of eight constraints of `N` particles each. What it does is to be inlined always.
+/// Reads and writes the particles of eight constraints of `N` particles each. Implementations must be `#[inline(always)]`.
 pub(in crate::solve) trait ParticleAccess<const N: usize> {
-    /// `x y z w` of the eight at place `i` of their constraints.
+    /// `x y z w` of particle `i` of each of the eight constraints.
     fn now<L: Lanes>(&self, i: usize) -> [L; 4];
-    /// The same where the substep began.
+    /// The same at the start of the substep.
     fn start<L: Lanes>(&self, i: usize) -> [L; 4];
-    /// Writes those of now.
+    /// Writes the current positions.
     fn put<L: Lanes>(&mut self, i: usize, eight: [L; 4]);
 }
 
-/// As they lie in memory.
+/// Particles gathered from and scattered to memory.
 pub(super) struct GatheredParticles<'a, const N: usize> {
     pub(super) rows: &'a [[u32; LANES]; N],
     pub(super) position: &'a mut [Vec4],

@@ -29,7 +29,7 @@ const SOFT: [Softness; 7] = [
     Softness::Share(0.4),
 ];
 
-/// Particles, and what has been summed up.
+/// Particles and multipliers.
 #[derive(Clone, Debug)]
 struct State {
     now: Vec<Vec4>,
@@ -38,7 +38,7 @@ struct State {
 }
 
 impl State {
-    /// Particles there, which have come a little way; of many masses, some of them pinned.
+    /// Particles at `places` that have moved a little since the start of the substep, with various masses, some of them pinned.
     fn at(places: &[Vec3], constraints: usize, random: &mut Random) -> Self {
         let masses = random.masses(places.len());
         let inverse = |i: usize| if i % 7 == 3 { 0.0 } else { 1.0 / masses[i] };
@@ -58,7 +58,7 @@ impl State {
         places.chain(self.multipliers.iter().copied()).map(f32::to_bits).collect()
     }
 
-    /// One sweep by the scalar kernels; the largest error.
+    /// One sweep of the scalar kernels. Returns the largest error.
     fn one_by_one(&mut self, group: &Group, substep_context: SubstepContext) -> f32 {
         let mut multipliers = self.multipliers.clone();
         let mode = SolveMode {
@@ -84,7 +84,7 @@ impl State {
         worst
     }
 
-    /// One sweep by the wide ones.
+    /// One sweep of the wide kernels.
     fn wide(&mut self, set: InstructionSet, group: &Group, substep_context: SubstepContext) -> f32 {
         let (constraint_batches, which) = group.wide();
         let mut multipliers = self.multipliers.clone();
@@ -118,8 +118,8 @@ impl Group {
     }
 }
 
-/// Sweeps of both kinds from the same state agree to `tolerance` of the positions and of the way that they went, and of the sums; and the sets to the
-/// bit.
+/// Asserts that scalar and wide sweeps from the same state agree to within `tolerance` of positions plus displacements, and of the multipliers; and that all
+/// instruction sets agree to the bit.
 #[track_caller]
 fn assert_alike(name: &str, group: &Group, mut state: State, tolerance: f32) {
     for sweep in 0..4 {
@@ -150,9 +150,9 @@ fn assert_alike(name: &str, group: &Group, mut state: State, tolerance: f32) {
     }
 }
 
-/// Rows of `count` constraints of `n` particles each, no row twice, all over the place.
+/// Rows of `count` constraints with `n` particles each: every row once, in scattered order.
 fn rows(count: usize, n: usize) -> Vec<Vec<u32>> {
-    // 11 has no common factor with what is not a multiple of it, so all rows come once.
+    // 11 is coprime to any number that it does not divide, so each row occurs once.
     let all = (count * n) as u32;
     assert!(!all.is_multiple_of(11));
     (0..count as u32)
@@ -160,7 +160,7 @@ fn rows(count: usize, n: usize) -> Vec<Vec<u32>> {
         .collect()
 }
 
-/// Twenty-two constraints and a little: two full blocks and a part of one.
+/// Twenty-one constraints: two full batches and a part of one.
 fn constraint_batches(n: usize, kind: &dyn Fn(usize) -> ConstraintKind) -> Group {
     let rows = rows(21, n).into_iter().enumerate();
     Group::Constraints(rows.map(|(k, rows)| Constraint::new(rows, kind(k))).collect())
@@ -207,7 +207,7 @@ fn cone(k: usize, softness: Softness) -> ConstraintKind {
     ConstraintKind::Cone(Cone { axis, max: 0.03 * (k % 12) as f32, softness })
 }
 
-/// Every kind that has a wide kernel, how many particles it has, and how near it comes to the scalar one.
+/// Every kind with a wide kernel, its number of particles, and the tolerance against its scalar twin.
 fn every() -> Vec<(&'static str, usize, fn(usize, Softness) -> ConstraintKind, f32)> {
     vec![
         ("bend", 4, bend, 2e-6),
@@ -260,7 +260,7 @@ fn every_distance_does_what_its_scalar_twin_does_however_soft_and_whichever_way(
     }
 }
 
-/// Where one constraint of twenty-one is degenerate, in its first or its last place; the rest is in order.
+/// Three of twenty-one constraints are degenerate, two of them in one batch and one in the last lane that is used; the others are sound.
 #[test]
 fn degenerate_sets_are_treated_as_the_scalar_laws_treat_them_and_spoil_no_neighbour() {
     let spoil: [(&str, fn(usize, Vec3) -> Vec3); 8] = [
@@ -293,7 +293,7 @@ fn degenerate_sets_are_treated_as_the_scalar_laws_treat_them_and_spoil_no_neighb
                     assert!(wide.now.iter().all(|q| q.is_finite()), "{title}");
                     assert!(wide.multipliers.iter().all(|sum| sum.is_finite()), "{title}");
                 }
-                // From a nanometre it is thrown far, and what is summed up cancels to few digits.
+                // From a nanometre it is thrown far, and the accumulated multiplier cancels to few digits.
                 let times = if context == "tiny" { 5000.0 } else { 20.0 };
                 assert_alike(&title, &group, state, times * tolerance);
             }
@@ -320,7 +320,7 @@ fn a_particle_that_is_not_a_number_stops_its_own_constraint_and_no_other() {
                         if hit.contains(&(row as u32)) { before.now[row] } else { sound.now[row] };
                     let same = expected.to_array().map(f32::to_bits)
                         == spoilt.now[row].to_array().map(f32::to_bits);
-                    // What is only far away may be moved, but not out of what is finite.
+                    // A particle that is merely far away may be moved, but must stay finite.
                     assert!(same || (bad == 1e30 && spoilt.now[row].is_finite()), "{name} {bad}");
                 }
                 assert!(spoilt.multipliers.iter().all(|sum| sum.is_finite()), "{name} {bad}");

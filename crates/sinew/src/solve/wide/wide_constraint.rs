@@ -1,4 +1,4 @@
-//! Eight constraints of one kind, side by side: in which form they are kept, and how they are projected.
+//! Eight constraints of one kind: how they are stored, and how they are projected.
 
 use super::compliance::{Asks, PackedCompliance, compliance};
 use super::particle_access::ParticleAccess;
@@ -6,7 +6,7 @@ use super::{KernelContext, WideKernel, each, load_sums, store_sums};
 use crate::constraints::{Constraint, FromKind, Wide};
 use crate::lanes::{LANES, Lanes, Vector};
 
-/// Eight constraints but for their particles.
+/// Eight constraints without their particles.
 #[derive(Clone, Debug)]
 pub(super) struct WideConstraint<W> {
     kind: W,
@@ -14,7 +14,7 @@ pub(super) struct WideConstraint<W> {
 }
 
 impl<W> WideConstraint<W> {
-    /// Eight constraints, and their packed compliance; `None` if the kind of one is another.
+    /// Eight constraints, and their packed compliance; `None` if their kinds differ.
     pub(super) fn of<const N: usize>(
         eight: [&Constraint; LANES],
     ) -> Option<(Self, PackedCompliance)>
@@ -31,23 +31,23 @@ impl<W> WideConstraint<W> {
     }
 }
 
-/// What eight constraints of whatever kind yield by. Compiled once, not for each kind.
+/// The compliances of eight constraints of any kind. Not generic, so that it is compiled once rather than for each kind.
 fn compliances_of(eight: [&Constraint; LANES]) -> ([f32; LANES], PackedCompliance) {
     let softness = eight.map(|c| c.kind.equation().softness());
     let bound = eight.map(|c| c.kind.equation().bound());
     (softness.map(compliance), PackedCompliance::of(softness, bound))
 }
 
-/// What the equation says of eight constraints.
+/// The values and gradients of eight constraints, with sums derived from them.
 struct WideEvaluation<L, const N: usize> {
     value: L,
-    /// Zero where there is nothing to be done.
+    /// Zero in inactive lanes.
     gradients: [Vector<L>; N],
     /// `Σ w‖∇C‖²`.
     weights: L,
     /// `Σ ‖∇C‖²`.
     steepness: L,
-    /// Where there is something to be done, and can be.
+    /// Mask of the lanes in which a correction is needed and possible.
     active: L,
 }
 
@@ -64,9 +64,9 @@ impl<L: Lanes, const N: usize> WideEvaluation<L, N> {
     }
 }
 
-/// Values, gradients and what follows: as `solve` in `equation.rs`.
+/// Evaluates eight constraints, as `solve` in `equation.rs` does for one.
 ///
-/// Weights that are finite come of finite gradients; pinned particles alone leave zero, and nothing to be done.
+/// Finite weights imply finite gradients. If all particles are pinned, the weights are zero and the lane is inactive.
 #[inline(always)]
 fn solve<L: Lanes, W: Wide<N>, const N: usize>(
     kind: &W,
@@ -93,7 +93,7 @@ fn solve<L: Lanes, W: Wide<N>, const N: usize>(
     WideEvaluation { value, gradients, weights, steepness, active }
 }
 
-/// Where the particles are, and their inverse masses.
+/// Positions and inverse masses.
 #[inline(always)]
 fn load<L: Lanes, const N: usize>(particles: &impl ParticleAccess<N>) -> ([Vector<L>; N], [L; N]) {
     let mut points = [Vector::new(L::zero(), L::zero(), L::zero()); N];
@@ -119,7 +119,7 @@ impl<W: Wide<N>, const N: usize> WideKernel<N> for WideConstraint<W> {
         }
         let found = solve::<L, W, N>(&self.kind, &points, &inverse);
         let WideEvaluation { value, gradients, weights, active, .. } = found;
-        // Limits are kept more often than not.
+        // Limits are satisfied most of the time.
         if !aside.select(zero, active).any() {
             return (zero, zero);
         }
@@ -146,13 +146,13 @@ impl<W: Wide<N>, const N: usize> WideKernel<N> for WideConstraint<W> {
         };
         let change = active.and(change.abs().le(L::splat(f32::MAX))).and(change);
         let mut farthest = zero;
-        // Backwards: a row that stands twice moves at its first place alone, which has the last word.
+        // Backwards: where a row occurs twice, the write at its first place comes last and is the one that counts.
         each!(i of N backwards {
             let step = gradients[i] * (inverse[i] * change);
             particles.put(i, (points[i] - step).with(inverse[i]));
             farthest = step.length_squared().max(farthest);
         });
-        // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
+        // A compliant constraint is not meant to reach zero error. It keeps the sweeps going as long as they still move it.
         let error = if packed_compliance.all_hard {
             found.error::<W>()
         } else if packed_compliance.some_hard {

@@ -1,4 +1,4 @@
-//! Eight distances side by side: soft ones, ropes and struts. What is hard both ways is a rod, with kernels of its own.
+//! Eight distances: compliant ones, ropes and struts. Hard equalities are rods, with kernels of their own.
 
 use super::compliance::{Asks, PackedCompliance, compliance};
 use super::particle_access::ParticleAccess;
@@ -6,12 +6,12 @@ use super::{KernelContext, WideKernel, load_sums, store_sums};
 use crate::constraints::{Bound, Distance};
 use crate::lanes::{LANES, Lanes, Vector};
 
-/// Eight distances but for their particles.
+/// Eight distances without their particles.
 #[derive(Clone, Debug)]
 pub(super) struct WideDistance {
     rest: [f32; LANES],
     compliance: [f32; LANES],
-    /// Of struts: the square of a length that is safely above the rest length, m². Infinite of others.
+    /// For struts, the square of a length that is safely above the rest length, m²; infinite for others.
     clear: [f32; LANES],
 }
 
@@ -25,7 +25,8 @@ impl WideDistance {
     }
 }
 
-/// Above this, a strut is longer than it has to be whatever was rounded on the way, m²: squares that are too small to have all their digits are not.
+/// The square of a length, m², above which a strut is satisfied whatever was rounded on the way. At least 1e-30, since smaller squares do not have all their
+/// digits.
 fn clear(distance: &Distance) -> f32 {
     match distance.bound {
         Bound::AtLeast => (distance.rest * distance.rest * (1.0 + 1e-5)).max(1e-30),
@@ -33,7 +34,7 @@ fn clear(distance: &Distance) -> f32 {
     }
 }
 
-/// As the scalar [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that `Σ w‖∇C‖² = w_a + w_b`.
+/// The scalar counterpart is [`project`](crate::constraints::project). With `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so `Σ w‖∇C‖² = w_a + w_b`.
 /// Coincident ends are pushed apart along the x axis, `a` towards +x.
 impl WideKernel<2> for WideDistance {
     #[inline(always)]
@@ -50,7 +51,7 @@ impl WideKernel<2> for WideDistance {
         let Some(multipliers) = multipliers else {
             return left(self, packed_compliance, d.length(), wa + wb);
         };
-        // Limbs are apart more often than not, and that can be told without a root.
+        // Struts between limbs are satisfied most of the time, which can be tested without a square root.
         let square = d.length_squared();
         if packed_compliance.plain && L::load(&self.clear).lt(square).or(aside).all() {
             return (zero, zero);
@@ -100,7 +101,7 @@ impl WideKernel<2> for WideDistance {
         if packed_compliance.limited {
             hard = holds.select(zero, hard);
         }
-        // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
+        // A compliant distance is not meant to reach zero error. It keeps the sweeps going as long as they still move it.
         let soft = (change * weights).abs();
         let error = if packed_compliance.all_hard {
             hard
@@ -113,7 +114,7 @@ impl WideKernel<2> for WideDistance {
     }
 }
 
-/// The errors of the hard ones of eight that are so long, metres, and as shares of their rest lengths.
+/// The errors of the hard ones of eight distances with the current lengths `length`: in metres, and as shares of their rest lengths.
 #[inline(always)]
 fn left<L: Lanes>(
     eight: &WideDistance,

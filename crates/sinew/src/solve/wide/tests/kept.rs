@@ -1,10 +1,10 @@
-//! What every wide kernel keeps, whoever stands beside whom.
+//! What every wide kernel conserves, whichever constraints share a batch.
 
 use glam::DVec3;
 
 use super::*;
 
-/// The barycentre and the angular momentum of a displacement, by mass; what is pinned does not count.
+/// The linear and the angular momentum of a displacement and the sum of its sizes, by mass, without pinned particles.
 fn momenta(before: &State, after: &State) -> (DVec3, DVec3, f64) {
     let (mut linear, mut angular, mut size) = (DVec3::ZERO, DVec3::ZERO, 0.0);
     for (q, p) in before.now.iter().zip(&after.now).filter(|(q, _)| q.w > 0.0) {
@@ -29,7 +29,7 @@ fn both_momenta_are_kept_by_every_law_and_every_distance() {
     groups.push(("distance", 2, distances(&|k| rod(k).with_softness(SOFT[k % 7]))));
     for (name, n, group) in groups {
         let mut state = State::at(&random.positions(21 * n), 21, &mut random);
-        // All free, or the pins take what they want.
+        // No pins: they would take up momentum.
         state.now.iter_mut().filter(|q| q.w == 0.0).for_each(|q| q.w = 1.0);
         let before = state.clone();
         state.wide(InstructionSet::best(), &group, CONTEXT);

@@ -1,11 +1,11 @@
-//! Limits that are kept for certain are told without their angle: never where there is something to be done, and nearly always where there is not.
+//! The early-out for limits, which needs no angle: never taken where a correction is needed, and nearly always where none is.
 
 use super::*;
 use crate::constraints::checks::evaluate;
 use crate::constraints::{Cones, Equation, FromKind, Hinges, Wide};
 use crate::lanes::{LANES, Lanes, Vector, Work, with};
 
-/// Whether a wide constraint is told to be kept at places, in all lanes.
+/// Whether `is_kept` of a wide constraint is true in all lanes.
 struct Told<'a, W, const N: usize>(&'a W, &'a [Vec3; N]);
 
 impl<W: Wide<N>, const N: usize> Work for Told<'_, W, N> {
@@ -21,7 +21,7 @@ impl<W: Wide<N>, const N: usize> Work for Told<'_, W, N> {
     }
 }
 
-/// Whether a limit is told to be kept, and whether it is by the scalar one.
+/// Whether a limit passes the early-out, and whether it is satisfied according to the scalar equation.
 fn told<W: Wide<N, Kind: FromKind>, const N: usize>(
     constraint: &Constraint,
     places: &[Vec3; N],
@@ -41,7 +41,7 @@ fn a_limit_that_is_told_to_be_kept_is_kept_and_few_that_are_kept_are_not_told() 
     let mut random = Random::new(5);
     let (mut kept, mut told_of) = ([0, 0], [0, 0]);
     for k in 0..20_000 {
-        // Some of them far too small or too large for squares, some nearly flat.
+        // Some are far too small or too large to be squared, some nearly flat.
         let size = [1.0, 1.0, 1.0, 1e-3, 1e-13, 1e11][k % 6];
         let flat = if k % 5 == 0 { 1e-4 } else { 1.0 };
         let places: [Vec3; 5] = core::array::from_fn(|_| {

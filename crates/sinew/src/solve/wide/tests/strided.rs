@@ -1,4 +1,4 @@
-//! Soft distances in columns, in step or not: what the scalar kernel makes of them, by any instructions and with whatever lanes are empty.
+//! Compliant distances in columns, strided or loose, move as the scalar kernel moves them, with any instruction set and whichever lanes are empty.
 
 use super::super::{LooseDistances, sweep_loose};
 use super::*;
@@ -10,7 +10,7 @@ fn strided(from: impl Iterator<Item = u32>, stride: u32) -> Vec<Distance> {
     from.map(|a| Distance::new(a, a + stride, 0.8).with_compliance(3e-4)).collect()
 }
 
-/// Three sweeps in columns, and how far the farthest moved in each. The first two rows are of another cluster batch.
+/// Three sweeps in columns, with the largest correction of each. The first two rows belong to another cluster batch.
 fn in_columns(state: &State, distances: &[Distance], set: InstructionSet) -> (State, [f32; 3]) {
     let (mut rods, mut loose) = (Rods::default(), LooseDistances::default());
     let (batches, left) = rods.add_soft_to_columns(distances, &(2..200));
@@ -34,20 +34,20 @@ fn in_columns(state: &State, distances: &[Distance], set: InstructionSet) -> (St
 fn in_columns_they_move_as_one_by_one_to_the_bits_of_any_instructions() {
     let mut random = Random::new(7);
     let cases = [
-        // Neighbours but one in a row of 24, of both colours; with a gap.
+        // Next neighbours but one in rows of 24, in both colours; the second with a gap.
         strided((2..190).filter(|a| a % 4 < 2 && a % 24 < 22), 2),
         strided((2..190).filter(|a| a % 4 > 1 && a % 24 < 22 && *a != 62), 2),
-        // Two rows apart, of which every eighth is missing; an odd stride.
+        // Two grid rows apart with every eighth missing; an odd stride.
         strided((2..50).filter(|a| a % 8 != 5), 48),
         strided(3..54, 51),
-        // Too near to be eights of their own.
+        // Strides too short for batches of their own.
         strided((2..190).filter(|a| a / 4 % 2 == 0), 4),
         strided((2..190).filter(|a| a / 6 % 2 == 1), 6),
     ];
     for distances in cases {
         let places: Vec<Vec3> = (0..200).map(|_| random.vector()).collect();
         let mut start = State::at(&places, distances.len(), &mut random);
-        // Two of which the ends are in one place, as if one of them had no direction.
+        // Two with coincident ends, which have no direction.
         for d in [distances[0], distances[distances.len() - 1]] {
             start.now[d.b as usize] = start.now[d.a as usize].truncate().extend(1.5);
         }
