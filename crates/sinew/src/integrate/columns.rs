@@ -62,7 +62,7 @@ impl MovingColumns {
 }
 
 kernel!(
-    /// Predicts the first positions of lanes whose lags are in the `w` of their velocities. `last` if the substep is also the last.
+    /// Predicts the first positions of some lanes; their lags are in the `w` of the velocities. `last` if the substep is also the last.
     pub(crate) fn begin_columns<L: Lanes>(
         moving: &mut MovingColumns,
         lanes: [Range<usize>; 2],

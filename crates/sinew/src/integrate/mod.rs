@@ -3,7 +3,7 @@
 //! # Verlet, the default
 //!
 //! The lectures' Verlet step is `q = p + c (p - p_old) + h² a` with the damping `c = (1 - drag)^h`. With `v = (p - p_old)/l`, the mean velocity over the last
-//! step of length `l` (see [`particles`](crate::particles)), and a step whose length may change, it becomes
+//! step of length `l` (see [`particles`](crate::particles)), and a step length that may change, it becomes
 //!
 //! ```text
 //! τ = (l + h)/2             the time between the middles of the last step and of this one

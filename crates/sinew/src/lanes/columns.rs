@@ -36,7 +36,7 @@ impl Columns {
         least.saturating_sub(OFF).next_multiple_of(WAY) + OFF
     }
 
-    /// The index of a row in a column whose odd rows begin at `half`.
+    /// The index of a row in a column with its odd rows from `half` on.
     #[inline(always)]
     fn place(row: u32, half: usize) -> usize {
         (row / 2) as usize + (row % 2) as usize * half
@@ -65,8 +65,8 @@ impl Columns {
         }
     }
 
-    /// Makes room for columns whose odd rows begin at `half`, rounded up to a multiple of sixteen. The contents are unspecified. With debug assertions they are
-    /// NaN, so that reading an entry that was never written shows in the results.
+    /// Makes room for columns with their odd rows from `half` on, rounded up to a multiple of sixteen. The contents are unspecified. With debug assertions they
+    /// are NaN, so that reading an entry that was never written shows in the results.
     pub(crate) fn reset(&mut self, half: usize) {
         self.half = half.next_multiple_of(LINE);
         if cfg!(debug_assertions) {
@@ -208,7 +208,7 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// Runs that begin with rows `a` and `b` and go on by two rows, in columns whose odd rows begin at `half`.
+    /// Runs that begin with rows `a` and `b` and go on by two rows, in columns with their odd rows from `half` on.
     pub(crate) fn new(a: u32, b: u32, numbers: [f32; LANES], half: usize) -> Self {
         let place = |row: u32| Columns::place(row, half) as u32;
         Self { a: place(a), b: place(b), numbers }
@@ -219,7 +219,7 @@ impl Pair {
         Self::new(first, first + 2 * LANES as u32, numbers, half)
     }
 
-    /// The same rows in columns whose odd rows begin at `to` instead of `half`.
+    /// The same rows in columns with their odd rows from `to` on instead of `half`.
     pub(crate) fn moved(&self, half: usize, to: usize) -> Self {
         let (a, b) = self.rows(0, half);
         Self::new(a, b, self.numbers, to)
@@ -320,7 +320,7 @@ impl Eights<'_> {
         }
     }
 
-    /// The indices of the two runs of a pair whose rows count from lane `from` of the columns on. Panics if they are out of range.
+    /// The indices of the two runs of a pair, counted from lane `from` of the columns on. Panics if they are out of range.
     #[inline(always)]
     pub(crate) fn find(&self, pair: &Pair, from: usize) -> (usize, usize) {
         let (a, b) = (from + pair.a as usize, from + pair.b as usize);

@@ -29,8 +29,8 @@
 //! and a transposition. There are three ways to address the eight, cheapest last: any rows ([`Lanes::rows`]), pairs of neighbours for two sets of registers
 //! ([`Lanes::pairs`]), consecutive rows ([`Lanes::run`]).
 //!
-//! All `unsafe` of Sinew is in this folder: for AVX2 instructions, which may only run after the machine has been checked for them, and for loads whose bounds
-//! are checked eight at a time, or once for a run of eights.
+//! All `unsafe` of Sinew is in this folder: for AVX2 instructions, which may only run after the machine has been checked for them, and for loads with one
+//! bounds check for eight, or for a run of eights.
 
 mod angle;
 #[cfg(target_arch = "x86_64")]
@@ -105,8 +105,8 @@ pub(crate) trait Work: Sized {
     /// patterns instead of `array::map` and `array::from_fn`: their handling of a panic midway adds four functions to each kernel, for each use and each set.
     fn run<L: Lanes>(self) -> Self::Output;
 
-    /// Runs it with AVX2, in a function of its own. It is a method because codegen units follow the types whose methods they contain: as functions of this file
-    /// all kernels would be one unit, for which one core generates code while the others wait.
+    /// Runs it with AVX2, in a function of its own. It is a method because codegen units follow the types of the methods in them: as functions of this file all
+    /// kernels would be one unit, for which one core generates code while the others wait.
     ///
     /// # Safety
     /// The machine has AVX2.

@@ -109,7 +109,7 @@ impl<D: Doubles> Vector<D> {
         [self.x.array(), self.y.array(), self.z.array()]
     }
 
-    /// One bit for each lane whose three components are finite.
+    /// One bit for each lane with three finite components.
     #[inline(always)]
     pub(crate) fn finite(self) -> u32 {
         self.x.finite() & self.y.finite() & self.z.finite()

@@ -147,7 +147,7 @@ impl ConstraintRef {
         }
     }
 
-    /// Projects the constraint once on the copies in `local`, whose inverse masses may differ.
+    /// Projects the constraint once on the copies in `local`, which may have other inverse masses.
     pub(crate) fn project_local(
         self,
         plan: &Plan,

@@ -195,9 +195,9 @@ fn sweep_until_held(
 }
 
 /// Projects, before the rods are swept, what they would only reach over many sweeps: tethers, and chains by a direct solve. Returns how far outside its tether
-/// the farthest particle was, metres. For a chain, whose rods then have next to no error left, only a violation counts. Does nothing with corrections along the
-/// start of the substep, which are to conserve energy. Small islands have their tethers projected in the first sweep of a substep only, after which little is
-/// left.
+/// the farthest particle was, metres. For a chain only a violation counts, since its rods then have next to no error left. Does nothing with corrections along
+/// the start of the substep, which are to conserve energy. Small islands have their tethers projected in the first sweep of a substep only, after which little
+/// is left.
 pub(super) fn hold_at_once(
     plan: &Plan,
     island: &Island,
@@ -266,7 +266,7 @@ fn reset_multipliers(plan: &Plan, island: &Island, multipliers: &mut MultiplierS
     }
 }
 
-/// Whether a rod of the island turns so far in this substep that its direction at the start says little about the direction it needs.
+/// Whether a rod of the island turns so far in this substep that its direction at the start is a poor guess of the direction it needs.
 ///
 /// A rod that turns by θ is corrected along a line that is off by θ, with a gain of 1/cos θ: harmless at 20°, unbounded at 90°. Where one rod of an island
 /// fails its neighbours follow, so the whole island falls back.

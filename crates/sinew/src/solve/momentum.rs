@@ -61,7 +61,7 @@ impl MomentumDrift {
         Self::of_gains(places, rows, keeps_angular, gained)
     }
 
-    /// The drift of particles whose velocity gains, m/s, are given by a function of their number among the rows and their index among the places.
+    /// The drift of particles with velocity gains, m/s, given by a function of their number among the rows and their index among the places.
     #[inline(always)]
     fn of_gains(
         places: &Places,

@@ -87,7 +87,7 @@ impl RodGraph {
         &self.rods[self.first[at] as usize..self.first[at + 1] as usize]
     }
 
-    /// For each particle a hash of its rods, independent of their order: two graphs differ at the particles whose hashes differ.
+    /// For each particle a hash of its rods, independent of their order: two graphs differ at the particles with different hashes.
     pub(super) fn hashes(&self) -> Vec<u64> {
         let hash = |rod: &RodEnd| {
             let ends = u64::from(rod.rest.to_bits()) << 32 | u64::from(rod.to);

@@ -37,7 +37,7 @@ pub(crate) struct SolveScratch {
     thread_scratches: Pool<ThreadScratch>,
     /// For each row, the velocity to be removed when it is derived, m/s. Empty if velocities are derived at once.
     momentum_drift: Vec<Vec4>,
-    /// The momentum drifts of islands whose loads are measured.
+    /// The momentum drifts of islands with measured loads.
     measured: Vec<(u32, MomentumDrift)>,
     /// Positions of an island's particles before an additional sweep.
     before: Vec<Vec4>,
@@ -59,7 +59,7 @@ pub(super) struct ThreadScratch {
     /// Rows of a task by their number of microsteps.
     pub(super) step_rows: Vec<StepRows>,
     pub(super) microsteps: MicrostepScratch,
-    /// Islands whose corrections added momentum that has to be removed.
+    /// Islands with corrections that added momentum, which has to be removed.
     pub(super) momentum_drifts: Vec<(u32, MomentumDrift)>,
 }
 
@@ -330,7 +330,7 @@ impl TaskSlice<'_> {
         let sweep = sweep_shared(plan, island, execution, thread_scratches);
         let mut microsteps =
             thread_scratches.with(|thread_scratch| take(&mut thread_scratch.microsteps));
-        // An island whose loads are measured has been solved already.
+        // Islands with measured loads have been solved already.
         let momentum_drift =
             if island.measured { None } else { self.solve_substep(number, sweep, &mut microsteps) };
         thread_scratches.with(|thread_scratch| thread_scratch.microsteps = microsteps);

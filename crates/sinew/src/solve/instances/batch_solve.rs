@@ -49,7 +49,7 @@ pub(crate) struct BatchScratch<'a> {
     pub(crate) lane_compaction: &'a mut LaneCompaction,
     /// The islands and rows of the task that are not solved in batches; those that are solved are removed from it.
     pub(crate) remaining: &'a mut Remaining,
-    /// Islands whose corrections added momentum that has to be removed once their velocities are derived.
+    /// Islands with corrections that added momentum, which has to be removed once their velocities are derived.
     pub(crate) momentum_drifts: &'a mut Vec<(u32, MomentumDrift)>,
 }
 

@@ -52,7 +52,7 @@ impl LaneCompaction {
         self.compacted.clear_as(&self.storages[0]);
         let mut turn = 0;
         while let Some((storage, may_leave)) = self.take_turn(turn) {
-            // A body whose own rows may touch surfaces keeps its lane: `last_seen` and its contacts belong to that lane.
+            // Bodies with rows that may touch surfaces keep their lanes: what contacts read of a row, velocities included, is only complete there.
             let may_leave =
                 may_leave && !context.surfaces.is_some_and(|surfaces| surfaces.touches(storage));
             // While bodies are queued, the sweeps stop as soon as one lane is free.

@@ -9,7 +9,7 @@ use crate::pose::{MomentSums, WORST, pseudo_solve};
 use crate::solve::momentum::{MomentumDrift, WideMomentumDrift};
 
 impl<D: Doubles> WideMomentumDrift<D> {
-    /// One bit for each body whose drift is finite.
+    /// One bit for each body with a finite drift.
     #[inline(always)]
     fn sound(&self) -> u32 {
         self.centre.finite() & self.shift.finite() & self.turn.finite()

@@ -81,7 +81,7 @@ kernel!(
 );
 
 kernel!(
-    /// Mask of the bodies with a rod that turns so far in this substep that its direction at the start says little about the direction it needs; the same test
+    /// Mask of the bodies with a rod that turns so far in this substep that its direction at the start is a poor guess of the direction it needs; the same test
     /// as `turns_too_fast` for a single island.
     pub(super) fn turn_too_fast<L: Lanes>(
         rods: &[InstancedRod],

@@ -52,7 +52,7 @@ impl BatchContext<'_> {
         }
     }
 
-    /// One bit for each body whose derived velocities are to keep its angular momentum.
+    /// One bit for each body that is to keep its angular momentum when velocities are derived.
     pub(super) fn keeps_spin(&self, storage: &LaneStorage) -> u32 {
         if self.settings.keep_spin { u32::MAX } else { self.along_start(storage) }
     }

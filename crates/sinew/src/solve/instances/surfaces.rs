@@ -180,7 +180,7 @@ kernel!(
                     out = less.or_else(deep.and(most.lt(depth)), out);
                     depth = out.length();
                 }
-                // A depth whose square underflows is ignored.
+                // Ignored if the square of the depth underflows.
                 let below = below.and(L::zero().lt(depth * depth));
                 let moved = moved + out;
                 let slid = moved - out * (moved.dot(out) / (depth * depth));

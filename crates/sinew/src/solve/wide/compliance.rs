@@ -173,8 +173,8 @@ impl PackedCompliance {
         flag(&self.hard)
     }
 
-    /// `Δλ` of each constraint, and its new accumulated multiplier. Not for [`plain`](Self::plain) ones, whose `Δλ` is `value/weights` and whose multiplier
-    /// stays zero.
+    /// `Δλ` of each constraint, and its new accumulated multiplier. Not for [`plain`](Self::plain) ones: there `Δλ` is `value/weights` and the multiplier stays
+    /// zero.
     ///
     /// An inequality only pushes one way, so its accumulated multiplier is clamped to that side of zero.
     #[inline(always)]

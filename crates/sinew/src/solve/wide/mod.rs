@@ -120,8 +120,8 @@ trait WideKernel<const N: usize> {
     ) -> (L, L);
 }
 
-/// Parameters of a wide kernel: the packed compliance, the share of each lane in a sweep, the substep in seconds, and a mask of lanes whose result does not
-/// matter.
+/// Parameters of a wide kernel: the packed compliance, the share of each lane in a sweep, the substep in seconds, and a mask of lanes that may be written with
+/// anything.
 type KernelContext<'a, L> = (&'a PackedCompliance, &'a [f32; LANES], f32, L);
 
 impl<P, E> Batch<P, E> {

@@ -25,7 +25,7 @@ impl WideDistance {
     }
 }
 
-/// The square of a length, m², above which a strut is satisfied whatever was rounded on the way. At least 1e-30, since smaller squares do not have all their
+/// The square of a length, m², above which a strut is satisfied despite any rounding on the way. At least 1e-30, since smaller squares do not have all their
 /// digits.
 fn clear(distance: &Distance) -> f32 {
     match distance.bound {
