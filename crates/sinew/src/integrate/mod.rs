@@ -96,17 +96,17 @@ impl StepRows {
         apart: &mut Peekable<impl Iterator<Item = Self>>,
         mut each: impl FnMut(Self),
     ) {
-        let mut hand_out = |rows: Range<usize>, microsteps| {
+        let mut emit = |rows: Range<usize>, microsteps| {
             if !rows.is_empty() && microsteps > 0 {
                 each(Self { rows, microsteps });
             }
         };
         while let Some(own) = apart.next_if(|own| own.rows.start < rows.end) {
-            hand_out(rows.start..own.rows.start, 1);
+            emit(rows.start..own.rows.start, 1);
             rows.start = own.rows.end;
-            hand_out(own.rows, own.microsteps);
+            emit(own.rows, own.microsteps);
         }
-        hand_out(rows, 1);
+        emit(rows, 1);
     }
 }
 
@@ -137,14 +137,14 @@ pub(crate) fn predict(
 
 /// The Verlet prediction of some particles, in parallel.
 pub(crate) fn predict_all(all: Predict, execution: ExecutionContext) {
-    let share = share(all.position.len());
-    each(execution.workers, all.chunks(share), |chunk| with(execution.instructions, chunk));
+    let size = chunk_size(all.position.len());
+    each(execution.workers, all.chunks(size), |chunk| with(execution.instructions, chunk));
 }
 
 /// Derives the velocities from the positions that the constraints left, at the end of a substep.
 pub(crate) fn derive(all: Derive, execution: ExecutionContext) {
-    let share = share(all.position.len());
-    each(execution.workers, all.chunks(share), |chunk| with(execution.instructions, chunk));
+    let size = chunk_size(all.position.len());
+    each(execution.workers, all.chunks(size), |chunk| with(execution.instructions, chunk));
 }
 
 /// What an integrator adds after the constraints, over a substep of `h` seconds.
@@ -155,7 +155,7 @@ pub(crate) fn finish(particles: &mut Particles, integrator: Integrator, h: f32) 
 }
 
 /// The number of particles in a task: even, since two are stepped at once, and large enough, some 50 µs, to be worth waking a thread.
-fn share(particles: usize) -> usize {
+fn chunk_size(particles: usize) -> usize {
     const LEAST: usize = 16_384;
     particles.div_ceil(TASKS).next_multiple_of(2).max(LEAST)
 }

@@ -184,13 +184,13 @@ impl Work for Predict<'_> {
         let (accelerations, last_acceleration) = acceleration.as_chunks::<2>();
         let columns = positions.iter_mut().zip(starts).zip(velocities).zip(roundings);
         for (i, (((p, start), v), rounding)) in columns.enumerate() {
-            step.take([p, start, v, rounding], accelerations.get(i), 2 * i);
+            step.step_two([p, start, v, rounding], accelerations.get(i), 2 * i);
         }
         // An odd particle is paired with a pinned one at zero.
         if let ([p], [s], [v], [r]) = (last_position, last_start, last_velocity, last_rounding) {
             let mut two = [*p, *s, *v, *r].map(|column| [column, Vec4::ZERO]);
             let a = last_acceleration.first().map(|&a| [a, Vec4::ZERO]);
-            step.take(two.each_mut(), a.as_ref(), count - 1);
+            step.step_two(two.each_mut(), a.as_ref(), count - 1);
             [*p, *s, *v, *r] = two.map(|[own, _]| own);
         }
     }
@@ -252,7 +252,12 @@ struct Step<'a, L> {
 impl<L: Lanes> Step<'_, L> {
     /// Moves particles `i` and `i + 1`. The columns are position, start, velocity, rounding.
     #[inline(always)]
-    fn take(&mut self, columns: [&mut [Vec4; 2]; 4], acceleration: Option<&[Vec4; 2]>, i: usize) {
+    fn step_two(
+        &mut self,
+        columns: [&mut [Vec4; 2]; 4],
+        acceleration: Option<&[Vec4; 2]>,
+        i: usize,
+    ) {
         let [position, start, velocity, rounding] = columns;
         let p = L::two(position, 0);
         let moves = L::zero().lt(p.fourths());

@@ -269,7 +269,7 @@ impl Lanes for Eight {
     }
 
     #[inline(always)]
-    fn part(self, next: Self) -> (Self, Self) {
+    fn deinterleave(self, next: Self) -> (Self, Self) {
         // SAFETY: see `Eight`.
         unsafe {
             let firsts = _mm256_shuffle_ps::<0b10_00_10_00>(self.0, next.0);
@@ -278,7 +278,7 @@ impl Lanes for Eight {
     }
 
     #[inline(always)]
-    fn join(self, seconds: Self) -> (Self, Self) {
+    fn interleave(self, seconds: Self) -> (Self, Self) {
         // SAFETY: see `Eight`.
         unsafe {
             let these = _mm256_unpacklo_ps(self.0, seconds.0);

@@ -413,7 +413,7 @@ impl Eights<'_> {
             let (one, other) = work.moved(one, other, numbers, scale);
             if NEIGHBOURS {
                 let ([x, y, z, w], [p, q, r, _]) = (one, other);
-                let ((x, p), (y, q), (z, r)) = (x.join(p), y.join(q), z.join(r));
+                let ((x, p), (y, q), (z, r)) = (x.interleave(p), y.interleave(q), z.interleave(r));
                 self.set(at.a, [x, y, z, w]);
                 self.set(at.b, [p, q, r, w]);
             } else {
@@ -435,7 +435,8 @@ impl Eights<'_> {
             return (one, other);
         }
         let ([x, y, z, w], [p, q, r, s]) = (one, other);
-        let ((x, p), (y, q), (z, r), (w, s)) = (x.part(p), y.part(q), z.part(r), w.part(s));
+        let ((x, p), (y, q), (z, r), (w, s)) =
+            (x.deinterleave(p), y.deinterleave(q), z.deinterleave(r), w.deinterleave(s));
         ([x, y, z, w], [p, q, r, s])
     }
 

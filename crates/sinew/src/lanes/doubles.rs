@@ -27,7 +27,7 @@ pub(crate) trait Doubles: Arithmetic {
 
     /// One bit for each lane that is neither NaN nor infinite; these minus themselves are NaN.
     #[inline(always)]
-    #[allow(clippy::eq_op, reason = "what a number leaves of itself is the question")]
+    #[allow(clippy::eq_op, reason = "a number minus itself is zero exactly if it is finite")]
     fn finite(self) -> u32 {
         (self - self).le(Self::splat(0.0))
     }

@@ -67,7 +67,7 @@ pub(crate) type LaneArray = [f32; LANES];
 /// Which of eight rows each lane holds when they are sorted by parity.
 pub(crate) const PARITY: [usize; LANES] = [0, 2, 4, 6, 1, 3, 5, 7];
 
-/// Which of eight pairs of neighbours each lane holds after sixteen numbers are [parted](Lanes::part): each half of a register is sorted by itself.
+/// Which of eight pairs of neighbours each lane holds after sixteen numbers are [split](Lanes::deinterleave): each half of a register is sorted by itself.
 pub(crate) const PARTED: [usize; LANES] = [0, 1, 4, 5, 2, 3, 6, 7];
 
 /// The instruction set that kernels are compiled for. Results are the same bits with each of them.
@@ -340,9 +340,9 @@ pub(crate) trait Lanes: Number {
     /// Stores into two arrays.
     fn store_halves(self, low: &mut [f32; LANES / 2], high: &mut [f32; LANES / 2]);
     /// Splits sixteen numbers, these eight and the `next`, as eight pairs of neighbours in the order of [`PARTED`]: the first of each, and the second.
-    fn part(self, next: Self) -> (Self, Self);
+    fn deinterleave(self, next: Self) -> (Self, Self);
     /// Interleaves such firsts and seconds again to sixteen numbers.
-    fn join(self, seconds: Self) -> (Self, Self);
+    fn interleave(self, seconds: Self) -> (Self, Self);
     /// Two rows as they lie in memory: `x y z w x y z w`.
     fn two(packed: &[Vec4], first: usize) -> Self;
     /// Writes them back.

@@ -200,14 +200,14 @@ impl Lanes for Quads {
     }
 
     #[inline(always)]
-    fn part(self, next: Self) -> (Self, Self) {
+    fn deinterleave(self, next: Self) -> (Self, Self) {
         let (a, b, c, d) = (self.0, self.1, next.0, next.1);
         let firsts = Self(Vec4::new(a.x, a.z, c.x, c.z), Vec4::new(b.x, b.z, d.x, d.z));
         (firsts, Self(Vec4::new(a.y, a.w, c.y, c.w), Vec4::new(b.y, b.w, d.y, d.w)))
     }
 
     #[inline(always)]
-    fn join(self, seconds: Self) -> (Self, Self) {
+    fn interleave(self, seconds: Self) -> (Self, Self) {
         let (a, b, c, d) = (self.0, self.1, seconds.0, seconds.1);
         let these = Self(Vec4::new(a.x, c.x, a.y, c.y), Vec4::new(b.x, d.x, b.y, d.y));
         (these, Self(Vec4::new(a.z, c.z, a.w, c.w), Vec4::new(b.z, d.z, b.w, d.w)))

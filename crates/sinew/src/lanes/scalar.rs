@@ -205,14 +205,14 @@ impl Lanes for Array {
     }
 
     #[inline(never)]
-    fn part(self, next: Self) -> (Self, Self) {
+    fn deinterleave(self, next: Self) -> (Self, Self) {
         let all = [self.0, next.0].concat();
         let each = |second: usize| core::array::from_fn(|lane| all[2 * PARTED[lane] + second]);
         (Self(each(0)), Self(each(1)))
     }
 
     #[inline(never)]
-    fn join(self, seconds: Self) -> (Self, Self) {
+    fn interleave(self, seconds: Self) -> (Self, Self) {
         let mut all = [[0.0; LANES]; 2];
         for (lane, &pair) in PARTED.iter().enumerate() {
             all.as_flattened_mut()[2 * pair] = self.0[lane];

@@ -48,7 +48,7 @@ impl Work for Everything {
         let (a, b) = (L::load(&self.a), L::load(&self.b));
         let mask = a.lt(b);
         let both = mask.or(a.same(b));
-        let ((firsts, seconds), (these, next)) = (a.part(b), a.join(b));
+        let ((firsts, seconds), (these, next)) = (a.deinterleave(b), a.interleave(b));
         let bits = L::splat((a.le(b).bits() << 8 | mask.bits()) as f32);
         let any = L::splat(f32::from(u8::from(mask.any())));
         let all = [
@@ -73,7 +73,7 @@ impl Work for Everything {
             seconds,
             these,
             next,
-            firsts.join(seconds).1,
+            firsts.interleave(seconds).1,
         ];
         // Which NaN results depends on how the compiler arranges an expression; whether it is NaN does not.
         let number = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };

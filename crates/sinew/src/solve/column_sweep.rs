@@ -54,7 +54,7 @@ impl<'a> ColumnSweep<'a> {
             scratch.pins.extend(tethers.pins(places.position, places.first));
         }
         let at = &mut TurnedPlaces { columns: Some((&mut columns, run)), places };
-        let mut worst = self.hold(tethers, at, &scratch.pins);
+        let mut worst = self.project_tethers(tethers, at, &scratch.pins);
         if island.has_chains() && mode.relaxed.is_none() {
             worst = worst.max(self.sweep_chains(at, scratch));
         }
@@ -71,7 +71,7 @@ impl<'a> ColumnSweep<'a> {
         }
         parts.sweep_again(at, multipliers, scratch);
         if let Some(spans) = plan.tethers.spans_of(island).filter(|_| mode.tethers) {
-            self.hold(tethers, at, &scratch.pins);
+            self.project_tethers(tethers, at, &scratch.pins);
             spans.project_columns(&mut columns, run.start, instructions);
         }
         columns.turn_out(0, &mut places.position[rows], instructions);
@@ -80,7 +80,12 @@ impl<'a> ColumnSweep<'a> {
     }
 
     /// Projects all particles into the range of their tethers. Returns how far outside the farthest was, metres.
-    fn hold(&self, tethers: Option<&IslandTethers>, at: &mut TurnedPlaces, pins: &[Vec4]) -> f32 {
+    fn project_tethers(
+        &self,
+        tethers: Option<&IslandTethers>,
+        at: &mut TurnedPlaces,
+        pins: &[Vec4],
+    ) -> f32 {
         let (Some(tethers), Some((columns, _))) = (tethers, &mut at.columns) else { return 0.0 };
         let (island, instructions) = (self.island, self.mode.instructions);
         let (position, first) = (&mut *at.places.position, at.places.first);

@@ -148,7 +148,7 @@ pub(super) fn sweep_shared(
         let tasks = stage.chunks(stage.len().div_ceil(TASKS)).filter_map(|some| {
             let begin = number;
             number += some.len();
-            let (places, multipliers) = take(&mut left, plan, some)?;
+            let (places, multipliers) = split_off(&mut left, plan, some)?;
             Some((places, multipliers, begin..number))
         });
         each(execution.workers, tasks, |(mut places, mut multipliers, cluster_batches)| {
@@ -163,7 +163,7 @@ pub(super) fn sweep_shared(
 }
 
 /// Splits the rows and the multipliers of some cluster batches of one stage off what is left.
-fn take<'a>(
+fn split_off<'a>(
     left: &mut Option<(Places<'a>, MultiplierSlice<'a>)>,
     plan: &Plan,
     cluster_batches: &[ClusterBatch],
@@ -173,10 +173,10 @@ fn take<'a>(
     let (_, places) = places.split_at(first.rows.start);
     let (own, places) = places.split_at(last.rows.end);
     let end = &plan.groups[last.groups.end - 1];
-    let (own_sums, multipliers) = match end.kind {
+    let (own_multipliers, multipliers) = match end.kind {
         GroupKind::Constraints => multipliers.split(None, Some(end.range.end)),
         _ => multipliers.split(Some(end.range.end), None),
     };
     *left = Some((places, multipliers));
-    Some((own, own_sums))
+    Some((own, own_multipliers))
 }

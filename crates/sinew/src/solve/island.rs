@@ -44,18 +44,18 @@ pub(super) fn sweep_in_order(
                 return sweep.sweep(places, multipliers, scratch);
             }
             let alone = ExecutionContext { instructions: mode.instructions, workers: None };
-            let out = hold_at_once(plan, island, places, mode, scratch);
+            let out = project_tethers_and_chains(plan, island, places, mode, scratch);
             let batches = island.cluster_batches.clone();
             let found = gauss_seidel::sweep(places, plan, batches, multipliers, mode, scratch);
             let at = &mut TurnedPlaces { columns: None, places };
             Parts { plan, island, mode }.sweep_again(at, multipliers, scratch);
-            hold_again(plan, island, places, mode, alone, scratch);
+            project_tethers_and_spans(plan, island, places, mode, alone, scratch);
             out.max(found)
         }
         Order::Jacobi => {
-            let SweepScratch { local, constraint_refs, asked, .. } = scratch;
+            let SweepScratch { local, constraint_refs, corrections, .. } = scratch;
             let all = (local, &constraint_refs[..]);
-            jacobi::sweep(places, plan, island, multipliers, mode, all, asked)
+            jacobi::sweep(places, plan, island, multipliers, mode, all, corrections)
         }
         Order::MostViolatedFirst => {
             let SweepScratch { local, constraint_refs, queue, .. } = scratch;
@@ -87,8 +87,8 @@ pub(super) fn solve(
     }
     reset_multipliers(plan, island, &mut multipliers);
     let columns = (&mut places, &mut multipliers, &mut normal_impulses);
-    let Swept { sweeps, converged, touched, violated } =
-        sweep_until_held(context, number, gradient_at, columns, sweep);
+    let SweepResult { sweeps, converged, touched, violated } =
+        sweep_until_converged(context, number, gradient_at, columns, sweep);
     report.violated = violated;
     // Only sweeps over constraints count; an island without any was only projected out of contacts.
     let sweeps = if island.groups.is_empty() { 0 } else { sweeps };
@@ -135,8 +135,8 @@ pub(super) fn propagate_impact(
     before.clear();
     before.extend(rows.iter().map(|&row| places.position[places.at(row)]));
     let columns = (&mut places, &mut multipliers, &mut normal_impulses);
-    let Swept { sweeps, touched, .. } =
-        sweep_until_held(context, number, GradientAt::Current, columns, sweep);
+    let SweepResult { sweeps, touched, .. } =
+        sweep_until_converged(context, number, GradientAt::Current, columns, sweep);
     report.sweeps += sweeps;
     let free = island.free && !touched;
     let settings = &island.settings;
@@ -144,7 +144,7 @@ pub(super) fn propagate_impact(
 }
 
 /// The result of sweeping an island.
-struct Swept {
+struct SweepResult {
     sweeps: u32,
     converged: bool,
     /// Whether one of its particles touched static or kinematic geometry.
@@ -155,13 +155,13 @@ struct Swept {
 
 /// Sweeps until the largest error found is within the tolerance, or the sweeps are used up.
 #[inline]
-fn sweep_until_held(
+fn sweep_until_converged(
     context: SolveContext,
     number: usize,
     gradient_at: GradientAt,
     columns: (&mut Places, &mut MultiplierSlice, &mut NormalImpulses),
     mut sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
-) -> Swept {
+) -> SweepResult {
     let (places, multipliers, normal_impulses) = columns;
     let SolveContext { plan, substep: SubstepParameters { h, gravity, .. }, execution, .. } =
         context;
@@ -170,7 +170,7 @@ fn sweep_until_held(
     let sweeps = settings.max_sweeps * context.microstep.of;
     let substep_context = SubstepContext { h, sweeps };
     let most = recovery(h, gravity);
-    let mut swept = Swept { sweeps: 0, converged: false, touched: false, violated: false };
+    let mut swept = SweepResult { sweeps: 0, converged: false, touched: false, violated: false };
     while swept.sweeps < settings.max_sweeps && !swept.converged {
         let (tethers, instructions) =
             (swept.sweeps == 0 || !island.is_small(), execution.instructions);
@@ -198,7 +198,7 @@ fn sweep_until_held(
 /// the farthest particle was, metres. For a chain only a violation counts, since its rods then have next to no error left. Does nothing with corrections along
 /// the start of the substep, which are to conserve energy. Small islands have their tethers projected in the first sweep of a substep only, after which little
 /// is left.
-pub(super) fn hold_at_once(
+pub(super) fn project_tethers_and_chains(
     plan: &Plan,
     island: &Island,
     places: &mut Places,
@@ -210,7 +210,7 @@ pub(super) fn hold_at_once(
     }
     let mut worst = 0.0_f32;
     if mode.tethers {
-        worst = hold_by_pins(plan, island, places, mode, scratch);
+        worst = project_tethers(plan, island, places, mode, scratch);
     }
     if island.has_chains() {
         let columns = (&mut *places.position, places.first);
@@ -224,7 +224,7 @@ pub(super) fn hold_at_once(
 /// Projects large cloth again after its rods: tethers to its pins, and spans, which bound distances between free particles. Rods leave the largest errors where
 /// they were swept last, so spans come after them: with spans first, cloth was stretched by a seventh more at its worst, and a flag by a quarter more at the
 /// corner that all of it hangs on. The errors of spans are not measured here, since the rods between their ends find them in the next sweep.
-pub(super) fn hold_again(
+pub(super) fn project_tethers_and_spans(
     plan: &Plan,
     island: &Island,
     places: &mut Places,
@@ -234,13 +234,13 @@ pub(super) fn hold_again(
 ) {
     let Some(spans) = plan.tethers.spans_of(island) else { return };
     if mode.tethers && mode.gradient_at == GradientAt::Current {
-        hold_by_pins(plan, island, places, mode, scratch);
+        project_tethers(plan, island, places, mode, scratch);
         spans.project(places.position, places.first, execution);
     }
 }
 
 /// Projects particles into the range of their tethers. Returns how far outside the farthest was, metres.
-fn hold_by_pins(
+fn project_tethers(
     plan: &Plan,
     island: &Island,
     places: &mut Places,
@@ -399,12 +399,12 @@ mod tests {
             multipliers.resize(plan.distances.len(), plan.constraints.len());
             let (places, sums) = (&mut Places::all(&mut other), &mut multipliers.all());
             let alone = ExecutionContext { instructions: mode.instructions, workers: None };
-            let out = hold_at_once(plan, island, places, mode, &mut scratch);
+            let out = project_tethers_and_chains(plan, island, places, mode, &mut scratch);
             let batches = island.cluster_batches.clone();
             let same = gauss_seidel::sweep(places, plan, batches, sums, mode, &mut scratch);
             let at = &mut TurnedPlaces { columns: None, places };
             Parts { plan, island, mode }.sweep_again(at, sums, &mut scratch);
-            hold_again(plan, island, places, mode, alone, &mut scratch);
+            project_tethers_and_spans(plan, island, places, mode, alone, &mut scratch);
             assert_eq!(found, out.max(same), "{size:?}, {between:?}");
             assert!(own.position == other.position, "{size:?}, {between:?}");
             assert!(own.position != particles.position && plan.tethers.spans_of(island).is_some());

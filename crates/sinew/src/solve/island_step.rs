@@ -43,37 +43,37 @@ pub(crate) fn advance_all(
     let (normal_impulses, multipliers) =
         (NormalImpulses::all(normal_impulses), all_multipliers.all());
     let bodies = (places, motion);
-    let shares =
+    let task_slices =
         slices(context, bodies, multipliers, normal_impulses, &mut report.islands, &mut []);
     let iteration_counts = &*iteration_counts;
     let mut large = SmallVec::<[TaskSlice; 4]>::new();
-    let small = shares.filter_map(|mut alone| {
-        if pipelined_wavefront(&mut alone, thread_scratches, iteration_counts) {
+    let small = task_slices.filter_map(|mut slice| {
+        if pipelined_wavefront(&mut slice, thread_scratches, iteration_counts) {
             return None;
         }
-        if alone.is_shared() {
-            large.push(alone);
+        if slice.is_shared() {
+            large.push(slice);
             return None;
         }
-        Some(alone)
+        Some(slice)
     });
-    each(execution.workers, small, |mut alone| {
+    each(execution.workers, small, |mut slice| {
         thread_scratches.with(|thread_scratch| {
-            thread_scratch.begin(&alone.task);
-            leave_states(plan, &alone.task, &mut thread_scratch.remaining);
-            thread_scratch.remaining.leave_singles(&plan.islands.singles, &alone.task);
-            if !alone.task.instance_batches.is_empty() {
-                alone.step_batches(thread_scratch, iteration_counts).run();
+            thread_scratch.begin(&slice.task);
+            leave_rigid_states(plan, &slice.task, &mut thread_scratch.remaining);
+            thread_scratch.remaining.leave_singles(&plan.islands.singles, &slice.task);
+            if !slice.task.instance_batches.is_empty() {
+                slice.step_batches(thread_scratch, iteration_counts).run();
             }
             let ThreadScratch { remaining, wavefront, .. } = thread_scratch;
-            run_wavefronts(&mut alone, remaining, wavefront, iteration_counts);
+            run_wavefronts(&mut slice, remaining, wavefront, iteration_counts);
             if !thread_scratch.remaining.is_empty() {
-                alone.step_one_by_one(thread_scratch, iteration_counts);
+                slice.step_one_by_one(thread_scratch, iteration_counts);
             }
         });
     });
-    for alone in large {
-        alone.step_by_all(thread_scratches, iteration_counts);
+    for slice in large {
+        slice.step_shared(thread_scratches, iteration_counts);
     }
     for iteration_counts in iteration_counts {
         let iteration_counts = iteration_counts.load(Ordering::Relaxed);
@@ -83,7 +83,7 @@ pub(crate) fn advance_all(
 }
 
 /// Removes islands that move as one rigid state. The rows of each are contiguous.
-fn leave_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
+fn leave_rigid_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
     let mut islands = task.islands.clone();
     while let Some(first) = islands.find(|&number| plan.islands.list[number].one_state) {
         let mut end = first + 1;
@@ -134,7 +134,7 @@ impl TaskSlice<'_> {
     }
 
     /// Steps a single large island by all workers, which synchronise after each stage of each sweep.
-    fn step_by_all(
+    fn step_shared(
         mut self,
         thread_scratches: &Pool<ThreadScratch>,
         iteration_counts: &[AtomicU32],
@@ -145,8 +145,8 @@ impl TaskSlice<'_> {
         let h = self.context.substep.h / first as f32;
         for (number, iteration_counts) in iteration_counts.iter().enumerate() {
             predict_all(Predict { h, ..self.predict(0..all) }, execution);
-            let share = self.lend(self.context.later(number as u32));
-            share.by_all(thread_scratches);
+            let slice = self.lend(self.context.later(number as u32));
+            slice.solve_shared(thread_scratches);
             thread_scratches.with(|thread_scratch| {
                 let (number, report) = (self.task.islands.start, &mut self.reports[0]);
                 self.context.limit_recovery(

@@ -14,7 +14,7 @@ use crate::particles::Places;
 
 /// The sum and the number of the corrections of each particle. Scratch.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Asked {
+pub(crate) struct Corrections {
     sum: Vec<Vec3>,
     count: Vec<u32>,
 }
@@ -27,41 +27,41 @@ pub(super) fn sweep(
     multipliers: &mut MultiplierSlice,
     mode: SolveMode,
     (local, constraint_refs): (&mut Local, &[ConstraintRef]),
-    asked: &mut Asked,
+    corrections: &mut Corrections,
 ) -> f32 {
-    asked.sum.resize(plan.rows, Vec3::ZERO);
-    asked.count.resize(plan.rows, 0);
+    corrections.sum.resize(plan.rows, Vec3::ZERO);
+    corrections.count.resize(plan.rows, 0);
     let members = plan.islands.members[island.members.clone()].to_vec();
     for &row in &members {
-        asked.sum[row as usize] = Vec3::ZERO;
-        asked.count[row as usize] = 0;
+        corrections.sum[row as usize] = Vec3::ZERO;
+        corrections.count[row as usize] = 0;
     }
     let mut pair = [0; 2];
-    for item in constraint_refs {
-        for &row in item.rows(plan, &mut pair) {
-            asked.count[row as usize] += 1;
+    for constraint in constraint_refs {
+        for &row in constraint.rows(plan, &mut pair) {
+            corrections.count[row as usize] += 1;
         }
     }
     let mut worst = 0.0_f32;
     let mut rows = Vec::new();
-    for item in constraint_refs {
+    for constraint in constraint_refs {
         rows.clear();
-        rows.extend_from_slice(item.rows(plan, &mut pair));
+        rows.extend_from_slice(constraint.rows(plan, &mut pair));
         local.take(places, &rows);
         for (point, &row) in local.now.iter_mut().zip(&rows) {
-            point.w *= asked.count[row as usize] as f32;
+            point.w *= corrections.count[row as usize] as f32;
         }
         let origin = places.origin[places.at(rows[0])];
-        worst = worst.max(item.project_local(plan, multipliers, mode, origin, local));
+        worst = worst.max(constraint.project_local(plan, multipliers, mode, origin, local));
         for (point, &row) in local.now.iter().zip(&rows) {
             let moved = point.truncate() - places.position[places.at(row)].truncate();
-            asked.sum[row as usize] += moved;
+            corrections.sum[row as usize] += moved;
         }
     }
     for &row in &members {
-        let count = asked.count[row as usize];
+        let count = corrections.count[row as usize];
         if count > 0 {
-            places.displace(row, asked.sum[row as usize] / count as f32);
+            places.displace(row, corrections.sum[row as usize] / count as f32);
         }
     }
     worst

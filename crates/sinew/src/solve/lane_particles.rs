@@ -49,7 +49,7 @@ impl LaneParticles {
     }
 
     /// Copies the particle in lane `from` of another entry into `lane`.
-    pub(super) fn take(&mut self, lane: usize, other: &Self, from: usize) {
+    pub(super) fn copy_lane(&mut self, lane: usize, other: &Self, from: usize) {
         // Written out, because it runs for each particle of each body that changes its lane.
         let (lane, from) = (lane % LANES, from % LANES);
         let ([x, y, z, w], [a, b, c, d]) = (&mut self.0, &other.0);

@@ -37,16 +37,16 @@ pub(super) fn sweep(
     let (mut pair, tolerance) = ([0; 2], island.settings.tolerance);
     queue.connect(plan, island, constraint_refs);
     let mut worst = 0.0_f32;
-    for item in constraint_refs {
-        if !item.is_hard(plan) {
-            worst = worst.max(item.project(places, plan, multipliers, mode, local));
+    for constraint in constraint_refs {
+        if !constraint.is_hard(plan) {
+            worst = worst.max(constraint.project(places, plan, multipliers, mode, local));
         }
     }
     queue.heap.clear();
     queue.stamps.clear();
     queue.stamps.resize(constraint_refs.len(), 0);
-    for (place, item) in constraint_refs.iter().enumerate() {
-        let error = item.error(places, plan, local);
+    for (place, constraint) in constraint_refs.iter().enumerate() {
+        let error = constraint.error(places, plan, local);
         worst = worst.max(error);
         queue.enter(place, error, tolerance);
     }
@@ -57,9 +57,9 @@ pub(super) fn sweep(
             continue;
         }
         left -= 1;
-        let item = constraint_refs[place as usize];
-        item.project(places, plan, multipliers, mode, local);
-        for &row in item.rows(plan, &mut pair) {
+        let constraint = constraint_refs[place as usize];
+        constraint.project(places, plan, multipliers, mode, local);
+        for &row in constraint.rows(plan, &mut pair) {
             let slot = queue.slots[row as usize] as usize;
             let (begin, end) = (queue.begins[slot], queue.begins[slot + 1]);
             for k in begin..end {
@@ -84,8 +84,8 @@ impl Queue {
         let mut pair = [0; 2];
         begins.clear();
         begins.resize(members.len() + 1, 0);
-        for item in constraint_refs {
-            for &row in item.rows(plan, &mut pair) {
+        for constraint in constraint_refs {
+            for &row in constraint.rows(plan, &mut pair) {
                 begins[slots[row as usize] as usize] += 1;
             }
         }
@@ -97,8 +97,8 @@ impl Queue {
         }
         touching.clear();
         touching.resize(sum as usize, 0);
-        for (place, item) in constraint_refs.iter().enumerate().rev() {
-            for &row in item.rows(plan, &mut pair) {
+        for (place, constraint) in constraint_refs.iter().enumerate().rev() {
+            for &row in constraint.rows(plan, &mut pair) {
                 let begin = &mut begins[slots[row as usize] as usize];
                 *begin -= 1;
                 touching[*begin as usize] = place as u32;

@@ -46,12 +46,12 @@ impl RodGraph {
             }
         }
         let mut graph = Self { first, rods: all };
-        graph.have_the_shortest_count();
+        graph.use_shortest();
         graph
     }
 
     /// Gives all rods between the same two particles the length and the number of the shortest.
-    fn have_the_shortest_count(&mut self) {
+    fn use_shortest(&mut self) {
         let Self { first, rods } = self;
         let mut beside = vec![NONE; first.len()];
         for (particle, ends) in (0..).zip(first.windows(2)) {

@@ -4,7 +4,7 @@ use glam::Vec4;
 
 use super::chains::ChainScratch;
 use super::constraint_ref::{ConstraintRef, Local};
-use super::jacobi::Asked;
+use super::jacobi::Corrections;
 use super::most_violated_first::Queue;
 use crate::lanes::Columns;
 
@@ -19,6 +19,6 @@ pub(crate) struct SweepScratch {
     pub(super) pins: Vec<Vec4>,
     pub(super) chains: ChainScratch,
     pub(super) constraint_refs: Vec<ConstraintRef>,
-    pub(super) asked: Asked,
+    pub(super) corrections: Corrections,
     pub(super) queue: Queue,
 }

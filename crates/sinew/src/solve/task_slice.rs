@@ -46,9 +46,10 @@ pub(super) fn slices<'a>(
         let (places, motion, multipliers, normal_impulses, reports, drift) = left.take()?;
         let (own, places) = places.split_at(task.rows.end);
         let (own_motion, motion) = motion.split_at(own.position.len());
-        let (own_sums, multipliers) =
+        let (own_multipliers, multipliers) =
             multipliers.split(Some(task.distances.end), Some(task.constraints.end));
-        let (own_presses, normal_impulses) = context.contacts.split(normal_impulses, task.rows.end);
+        let (own_impulses, normal_impulses) =
+            context.contacts.split(normal_impulses, task.rows.end);
         let (own_reports, reports) = reports.split_at_mut(task.islands.len());
         let (own_drift, drift) = drift.split_at_mut(own.position.len().min(drift.len()));
         left = Some((places, motion, multipliers, normal_impulses, reports, drift));
@@ -57,8 +58,8 @@ pub(super) fn slices<'a>(
             task,
             places: own,
             motion: own_motion,
-            multipliers: own_sums,
-            normal_impulses: own_presses,
+            multipliers: own_multipliers,
+            normal_impulses: own_impulses,
             reports: own_reports,
             momentum_drift: own_drift,
         })

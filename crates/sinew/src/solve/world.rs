@@ -9,7 +9,9 @@ use super::constraint_ref::SolveMode;
 use super::context::{SolveContext, SubstepParameters};
 use super::gauss_seidel;
 use super::instances::{BatchMotion, BatchScratch, BatchSolve, LaneCompaction};
-use super::island::{hold_again, hold_at_once, propagate_impact, solve, sweep_in_order};
+use super::island::{
+    project_tethers_and_chains, project_tethers_and_spans, propagate_impact, solve, sweep_in_order,
+};
 use super::loads::Loads;
 use super::microsteps::{MicrostepScratch, derive_whole_steps, list_step_rows, resume};
 use super::momentum::{MomentumDrift, note_drift};
@@ -129,26 +131,27 @@ pub(crate) fn solve_all(
     }
     let (normal_impulses, drift) = (NormalImpulses::all(normal_impulses), &mut momentum_drift[..]);
     let (bodies, multipliers) = (MotionColumns::all(particles), all_multipliers.all());
-    let shares = slices(context, bodies, multipliers, normal_impulses, &mut report.islands, drift);
+    let task_slices =
+        slices(context, bodies, multipliers, normal_impulses, &mut report.islands, drift);
     let mut large = smallvec::SmallVec::<[TaskSlice; 4]>::new();
-    let small = shares.filter_map(|share| {
-        if share.is_shared() {
-            large.push(share);
+    let small = task_slices.filter_map(|slice| {
+        if slice.is_shared() {
+            large.push(slice);
             return None;
         }
-        Some(share)
+        Some(slice)
     });
-    each(execution.workers, small, |mut share| {
+    each(execution.workers, small, |mut slice| {
         thread_scratches.with(|thread_scratch| {
-            thread_scratch.begin(&share.task);
-            if !share.task.instance_batches.is_empty() {
-                share.instance_batches(thread_scratch).run();
+            thread_scratch.begin(&slice.task);
+            if !slice.task.instance_batches.is_empty() {
+                slice.instance_batches(thread_scratch).run();
             }
-            share.one_by_one(thread_scratch);
+            slice.one_by_one(thread_scratch);
         });
     });
-    for share in large {
-        share.by_all(thread_scratches);
+    for slice in large {
+        slice.solve_shared(thread_scratches);
     }
     for (number, drift) in &*measured {
         let rows = plan.members(*number as usize);
@@ -319,7 +322,7 @@ impl TaskSlice<'_> {
     }
 
     /// Solves a single large island by all workers.
-    pub(super) fn by_all(mut self, thread_scratches: &Pool<ThreadScratch>) {
+    pub(super) fn solve_shared(mut self, thread_scratches: &Pool<ThreadScratch>) {
         let SolveContext { plan, execution, substep, .. } = self.context;
         let SubstepParameters { h, lag, .. } = substep;
         let number = self.task.islands.start;
@@ -361,8 +364,8 @@ fn sweep_shared(
     thread_scratches: &Pool<ThreadScratch>,
 ) -> impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32 {
     move |places, multipliers, mode| {
-        let out =
-            thread_scratches.with(|own| hold_at_once(plan, island, places, mode, &mut own.sweep));
+        let out = thread_scratches
+            .with(|own| project_tethers_and_chains(plan, island, places, mode, &mut own.sweep));
         let cluster_batches = island.cluster_batches.clone();
         let found = gauss_seidel::sweep_shared(
             places.lend(),
@@ -376,7 +379,7 @@ fn sweep_shared(
         thread_scratches.with(|own| {
             let at = &mut TurnedPlaces { columns: None, places };
             Parts { plan, island, mode }.sweep_again(at, multipliers, &mut own.sweep);
-            hold_again(plan, island, places, mode, execution, &mut own.sweep);
+            project_tethers_and_spans(plan, island, places, mode, execution, &mut own.sweep);
         });
         out.max(found)
     }

@@ -195,7 +195,8 @@ impl<'a> BatchSolve<'a> {
                 let sweeps = storage.convergence.report(reports, storage.asleep);
                 if let BatchMotion::Step(whole) = &self.motion {
                     whole.iteration_counts[substep].fetch_max(sweeps, Ordering::Relaxed);
-                    let (free, keeps_angular) = (storage.left(), context.keeps_spin(storage));
+                    let (free, keeps_angular) =
+                        (storage.undisturbed(), context.keeps_spin(storage));
                     derive_lanes(storage, h, free, keeps_angular, instructions);
                     if let Some(surfaces) = &context.surfaces {
                         surfaces.bounce(storage, &mut self.normal_impulses);
@@ -212,7 +213,7 @@ impl<'a> BatchSolve<'a> {
             }
         }
         for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
-            self.give_back(&context, batch, storage);
+            self.scatter_results(&context, batch, storage);
         }
     }
 
@@ -279,7 +280,7 @@ impl<'a> BatchSolve<'a> {
             if let Some(one) = of(*one as usize)
                 && others.iter().all(|&other| of(other as usize).is_some_and(|o| o.are_like(one)))
             {
-                self.load_like_tethers(one, storage, of);
+                self.load_same_tethers(one, storage, of);
                 continue;
             }
             for (lane, &number) in storage.islands.iter().enumerate() {
@@ -288,8 +289,8 @@ impl<'a> BatchSolve<'a> {
                     let each =
                         own.map_or([NONE; 2], |own| own.of_member(member, self.position, begin));
                     for (column, tether) in storage.tethers.iter_mut().zip(each) {
-                        if let Some(spot) = column.get_mut(member) {
-                            spot.set_lane_whole(lane, tether);
+                        if let Some(entry) = column.get_mut(member) {
+                            entry.set_lane_whole(lane, tether);
                         }
                     }
                 }
@@ -298,7 +299,7 @@ impl<'a> BatchSolve<'a> {
     }
 
     /// Loads tethers that are the same in all eight bodies but for the positions of their pins.
-    fn load_like_tethers<'p>(
+    fn load_same_tethers<'p>(
         &self,
         one: &IslandTethers,
         storage: &mut LaneStorage,
@@ -312,10 +313,10 @@ impl<'a> BatchSolve<'a> {
                 place.set_lane_whole(lane, self.position[row as usize]);
             }
             for (which, column) in storage.tethers.iter_mut().enumerate() {
-                for (spot, each) in column.iter_mut().zip(one.each()) {
+                for (entry, each) in column.iter_mut().zip(one.each()) {
                     let (to, length) = each[which];
                     if to as usize == pin {
-                        *spot = place.with_fourths(length);
+                        *entry = place.with_fourths(length);
                     }
                 }
             }
@@ -323,7 +324,7 @@ impl<'a> BatchSolve<'a> {
     }
 
     /// Scatters the results of an instance batch.
-    fn give_back(
+    fn scatter_results(
         &mut self,
         context: &BatchContext,
         batch: &InstanceBatch,
@@ -333,21 +334,27 @@ impl<'a> BatchSolve<'a> {
         scatter(&storage.now, batch, begin, self.position, instructions);
         match &mut self.motion {
             BatchMotion::Substep { velocity, momentum_drift, .. } => {
-                let left = storage.left();
-                if left == 0 {
+                let undisturbed = storage.undisturbed();
+                if undisturbed == 0 {
                     return;
                 }
                 gather(&mut storage.velocity, batch, begin, velocity, instructions);
-                let (turning, parted) =
-                    (left & context.keeps_spin(storage), !momentum_drift.is_empty());
-                let momentum_drifts =
-                    take_drift(storage, context.h, turning, left, parted, instructions);
-                if parted {
+                let (turning, per_particle) =
+                    (undisturbed & context.keeps_spin(storage), !momentum_drift.is_empty());
+                let momentum_drifts = take_drift(
+                    storage,
+                    context.h,
+                    turning,
+                    undisturbed,
+                    per_particle,
+                    instructions,
+                );
+                if per_particle {
                     scatter(&storage.velocity, batch, begin, momentum_drift, instructions);
                     return;
                 }
                 // At most one entry for each body.
-                let own = momentum_drifts.each(left & storage.mask());
+                let own = momentum_drifts.each(undisturbed & storage.mask());
                 let own = own.map(|(lane, one)| ((batch.islands.start + lane) as u32, one));
                 self.scratch.momentum_drifts.extend(own);
             }
@@ -408,7 +415,7 @@ fn limit_recovery(
     scratch: &mut SweepScratch,
 ) {
     let own = |column: &[LaneParticles]| -> Vec<Vec4> {
-        column.iter().map(|spot| spot.lane(lane)).collect()
+        column.iter().map(|entry| entry.lane(lane)).collect()
     };
     let (mut position, mut start) = (own(&storage.now), own(&storage.start));
     let mut velocity = own(&storage.velocity);
@@ -423,8 +430,8 @@ fn limit_recovery(
     };
     context.limit_recovery(number, &mut places, &mut reports[lane], scratch);
     let end = if lane + 1 == storage.bodies { LANES } else { lane + 1 };
-    for (spot, velocity) in storage.velocity.iter_mut().zip(velocity) {
-        (lane..end).for_each(|lane| spot.set_lane(lane, velocity.truncate()));
+    for (entry, velocity) in storage.velocity.iter_mut().zip(velocity) {
+        (lane..end).for_each(|lane| entry.set_lane(lane, velocity.truncate()));
     }
 }
 

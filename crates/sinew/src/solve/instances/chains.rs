@@ -7,13 +7,13 @@ use crate::solve::chains::{Eliminated, Links, project_chain};
 use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::InstancedLink;
 
-/// Solves each chain once. Bodies in the mask `aside` are not moved. Returns the largest error found in each body, metres.
+/// Solves each chain once. Bodies in the mask `inactive` are not moved. Returns the largest error found in each body, metres.
 pub(super) struct ProjectInstancedChains<'a> {
     pub(super) chains: &'a [Range<usize>],
     pub(super) links: &'a [InstancedLink],
     pub(super) now: &'a mut [LaneParticles],
     pub(super) eliminated: &'a mut Vec<Eliminated<[f32; LANES]>>,
-    pub(super) aside: u32,
+    pub(super) inactive: u32,
 }
 
 impl Work for ProjectInstancedChains<'_> {
@@ -21,20 +21,20 @@ impl Work for ProjectInstancedChains<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> [f32; LANES] {
-        let Self { chains, links, now, eliminated, aside } = self;
-        let (moves, mut worst) = (L::mask(!aside), L::zero());
+        let Self { chains, links, now, eliminated, inactive } = self;
+        let (moves, mut worst) = (L::mask(!inactive), L::zero());
         for chain in chains {
             let links = &links[chain.clone()];
             eliminated.resize(links.len().max(eliminated.len()), [[0.0; LANES]; _]);
-            let mut bodies = OfBodies { links, now, eliminated, moves };
-            worst = project_chain::<L>(&mut bodies).max(worst);
+            let mut instanced = InstancedChain { links, now, eliminated, moves };
+            worst = project_chain::<L>(&mut instanced).max(worst);
         }
         worst.and(moves).array()
     }
 }
 
 /// The same chain in eight bodies.
-struct OfBodies<'a, L> {
+struct InstancedChain<'a, L> {
     links: &'a [InstancedLink],
     now: &'a mut [LaneParticles],
     eliminated: &'a mut [Eliminated<[f32; LANES]>],
@@ -42,7 +42,7 @@ struct OfBodies<'a, L> {
     moves: L,
 }
 
-impl<L: Lanes> Links<L> for OfBodies<'_, L> {
+impl<L: Lanes> Links<L> for InstancedChain<'_, L> {
     #[inline(always)]
     fn count(&self) -> usize {
         self.links.len()
@@ -70,13 +70,13 @@ impl<L: Lanes> Links<L> for OfBodies<'_, L> {
     #[inline(always)]
     fn shift(&mut self, link: usize, by: Vector<L>, _: [Vector<L>; 2]) {
         let [one, other] = self.links[link].at;
-        let spot = &mut self.now[one as usize];
-        let (p, w) = Vector::of(spot.load::<L>());
-        spot.put((p + by).with(w));
+        let entry = &mut self.now[one as usize];
+        let (p, w) = Vector::of(entry.load::<L>());
+        entry.put((p + by).with(w));
         if one != other {
-            let spot = &mut self.now[other as usize];
-            let (p, w) = Vector::of(spot.load::<L>());
-            spot.put((p + by).with(w));
+            let entry = &mut self.now[other as usize];
+            let (p, w) = Vector::of(entry.load::<L>());
+            entry.put((p + by).with(w));
         }
     }
 

@@ -26,9 +26,9 @@ impl Default for ConvergenceMask {
 }
 
 impl ConvergenceMask {
-    /// No body has been swept yet; the bodies in the mask `aside` are not going to be.
-    pub(super) fn all_but(aside: u32) -> Self {
-        let going = ((1 << LANES) - 1) & !aside;
+    /// No body has been swept yet; the bodies in the mask `inactive` are not going to be.
+    pub(super) fn all_but(inactive: u32) -> Self {
+        let going = ((1 << LANES) - 1) & !inactive;
         Self { going, converged: 0, fell_back: 0, touched: 0, violated: 0, sweeps: [0.0; LANES] }
     }
 
@@ -38,7 +38,7 @@ impl ConvergenceMask {
     }
 
     /// Copies the state of the body in lane `from` of another mask.
-    pub(super) fn take(&mut self, lane: usize, other: &Self, from: usize) {
+    pub(super) fn copy_lane(&mut self, lane: usize, other: &Self, from: usize) {
         let copy = |to: &mut u32, bits: u32| {
             *to = *to & !(1 << lane) | (bits >> from & 1) << lane;
         };

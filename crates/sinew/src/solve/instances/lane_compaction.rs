@@ -49,9 +49,9 @@ impl LaneCompaction {
         for storage in self.storages() {
             context.begin(storage);
         }
-        self.compacted.clear_as(&self.storages[0]);
+        self.compacted.clear_like(&self.storages[0]);
         let mut turn = 0;
-        while let Some((storage, may_leave)) = self.take_turn(turn) {
+        while let Some((storage, may_leave)) = self.next_storage(turn) {
             // Bodies with rows that may touch surfaces keep their lanes: what contacts read of a row, velocities included, is only complete there.
             let may_leave =
                 may_leave && !context.surfaces.is_some_and(|surfaces| surfaces.touches(storage));
@@ -64,7 +64,7 @@ impl LaneCompaction {
 
     /// The lane storage to sweep next, and whether freeing a lane in it is useful. Visits one batch after the other, then the compacted storage until its queue
     /// is empty and its lanes have converged.
-    fn take_turn(&mut self, turn: usize) -> Option<(&mut LaneStorage, bool)> {
+    fn next_storage(&mut self, turn: usize) -> Option<(&mut LaneStorage, bool)> {
         let Self { storages, instance_batches, waiting, compacted, lane_owners } = self;
         let storages = &mut storages[..*instance_batches];
         if let Some(storage) = turn.checked_sub(1).filter(|&storage| storage < storages.len()) {
@@ -81,11 +81,11 @@ impl LaneCompaction {
                 continue;
             }
             if let Some(place) = owner.take() {
-                storages[place.storage].take_back(place.lane, compacted, lane);
+                storages[place.storage].copy_back(place.lane, compacted, lane);
             }
             *owner = waiting.pop();
             if let Some(place) = owner {
-                compacted.admit(lane, &storages[place.storage], place.lane);
+                compacted.copy_body(lane, &storages[place.storage], place.lane);
             }
         }
         (compacted.convergence.going != 0).then_some((compacted, !waiting.is_empty()))

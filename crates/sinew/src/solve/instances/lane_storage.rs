@@ -19,7 +19,7 @@ pub(crate) struct LaneStorage {
     pub(super) velocity: Vec<LaneParticles>,
     pub(super) rounding: Vec<LaneParticles>,
     /// Snapshots of the bodies that have converged or sleep. Sweeps go on writing to their lanes; the snapshots are restored afterwards.
-    pub(super) kept: Vec<LaneParticles>,
+    pub(super) saved: Vec<LaneParticles>,
     /// Damping rates, 1/s, and the share of velocity that is lost in a substep.
     pub(super) rate: Vec<[f32; LANES]>,
     pub(super) lost: Vec<[f32; LANES]>,
@@ -62,7 +62,7 @@ impl LaneStorage {
         gather(&mut self.now, batch, begin, position, instructions);
         gather(&mut self.start, batch, begin, start, instructions);
         self.bodies = batch.islands.len();
-        self.kept.resize(self.now.len(), LaneParticles::ZERO);
+        self.saved.resize(self.now.len(), LaneParticles::ZERO);
     }
 
     /// One bit for each body.
@@ -71,17 +71,17 @@ impl LaneStorage {
     }
 
     /// One bit for each body that nothing outside has given momentum in this substep: free, and without contacts so far.
-    pub(super) fn left(&self) -> u32 {
+    pub(super) fn undisturbed(&self) -> u32 {
         self.free & !self.convergence.touched
     }
 
     /// Makes room for eight bodies of the same topology as those in `other`, and marks all lanes as done.
-    pub(super) fn clear_as(&mut self, other: &Self) {
+    pub(super) fn clear_like(&mut self, other: &Self) {
         (self.bodies, self.asleep) = (LANES, 0);
         self.convergence = ConvergenceMask { going: 0, ..ConvergenceMask::default() };
         self.now.resize(other.now.len(), LaneParticles::ZERO);
         self.start.resize(other.start.len(), LaneParticles::ZERO);
-        self.kept.resize(other.now.len(), LaneParticles::ZERO);
+        self.saved.resize(other.now.len(), LaneParticles::ZERO);
         self.radius.resize(other.radius.len(), [0.0; LANES]);
         self.ground.resize(other.ground.len(), [0.0; LANES]);
         self.last_seen.resize(other.last_seen.len(), LaneParticles::ZERO);
@@ -92,19 +92,19 @@ impl LaneStorage {
     }
 
     /// Copies a body from lane `from` of another storage, with all data that a sweep reads.
-    pub(super) fn admit(&mut self, lane: usize, other: &Self, from: usize) {
+    pub(super) fn copy_body(&mut self, lane: usize, other: &Self, from: usize) {
         // Separate loops: the compiler unrolls these, but not the loop over a chained iterator.
-        for (spot, other) in self.start.iter_mut().zip(&other.start) {
-            spot.take(lane, other, from);
+        for (entry, other) in self.start.iter_mut().zip(&other.start) {
+            entry.copy_lane(lane, other, from);
         }
-        for (spot, other) in self.last_seen.iter_mut().zip(&other.last_seen) {
-            spot.take(lane, other, from);
+        for (entry, other) in self.last_seen.iter_mut().zip(&other.last_seen) {
+            entry.copy_lane(lane, other, from);
         }
         // Tethers are only projected in the first sweep of a substep.
         if other.convergence.sweeps[from] == 0.0 {
             for (own, other) in self.tethers.iter_mut().zip(&other.tethers) {
-                for (spot, other) in own.iter_mut().zip(other) {
-                    spot.take(lane, other, from);
+                for (entry, other) in own.iter_mut().zip(other) {
+                    entry.copy_lane(lane, other, from);
                 }
             }
         }
@@ -113,42 +113,42 @@ impl LaneStorage {
         for (column, other) in columns.chain(self.ground.iter_mut().zip(&other.ground)) {
             column[lane] = other[from];
         }
-        self.take(lane, other, from);
+        self.copy_results(lane, other, from);
     }
 
     /// Copies the results of a body back from another storage in which it was solved.
-    pub(super) fn take_back(&mut self, lane: usize, other: &Self, from: usize) {
+    pub(super) fn copy_back(&mut self, lane: usize, other: &Self, from: usize) {
         let end = if lane + 1 == self.bodies { LANES } else { lane + 1 };
         for lane in lane..end {
-            self.take(lane, other, from);
+            self.copy_results(lane, other, from);
         }
     }
 
     /// Copies what a sweep changes.
-    fn take(&mut self, lane: usize, other: &Self, from: usize) {
-        for (spot, other) in self.now.iter_mut().zip(&other.now) {
-            spot.take(lane, other, from);
+    fn copy_results(&mut self, lane: usize, other: &Self, from: usize) {
+        for (entry, other) in self.now.iter_mut().zip(&other.now) {
+            entry.copy_lane(lane, other, from);
         }
         for (sum, other) in self.multipliers.iter_mut().zip(&other.multipliers) {
             sum[lane] = other[from];
         }
-        self.convergence.take(lane, &other.convergence, from);
+        self.convergence.copy_lane(lane, &other.convergence, from);
     }
 
     /// Takes a snapshot of the bodies in a mask.
-    pub(super) fn keep(&mut self, which: u32) {
+    pub(super) fn save(&mut self, which: u32) {
         for lane in lanes(which) {
-            for (kept, now) in self.kept.iter_mut().zip(&self.now) {
-                kept.set_lane(lane, now.lane(lane).truncate());
+            for (saved, now) in self.saved.iter_mut().zip(&self.now) {
+                saved.set_lane(lane, now.lane(lane).truncate());
             }
         }
     }
 
     /// Restores the bodies in a mask from their snapshots.
-    pub(super) fn put_back(&mut self, which: u32) {
+    pub(super) fn restore(&mut self, which: u32) {
         for lane in lanes(which) {
-            for (kept, now) in self.kept.iter().zip(&mut self.now) {
-                now.set_lane(lane, kept.lane(lane).truncate());
+            for (saved, now) in self.saved.iter().zip(&mut self.now) {
+                now.set_lane(lane, saved.lane(lane).truncate());
             }
         }
     }
@@ -169,8 +169,8 @@ kernel!(
     ) {
         to.resize(batch.members as usize, LaneParticles::ZERO);
         let mut places = batch.places(begin, 0);
-        for spot in to {
-            spot.set(L::rows(from, &places));
+        for entry in to {
+            entry.set(L::rows(from, &places));
             next(&mut places);
         }
     }
@@ -185,8 +185,8 @@ kernel!(
         to: &mut [Vec4],
     ) {
         let mut places = batch.places(begin, 0);
-        for spot in from {
-            L::put_rows(to, &places, spot.load());
+        for entry in from {
+            L::put_rows(to, &places, entry.load());
             next(&mut places);
         }
     }

@@ -11,7 +11,7 @@ use crate::solve::momentum::{MomentumDrift, WideMomentumDrift};
 impl<D: Doubles> WideMomentumDrift<D> {
     /// One bit for each body with a finite drift.
     #[inline(always)]
-    fn sound(&self) -> u32 {
+    fn finite(&self) -> u32 {
         self.centre.finite() & self.shift.finite() & self.turn.finite()
     }
 
@@ -20,7 +20,7 @@ impl<D: Doubles> WideMomentumDrift<D> {
     fn bodies(&self) -> DriftLanes {
         let Self { anchor, centre, shift, turn } = self;
         let vectors = [anchor.arrays(), centre.arrays(), shift.arrays(), turn.arrays()];
-        DriftLanes { vectors, sound: self.sound() }
+        DriftLanes { vectors, finite: self.finite() }
     }
 }
 
@@ -28,13 +28,13 @@ impl<D: Doubles> WideMomentumDrift<D> {
 #[derive(Default)]
 pub(super) struct DriftLanes {
     vectors: [[[f64; LANES]; 3]; 4],
-    sound: u32,
+    finite: u32,
 }
 
 impl DriftLanes {
     /// The finite drifts of the bodies in a mask, with their lanes.
     pub(super) fn each(&self, which: u32) -> impl Iterator<Item = (usize, MomentumDrift)> {
-        let which = which & self.sound;
+        let which = which & self.finite;
         (0..LANES).filter(move |lane| which >> lane & 1 != 0).map(move |lane| {
             let [anchor, centre, shift, turn] =
                 self.vectors.each_ref().map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
@@ -66,7 +66,7 @@ kernel!(
             let mut v = u + (q - (from + u * h)) * per_second;
             if let Some(momentum_drifts) = &momentum_drifts {
                 let share = momentum_drifts.share(from);
-                v = (v - share).or_else(L::mask(free & momentum_drifts.sound()), v);
+                v = (v - share).or_else(L::mask(free & momentum_drifts.finite()), v);
             }
             velocity.put(v.with(h));
         }
@@ -74,21 +74,21 @@ kernel!(
 );
 
 kernel!(
-    /// Computes the momentum drift of the bodies in the mask `which` after a substep of `h` seconds, with the angular part for those in `turning`. If `parted`,
-    /// writes the velocity to be removed from each particle, m/s, in place of the velocities in the storage (zero for all other bodies) and returns an empty
-    /// result.
+    /// Computes the momentum drift of the bodies in the mask `which` after a substep of `h` seconds, with the angular part for those in `turning`. If
+    /// `per_particle`, writes the velocity to be removed from each particle, m/s, in place of the velocities in the storage (zero for all other bodies) and
+    /// returns an empty result.
     pub(super) fn take_drift<L: Lanes>(
         storage: &mut LaneStorage,
         h: f32,
         turning: u32,
         which: u32,
-        parted: bool,
+        per_particle: bool,
     ) -> DriftLanes {
         let momentum_drifts = storage.momentum_drifts::<L>(h, turning);
-        if !parted {
+        if !per_particle {
             return momentum_drifts.bodies();
         }
-        let which = L::mask(which & momentum_drifts.sound());
+        let which = L::mask(which & momentum_drifts.finite());
         for (start, velocity) in storage.start.iter().zip(&mut storage.velocity) {
             let share = momentum_drifts.share(Vector::of(start.load::<L>()).0);
             let [x, y, z] = [which.and(share.x), which.and(share.y), which.and(share.z)];
@@ -122,7 +122,7 @@ impl LaneStorage {
             let arm = from.widen() - anchor;
             sums.add(L::Doubles::load(mass), arm, v.widen() - u.widen());
         }
-        let (centre, shift, turn) = sums.answer(turning);
+        let (centre, shift, turn) = sums.rigid_motion(turning);
         WideMomentumDrift { anchor, centre, shift, turn }
     }
 }
@@ -130,7 +130,7 @@ impl LaneStorage {
 impl<D: Doubles> MomentSums<D> {
     /// Barycentres, velocities and angular velocities. The latter are zero for bodies that are not in `turning`.
     #[inline(always)]
-    fn answer(&self, turning: u32) -> (Vector<D>, Vector<D>, Vector<D>) {
+    fn rigid_motion(&self, turning: u32) -> (Vector<D>, Vector<D>, Vector<D>) {
         let centre = self.first / self.mass;
         let shift = self.momentum / self.mass;
         if turning == 0 {

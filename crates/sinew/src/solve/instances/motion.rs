@@ -38,8 +38,8 @@ kernel!(
     pub(super) fn note_masses<L: Lanes>(storage: &mut LaneStorage) {
         let LaneStorage { mass, now, .. } = storage;
         mass.resize(now.len(), [0.0; LANES]);
-        for (mass, spot) in mass.iter_mut().zip(now) {
-            let inverse = L::load(spot.fourths()).widen();
+        for (mass, entry) in mass.iter_mut().zip(now) {
+            let inverse = L::load(entry.fourths()).widen();
             (L::Doubles::splat(1.0) / inverse).store(mass);
         }
     }

@@ -10,33 +10,34 @@ use crate::solve::rods::{COS_SQUARED, Whole, project, project_from_start};
 use crate::solve::tethers::hold;
 
 kernel!(
-    /// Projects rods once, one after the other. Returns the largest error found in each body, metres, or `worst` if that is larger. Bodies in the mask `may`
-    /// are corrected along the directions that the rods had at the start of the substep; `START` must be true unless that mask is empty. Bodies in the mask
-    /// `aside` are not swept any more: their lanes may be written with anything.
+    /// Projects rods once, one after the other. Returns the largest error found in each body, metres, or `worst` if that is larger. Bodies in the mask
+    /// `along_start` are corrected along the directions that the rods had at the start of the substep; `START` must be true unless that mask is empty. Bodies
+    /// in the mask `inactive` are not swept any more: their lanes may be written with anything.
     pub(super) fn sweep_rods<L: Lanes, const START: bool>(
         rods: &[InstancedRod],
         now: &mut [LaneParticles],
         start: &[LaneParticles],
-        may: u32,
-        aside: u32,
+        along_start: u32,
+        inactive: u32,
         worst: [f32; LANES],
     ) -> [f32; LANES] {
-        let (may, aside, mut worst) = (L::mask(may), L::mask(aside), L::load(&worst));
+        let (along_start, inactive, mut worst) =
+            (L::mask(along_start), L::mask(inactive), L::load(&worst));
         for rod in rods {
             let (a, b, rest) = (rod.a as usize, rod.b as usize, L::load(&rod.rest));
             let (one, other) = (now[a].load::<L>(), now[b].load::<L>());
             let (one, other, error, moves) = if START {
                 let start = (start[a].load::<L>(), start[b].load::<L>());
-                project_from_start(one, other, start, rest, may)
+                project_from_start(one, other, start, rest, along_start)
             } else {
                 project(one, other, rest, Whole)
             };
             now[a].put(one);
             now[b].put(other);
             worst = error.max(worst);
-            let moves = moves.or(aside);
+            let moves = moves.or(inactive);
             if !moves.all() {
-                worst = L::load(&part(rod, now, !moves.bits())).max(worst);
+                worst = L::load(&project_singly(rod, now, !moves.bits())).max(worst);
             }
         }
         worst.array()
@@ -45,7 +46,7 @@ kernel!(
 
 /// Projects a rod lane by lane where its ends coincide or are pinned. Returns the errors, metres.
 #[cold]
-fn part(rod: &InstancedRod, now: &mut [LaneParticles], stuck: u32) -> [f32; LANES] {
+fn project_singly(rod: &InstancedRod, now: &mut [LaneParticles], stuck: u32) -> [f32; LANES] {
     let mut found = [0.0; LANES];
     let (a, b) = (rod.a as usize, rod.b as usize);
     for lane in (0..LANES).filter(|lane| stuck >> lane & 1 != 0) {
@@ -59,7 +60,7 @@ fn part(rod: &InstancedRod, now: &mut [LaneParticles], stuck: u32) -> [f32; LANE
 
 kernel!(
     /// Projects the particles of the bodies in `going` into the range of their tethers. Returns how far outside the farthest particle of each body was, metres.
-    pub(super) fn hold_tethers<L: Lanes>(
+    pub(super) fn project_tethers<L: Lanes>(
         now: &mut [LaneParticles],
         // For each particle, the positions of its pins and in `w` the tether lengths.
         tethers: &[Vec<LaneParticles>; 2],

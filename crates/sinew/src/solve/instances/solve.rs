@@ -76,18 +76,18 @@ impl BatchContext<'_> {
         let Self { settings, planes, recover, violation, .. } = *self;
         let most = settings.max_sweeps as f32;
         // Particles of sleeping bodies count as pinned and kernels do not move them; the snapshot makes that certain.
-        let (mut kept, mut over) = (0, storage.asleep);
+        let (mut saved, mut done) = (0, storage.asleep);
         while (storage.convergence.going & storage.mask()).count_ones() > few {
-            if over != 0 {
-                storage.keep(over);
-                kept |= over;
+            if done != 0 {
+                storage.save(done);
+                saved |= done;
             }
-            let mut worst = self.once(storage);
+            let mut worst = self.sweep_once(storage);
             let going = storage.convergence.going;
             let unswept = bits(storage.convergence.sweeps, |sweeps| sweeps == 0.0);
             storage.convergence.violated |=
                 going & unswept & bits(worst, |worst| worst > violation);
-            let mut put_out = |storage: &mut LaneStorage, depth: [f32; LANES]| {
+            let mut note_depth = |storage: &mut LaneStorage, depth: [f32; LANES]| {
                 storage.convergence.touched |= going & bits(depth, |depth| 0.0 < depth);
                 for (worst, depth) in worst.iter_mut().zip(depth) {
                     *worst = if *worst < depth { depth } else { *worst };
@@ -95,42 +95,42 @@ impl BatchContext<'_> {
             };
             if !planes.is_empty() {
                 let depth = project_planes(planes, recover, storage, going, self.instructions);
-                put_out(storage, depth);
+                note_depth(storage, depth);
             }
             if let Some(surfaces) = &self.surfaces {
                 let depth = surfaces.project(storage, normal_impulses, going);
-                put_out(storage, depth);
+                note_depth(storage, depth);
             }
             let convergence = &mut storage.convergence;
             let good = going & bits(worst, |worst| worst <= settings.tolerance);
             for (lane, sweeps) in convergence.sweeps.iter_mut().enumerate() {
                 *sweeps += (going >> lane & 1) as f32;
             }
-            over = good | going & bits(convergence.sweeps, |sweeps| most <= sweeps);
+            done = good | going & bits(convergence.sweeps, |sweeps| most <= sweeps);
             convergence.converged |= good;
-            convergence.going &= !over;
+            convergence.going &= !done;
         }
-        if kept != 0 {
-            storage.put_back(kept);
+        if saved != 0 {
+            storage.restore(saved);
         }
     }
 
     /// Projects all constraints once. Returns the largest error found in each body, metres.
-    fn once(&self, storage: &mut LaneStorage) -> [f32; LANES] {
+    fn sweep_once(&self, storage: &mut LaneStorage) -> [f32; LANES] {
         let Self { instance_batches, batch, settings, h, violation, chained, instructions, .. } =
             *self;
         let substep_context = SubstepContext { h, sweeps: settings.max_sweeps };
-        let (may, aside) = (self.along_start(storage), !storage.convergence.going);
+        let (along_start, inactive) = (self.along_start(storage), !storage.convergence.going);
         let mut worst = [0.0; LANES];
         let LaneStorage { now, tethers, eliminated, .. } = storage;
         if tethers.iter().any(|tethers| !tethers.is_empty()) {
             let first = bits(storage.convergence.sweeps, |sweeps| sweeps == 0.0);
-            let going = first & !(aside | may);
+            let going = first & !(inactive | along_start);
             if going != 0 {
-                worst = rods::hold_tethers(now, tethers, going, instructions);
+                worst = rods::project_tethers(now, tethers, going, instructions);
             }
         }
-        if chained && aside | may != u32::MAX {
+        if chained && inactive | along_start != u32::MAX {
             let (chains, links) =
                 (&instance_batches.chains[batch.chains.clone()], &instance_batches.links[..]);
             let work = chains::ProjectInstancedChains {
@@ -138,7 +138,7 @@ impl BatchContext<'_> {
                 links,
                 now,
                 eliminated,
-                aside: aside | may,
+                inactive: inactive | along_start,
             };
             let found = with(instructions, work);
             for (worst, found) in worst.iter_mut().zip(found) {
@@ -150,15 +150,18 @@ impl BatchContext<'_> {
                 InstancePart::Rods(range) => {
                     let rods = &instance_batches.rods[range.clone()];
                     let (now, start) = (&mut storage.now[..], &storage.start[..]);
-                    let sweep =
-                        if may == 0 { rods::sweep_rods::<false> } else { rods::sweep_rods::<true> };
-                    sweep(rods, now, start, may, aside, worst, instructions)
+                    let sweep = if along_start == 0 {
+                        rods::sweep_rods::<false>
+                    } else {
+                        rods::sweep_rods::<true>
+                    };
+                    sweep(rods, now, start, along_start, inactive, worst, instructions)
                 }
                 InstancePart::Constraints(part) => instance_batches.instanced.sweep(
                     part,
                     (&mut storage.now, &storage.start, &mut storage.multipliers),
                     substep_context,
-                    (aside, worst),
+                    (inactive, worst),
                     instructions,
                 ),
             };

@@ -120,7 +120,7 @@ fn bodies_in_batches_have_the_bits_that_they_have_alone() {
 }
 
 #[test]
-fn so_they_have_on_the_ground_between_walls_and_with_other_settings() {
+fn bits_are_the_same_on_the_ground_between_walls_and_with_other_settings() {
     for build in BUILDS {
         compare(build, 9, |world| {
             world.boundaries.planes.push(Plane::ground(0.4));
@@ -170,7 +170,7 @@ fn crowd(world: &mut Simulation) {
 }
 
 #[test]
-fn so_they_have_among_colliders() {
+fn bits_are_the_same_among_colliders() {
     for build in [boxes, ropes, strips, jellies] {
         for count in [3, 9, 17] {
             compare(build, count, crowd);
@@ -193,7 +193,7 @@ fn torn(world: &mut Simulation, number: usize, build: Build) {
 }
 
 #[test]
-fn so_they_have_where_they_are_flung_among_colliders() {
+fn bits_are_the_same_when_flung_among_colliders() {
     let builds: [Build; 3] = [
         |world, number| torn(world, number, boxes),
         |world, number| torn(world, number, ropes),
@@ -208,7 +208,7 @@ fn so_they_have_where_they_are_flung_among_colliders() {
 }
 
 #[test]
-fn so_they_have_where_those_that_take_longer_change_lanes() {
+fn bits_are_the_same_with_lane_compaction() {
     for build in [ropes, ragdolls] {
         for count in [10, 27] {
             compare(build, count, |world| {
@@ -225,7 +225,7 @@ fn so_they_have_where_those_that_take_longer_change_lanes() {
 }
 
 #[test]
-fn twins_of_other_settings_are_solved_by_their_own() {
+fn identical_bodies_are_solved_with_their_own_settings() {
     let mut together = world(ragdolls, 0..20);
     let mut alone: Vec<_> = (0..20).map(|number| world(ragdolls, [number])).collect();
     for (together, alone) in together.bodies.iter_mut().zip(&mut alone).skip(8).take(8) {
@@ -244,7 +244,7 @@ fn twins_of_other_settings_are_solved_by_their_own() {
 }
 
 #[test]
-fn so_they_have_where_a_step_is_taken_phase_by_phase() {
+fn bits_are_the_same_phase_by_phase() {
     for build in BUILDS {
         compare(build, 9, |world| {
             world.forces.winds.push(crate::Wind::steady(Vec3::X * 3.0));
@@ -255,7 +255,7 @@ fn so_they_have_where_a_step_is_taken_phase_by_phase() {
 
 /// When one of eight bodies slept, the others of its batch were solved one by one, so a crowd of ragdolls took longer the more of them lay still.
 #[test]
-fn so_they_have_where_some_of_them_sleep() {
+fn bits_are_the_same_when_some_bodies_sleep() {
     let put_to_sleep = |world: &mut Simulation, body: usize, size: usize| {
         world.sleep[body] = crate::Sleep { asleep: true, still: 9.0, ..crate::Sleep::allowed() };
         for row in body * size..(body + 1) * size {
@@ -304,7 +304,7 @@ fn so_they_have_where_some_of_them_sleep() {
             }
         }
         let asleep = sleepers.iter().filter(|&&number| together.sleep[number].asleep).count();
-        assert!(asleep > 0, "nobody is left asleep of {size}");
+        assert!(asleep > 0, "no body of {size} particles is left asleep");
     }
 }
 

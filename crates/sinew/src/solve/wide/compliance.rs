@@ -32,7 +32,7 @@ pub(super) struct PackedCompliance {
     /// 1 where `U` is `W`.
     by_weights: [f32; LANES],
     /// 1 where the multiplier is accumulated over the sweeps.
-    remembers: [f32; LANES],
+    accumulates: [f32; LANES],
     /// 1 for hard constraints.
     hard: [f32; LANES],
     /// 1 for ropes.
@@ -118,7 +118,7 @@ impl PackedCompliance {
             share,
             by_weights: flags(softness.map(is_frequency)),
             frequencies: softness.into_iter().any(is_frequency),
-            remembers: flags(softness.map(Softness::remembers)),
+            accumulates: flags(softness.map(Softness::remembers)),
             hard: flags(softness.map(Softness::is_hard)),
             at_most: flags(bound.map(|bound| bound == Bound::AtMost)),
             at_least: flags(bound.map(|bound| bound == Bound::AtLeast)),
@@ -133,7 +133,7 @@ impl PackedCompliance {
 
     /// The same softness, computed by the branches of the formula that another packed compliance takes. A term without effect may still change a result by an
     /// ulp, so a body in a batch must take the branches that it takes alone.
-    pub(super) fn asked_as(self, other: &Self) -> Self {
+    pub(super) fn with_branches_of(self, other: &Self) -> Self {
         Self {
             frequencies: other.frequencies,
             plain: other.plain,
@@ -180,38 +180,38 @@ impl PackedCompliance {
     #[inline(always)]
     pub(super) fn change<L: Lanes>(
         &self,
-        asks: &Asks<L>,
+        input: &KernelInput<L>,
         compliance: &[f32; LANES],
         each: &[f32; LANES],
         h: f32,
     ) -> (L, L) {
-        let Asks { value, weights, moved, sum } = *asks;
+        let KernelInput { value, weights, moved, multiplier } = *input;
         let one = L::splat(1.0);
-        let yields = L::load(compliance) * L::splat(1.0 / (h * h));
+        let s = L::load(compliance) * L::splat(1.0 / (h * h));
         let gamma = L::load(&self.damping) * L::splat(1.0 / h);
-        let mut asked = value - yields * sum + gamma * moved;
+        let mut numerator = value - s * multiplier + gamma * moved;
         let mut unit = one;
         if self.frequencies {
             unit = flag::<L>(&self.by_weights).select(weights, one);
         }
         if self.shares {
-            asked = L::load(each) * asked;
+            numerator = L::load(each) * numerator;
         }
-        let mut change = asked / ((one + gamma) * weights + yields * unit);
+        let mut change = numerator / ((one + gamma) * weights + s * unit);
         let mut summed = change * unit;
         if self.limited {
-            let (zero, all) = (L::zero(), summed + sum);
-            let most = flag::<L>(&self.at_most).select(zero.max(all) - sum, summed);
-            summed = flag::<L>(&self.at_least).select(zero.min(all) - sum, most);
+            let (zero, all) = (L::zero(), summed + multiplier);
+            let most = flag::<L>(&self.at_most).select(zero.max(all) - multiplier, summed);
+            summed = flag::<L>(&self.at_least).select(zero.min(all) - multiplier, most);
             change = summed / unit;
         }
-        (change, flag::<L>(&self.remembers).and(sum + summed))
+        (change, flag::<L>(&self.accumulates).and(multiplier + summed))
     }
 }
 
 /// The inputs of the formula at the current positions.
 #[derive(Clone, Copy)]
-pub(super) struct Asks<L> {
+pub(super) struct KernelInput<L> {
     /// `C`.
     pub(super) value: L,
     /// `Σ w‖∇C‖²`.
@@ -219,7 +219,7 @@ pub(super) struct Asks<L> {
     /// `∇C·(q - p)`: how much `C` has changed in this substep. Only read for damped constraints.
     pub(super) moved: L,
     /// `Λ`, the multiplier accumulated so far.
-    pub(super) sum: L,
+    pub(super) multiplier: L,
 }
 
 /// Flags that are 1 or 0 as a mask.

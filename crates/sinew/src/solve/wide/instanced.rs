@@ -7,8 +7,8 @@ use super::particle_access::ParticleAccess;
 use super::wide_constraint::WideConstraint;
 use super::wide_distance::WideDistance;
 use super::{
-    Batch, BatchList, BatchLists, ConstraintBatches, MEASURING, Names, Which, WideKernel, append,
-    on_list,
+    Addressing, Batch, BatchList, BatchLists, ConstraintBatches, MEASURING, Which, WideKernel,
+    append, on_list,
 };
 use crate::constraints::{Constraint, Distance, FromKind, SubstepContext, Wide};
 use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
@@ -18,7 +18,7 @@ use crate::solve::lane_particles::LaneParticles;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ByMembers;
 
-impl Names for ByMembers {
+impl Addressing for ByMembers {
     type Of<const N: usize> = [u32; N];
 }
 
@@ -56,7 +56,7 @@ impl InstancedConstraints {
             let (eight, own) = WideDistance::of(groups.each.map(|group| &group[place]));
             let Distance { a, b, .. } = groups.each[0][place];
             let members = [a - groups.first[0], b - groups.first[0]];
-            let eight = (eight, groups.asked(own, place));
+            let eight = (eight, groups.match_branches(own, place));
             self.distances.push(Batch::new(members, eight, &mut self.compliances));
         }
         groups.group(BatchList::Distances, begin..self.distances.len())
@@ -82,19 +82,19 @@ impl InstancedConstraints {
 
     /// Projects a group once. `now` and `start` are the particles at present and at the start of the substep. `multipliers` are those of the whole instance
     /// batch, or empty if no other sweep follows. Returns the largest error found in each body, metres, or `worst` if that is larger. Bodies in the mask
-    /// `aside` are not swept any more: their lanes may be written with anything.
+    /// `inactive` are not swept any more: their lanes may be written with anything.
     pub(in crate::solve) fn sweep(
         &self,
         part: &InstancedGroup,
         (now, start, multipliers): (&mut [LaneParticles], &[LaneParticles], &mut [LaneValues]),
         substep_context: SubstepContext,
-        (aside, worst): (u32, LaneValues),
+        (inactive, worst): (u32, LaneValues),
         instructions: InstructionSet,
     ) -> LaneValues {
         // With a single sweep nothing has to be accumulated.
         let from = if multipliers.is_empty() { 0 } else { part.multipliers };
         let multipliers = Some(&mut multipliers[from..]);
-        let task = InstancedTask { now, start, multipliers, substep_context, aside, worst };
+        let task = InstancedTask { now, start, multipliers, substep_context, inactive, worst };
         self.pass(part, task, instructions)[0]
     }
 
@@ -107,8 +107,8 @@ impl InstancedConstraints {
         instructions: InstructionSet,
     ) -> [LaneValues; 2] {
         let (start, multipliers, substep_context) = (&[][..], None, MEASURING);
-        let (aside, worst) = (0, LaneValues::default());
-        let task = InstancedTask { now, start, multipliers, substep_context, aside, worst };
+        let (inactive, worst) = (0, LaneValues::default());
+        let task = InstancedTask { now, start, multipliers, substep_context, inactive, worst };
         self.pass(part, task, instructions)
     }
 
@@ -149,8 +149,8 @@ impl InstancedGroup {
 
 impl<T> InstancedGroups<'_, T> {
     /// `own`, computed by the same branches as the first body's constraint at that place outside of instance batches.
-    fn asked(&self, own: PackedCompliance, place: usize) -> PackedCompliance {
-        own.asked_as(self.constraint_batches.packed_compliance(self.which, place))
+    fn match_branches(&self, own: PackedCompliance, place: usize) -> PackedCompliance {
+        own.with_branches_of(self.constraint_batches.packed_compliance(self.which, place))
     }
 
     fn group(&self, list: BatchList, range: Range<usize>) -> InstancedGroup {
@@ -166,7 +166,7 @@ fn instanced<W: Wide<N, Kind: FromKind>, const N: usize>(
 ) -> Option<Batch<[u32; N], WideConstraint<W>>> {
     let (eight, own) = WideConstraint::of(groups.each.map(|group| &group[place]))?;
     let members = W::rows(&groups.each[0][place].rows).map(|row| row - groups.first[0]);
-    Some(Batch::new(members, (eight, groups.asked(own, place)), compliances))
+    Some(Batch::new(members, (eight, groups.match_branches(own, place)), compliances))
 }
 
 impl Which {
@@ -187,7 +187,7 @@ struct InstancedTask<'a> {
     multipliers: Option<&'a mut [LaneValues]>,
     substep_context: SubstepContext,
     /// Mask of the bodies that are not swept any more.
-    aside: u32,
+    inactive: u32,
     /// The largest errors found before, metres.
     worst: LaneValues,
 }
@@ -205,9 +205,9 @@ impl<E: WideKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> [LaneValues; 2] {
         let Self { batches, compliances, task } = self;
-        let InstancedTask { now, start, multipliers, substep_context, aside, worst } = task;
+        let InstancedTask { now, start, multipliers, substep_context, inactive, worst } = task;
         let mut shares = Shares::new(substep_context.sweeps);
-        let (aside, mut worst) = (L::mask(aside), (L::load(&worst), L::zero()));
+        let (inactive, mut worst) = (L::mask(inactive), (L::load(&worst), L::zero()));
         let measures = multipliers.is_none();
         let mut multipliers = multipliers.unwrap_or_default().iter_mut();
         for own in batches {
@@ -222,7 +222,7 @@ impl<E: WideKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
             };
             let sums = if measures { None } else { Some(own_sums) };
             let mut particles = InstancedParticles { at: &own.particles, now, start };
-            let context = (packed_compliance, each, substep_context.h, aside);
+            let context = (packed_compliance, each, substep_context.h, inactive);
             let (error, share) = own.eight.project::<L>(context, &mut particles, sums);
             worst = (error.max(worst.0), share.max(worst.1));
         }

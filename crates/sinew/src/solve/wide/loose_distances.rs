@@ -41,11 +41,11 @@ impl LooseDistances {
         self.blocks.truncate(blocks);
     }
 
-    /// Adds distances of one colour, in a cluster batch that begins with row `first`. Returns their blocks. With `alone` the distances share particles, and
+    /// Adds distances of one colour, in a cluster batch that begins with row `first`. Returns their blocks. With `shared` the distances share particles, and
     /// each gets a block to itself.
-    pub(crate) fn add(&mut self, distances: &[Distance], alone: bool, first: u32) -> Range<usize> {
+    pub(crate) fn add(&mut self, distances: &[Distance], shared: bool, first: u32) -> Range<usize> {
         let begin = self.blocks.len();
-        for some in distances.chunks(if alone { 1 } else { LANES }) {
+        for some in distances.chunks(if shared { 1 } else { LANES }) {
             let mut eight = [&some[0]; LANES];
             some.iter().zip(&mut eight).for_each(|(d, lane)| *lane = d);
             let rows = [eight.map(|d| d.a - first), eight.map(|d| d.b - first)];

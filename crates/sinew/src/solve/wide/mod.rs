@@ -36,7 +36,7 @@ use wide_constraint::WideConstraint;
 use wide_distance::WideDistance;
 
 /// How the particles of eight constraints are addressed.
-pub(crate) trait Names {
+pub(crate) trait Addressing {
     /// The addresses of the particles of eight constraints of `N` particles each.
     type Of<const N: usize>: Clone + Debug;
 }
@@ -45,13 +45,13 @@ pub(crate) trait Names {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ByRows;
 
-impl Names for ByRows {
+impl Addressing for ByRows {
     type Of<const N: usize> = [[u32; LANES]; N];
 }
 
 /// Constraints that have wide kernels, in one list for each kind.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct BatchLists<A: Names> {
+pub(crate) struct BatchLists<A: Addressing> {
     compliances: Vec<PackedCompliance>,
     distances: Vec<Batch<A::Of<2>, WideDistance>>,
     bends: Vec<Batch<A::Of<4>, WideConstraint<Bends>>>,
@@ -130,7 +130,7 @@ impl<P, E> Batch<P, E> {
         (eight, packed_compliance): (E, PackedCompliance),
         compliances: &mut Vec<PackedCompliance>,
     ) -> Self {
-        Self { particles, eight, packed_compliance: number(compliances, packed_compliance) }
+        Self { particles, eight, packed_compliance: index_of(compliances, packed_compliance) }
     }
 }
 
@@ -152,7 +152,7 @@ impl BatchList {
 /// Lengths of the lists: compliances, then each kind of constraint.
 pub(crate) type BatchCounts = [usize; 8];
 
-impl<A: Names> BatchLists<A> {
+impl<A: Addressing> BatchLists<A> {
     pub(super) fn counts(&self) -> BatchCounts {
         let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
         [
@@ -207,10 +207,10 @@ pub(crate) struct Which {
 }
 
 impl ConstraintBatches {
-    /// Adds the constraints of a group, all of one colour, in order. With `alone` the constraints share particles, and each gets a batch to itself. `None` if
+    /// Adds the constraints of a group, all of one colour, in order. With `shared` the constraints share particles, and each gets a batch to itself. `None` if
     /// they have no wide kernel or differ in kind.
-    pub(crate) fn add(&mut self, constraints: &[Constraint], alone: bool) -> Option<Which> {
-        let each = if alone { 1 } else { LANES };
+    pub(crate) fn add(&mut self, constraints: &[Constraint], shared: bool) -> Option<Which> {
+        let each = if shared { 1 } else { LANES };
         let list = BatchList::of(&constraints.first()?.kind)?;
         let compliances = &mut self.compliances;
         let blocks = on_list!(
@@ -226,8 +226,8 @@ impl ConstraintBatches {
     }
 
     /// Adds the distances of a group, likewise.
-    pub(crate) fn add_distances(&mut self, distances: &[Distance], alone: bool) -> Which {
-        let (first, each) = (self.distances.len(), if alone { 1 } else { LANES });
+    pub(crate) fn add_distances(&mut self, distances: &[Distance], shared: bool) -> Which {
+        let (first, each) = (self.distances.len(), if shared { 1 } else { LANES });
         for some in distances.chunks(each) {
             let eight: [&Distance; LANES] =
                 core::array::from_fn(|lane| some.get(lane).unwrap_or(&some[0]));
@@ -317,8 +317,8 @@ impl<E: WideKernel<N>, const N: usize> Work for SweepBatches<'_, '_, E, N> {
             let multipliers = multipliers.as_mut().and_then(Iterator::next);
             let packed_compliance = &compliances[batch.packed_compliance as usize];
             let each = shares.of(batch.packed_compliance, packed_compliance);
-            let mut room = [[0; LANES]; N];
-            let rows = less(&batch.particles, places.first, &mut room);
+            let mut buffer = [[0; LANES]; N];
+            let rows = offset_rows(&batch.particles, places.first, &mut buffer);
             let (position, start) = (&mut *places.position, &*places.start);
             let mut particles = GatheredParticles { rows, position, start };
             let context = (packed_compliance, each, substep_context.h, L::zero());
@@ -332,30 +332,30 @@ impl<E: WideKernel<N>, const N: usize> Work for SweepBatches<'_, '_, E, N> {
 const MEASURING: SubstepContext = SubstepContext { h: 0.0, sweeps: 1 };
 
 /// The index of a packed compliance. Reuses the last one if it is equal, so that bodies of one softness share one, which stays in the cache.
-fn number(compliances: &mut Vec<PackedCompliance>, packed_compliance: PackedCompliance) -> u32 {
+fn index_of(compliances: &mut Vec<PackedCompliance>, packed_compliance: PackedCompliance) -> u32 {
     if compliances.last() != Some(&packed_compliance) {
         compliances.push(packed_compliance);
     }
     (compliances.len() - 1) as u32
 }
 
-/// Rows as indices into slices that begin with row `first`, written to `room` unless `first` is zero. Then they are used where they are: a copy would be loaded
-/// into a vector register and extracted from it lane by lane for addressing, which is slower.
+/// Rows as indices into slices that begin with row `first`, written to `buffer`. If `first` is zero the rows are returned as they are, without a copy: that
+/// would be loaded into a vector register and extracted from it lane by lane for addressing, which is slower.
 #[inline(always)]
-fn less<'a, const N: usize>(
+fn offset_rows<'a, const N: usize>(
     rows: &'a [[u32; LANES]; N],
     first: u32,
-    room: &'a mut [[u32; LANES]; N],
+    buffer: &'a mut [[u32; LANES]; N],
 ) -> &'a [[u32; LANES]; N] {
     if first == 0 {
         return rows;
     }
-    for (to, from) in room.iter_mut().zip(rows) {
+    for (to, from) in buffer.iter_mut().zip(rows) {
         for (to, from) in to.iter_mut().zip(from) {
             *to = from.wrapping_sub(first);
         }
     }
-    room
+    buffer
 }
 
 /// Repeats a block for each of up to `n` ≤ 5 particles with the number as a constant. A loop that the compiler decides not to unroll would keep all vectors in
@@ -379,7 +379,7 @@ use each;
 
 /// The multipliers of one to eight constraints; unused lanes repeat the first. Zero if there are none.
 #[inline(always)]
-fn load_sums<L: Lanes>(multipliers: &[f32]) -> L {
+fn load_multipliers<L: Lanes>(multipliers: &[f32]) -> L {
     match multipliers.try_into() {
         Ok(eight) => L::load(eight),
         Err(_) if multipliers.is_empty() => L::zero(),
@@ -395,7 +395,7 @@ fn load_sums<L: Lanes>(multipliers: &[f32]) -> L {
 
 /// Writes them back.
 #[inline(always)]
-fn store_sums<L: Lanes>(lanes: L, multipliers: &mut [f32]) {
+fn store_multipliers<L: Lanes>(lanes: L, multipliers: &mut [f32]) {
     if let Ok(eight) = <&mut [f32; LANES]>::try_from(&mut *multipliers) {
         lanes.store(eight);
     } else if !multipliers.is_empty() {

@@ -221,7 +221,7 @@ fn every() -> Vec<(&'static str, usize, fn(usize, Softness) -> ConstraintKind, f
 }
 
 #[test]
-fn every_law_does_what_its_scalar_twin_does_however_soft_it_is() {
+fn every_kind_matches_its_scalar_twin_at_any_softness() {
     for (name, n, kind, tolerance) in every() {
         let mut random = Random::new(71);
         for round in 0..6 {
@@ -239,7 +239,7 @@ fn every_law_does_what_its_scalar_twin_does_however_soft_it_is() {
 }
 
 #[test]
-fn every_distance_does_what_its_scalar_twin_does_however_soft_and_whichever_way() {
+fn every_distance_matches_its_scalar_twin_at_any_softness_and_bound() {
     let mut random = Random::new(72);
     let bounds = [Bound::Equal, Bound::AtMost, Bound::AtLeast];
     for round in 0..6 {
@@ -262,7 +262,7 @@ fn every_distance_does_what_its_scalar_twin_does_however_soft_and_whichever_way(
 
 /// Three of twenty-one constraints are degenerate, two of them in one batch and one in the last lane that is used; the others are sound.
 #[test]
-fn degenerate_sets_are_treated_as_the_scalar_laws_treat_them_and_spoil_no_neighbour() {
+fn degenerate_constraints_match_their_scalar_twins_and_spoil_no_neighbour() {
     let spoil: [(&str, fn(usize, Vec3) -> Vec3); 8] = [
         ("coincident", |_, _| Vec3::new(3.0, -7.0, 0.1)),
         ("at the origin", |_, _| Vec3::ZERO),

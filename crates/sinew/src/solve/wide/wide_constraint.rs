@@ -1,8 +1,8 @@
 //! Eight constraints of one kind: how they are stored, and how they are projected.
 
-use super::compliance::{Asks, PackedCompliance, compliance};
+use super::compliance::{KernelInput, PackedCompliance, compliance};
 use super::particle_access::ParticleAccess;
-use super::{KernelContext, WideKernel, each, load_sums, store_sums};
+use super::{KernelContext, WideKernel, each, load_multipliers, store_multipliers};
 use crate::constraints::{Constraint, FromKind, Wide};
 use crate::lanes::{LANES, Lanes, Vector};
 
@@ -108,19 +108,19 @@ impl<W: Wide<N>, const N: usize> WideKernel<N> for WideConstraint<W> {
     #[inline(always)]
     fn project<L: Lanes>(
         &self,
-        (packed_compliance, each, h, aside): KernelContext<L>,
+        (packed_compliance, each, h, inactive): KernelContext<L>,
         particles: &mut impl ParticleAccess<N>,
         multipliers: Option<&mut [f32]>,
     ) -> (L, L) {
         let zero = L::zero();
         let (points, inverse) = load::<L, N>(particles);
-        if W::IS_LIMIT && self.kind.is_kept(&points).or(aside).all() {
+        if W::IS_LIMIT && self.kind.is_kept(&points).or(inactive).all() {
             return (zero, zero);
         }
         let found = solve::<L, W, N>(&self.kind, &points, &inverse);
         let WideEvaluation { value, gradients, weights, active, .. } = found;
         // Limits are satisfied most of the time.
-        if !aside.select(zero, active).any() {
+        if !inactive.select(zero, active).any() {
             return (zero, zero);
         }
         let Some(multipliers) = multipliers else {
@@ -137,11 +137,11 @@ impl<W: Wide<N>, const N: usize> WideKernel<N> for WideConstraint<W> {
                     moved = moved + gradients[i].dot(points[i] - start);
                 });
             }
-            let sum = load_sums::<L>(multipliers);
-            let asks = Asks { value, weights, moved, sum };
-            let (change, summed) = packed_compliance.change(&asks, &self.compliance, each, h);
+            let multiplier = load_multipliers::<L>(multipliers);
+            let input = KernelInput { value, weights, moved, multiplier };
+            let (change, summed) = packed_compliance.change(&input, &self.compliance, each, h);
             let sound = active.and(change.abs().le(L::splat(f32::MAX)));
-            store_sums(sound.select(summed, sum), multipliers);
+            store_multipliers(sound.select(summed, multiplier), multipliers);
             change
         };
         let change = active.and(change.abs().le(L::splat(f32::MAX))).and(change);

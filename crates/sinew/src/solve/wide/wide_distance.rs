@@ -1,8 +1,8 @@
 //! Eight distances: compliant ones, ropes and struts. Hard equalities are rods, with kernels of their own.
 
-use super::compliance::{Asks, PackedCompliance, compliance};
+use super::compliance::{KernelInput, PackedCompliance, compliance};
 use super::particle_access::ParticleAccess;
-use super::{KernelContext, WideKernel, load_sums, store_sums};
+use super::{KernelContext, WideKernel, load_multipliers, store_multipliers};
 use crate::constraints::{Bound, Distance};
 use crate::lanes::{LANES, Lanes, Vector};
 
@@ -12,7 +12,7 @@ pub(super) struct WideDistance {
     rest: [f32; LANES],
     compliance: [f32; LANES],
     /// For struts, the square of a length that is safely above the rest length, m²; infinite for others.
-    clear: [f32; LANES],
+    satisfied_above: [f32; LANES],
 }
 
 impl WideDistance {
@@ -21,13 +21,13 @@ impl WideDistance {
         let packed_compliance =
             PackedCompliance::of(eight.map(|d| d.softness), eight.map(|d| d.bound));
         let (rest, compliance) = (eight.map(|d| d.rest), eight.map(|d| compliance(d.softness)));
-        (Self { rest, compliance, clear: eight.map(clear) }, packed_compliance)
+        (Self { rest, compliance, satisfied_above: eight.map(satisfied_above) }, packed_compliance)
     }
 }
 
 /// The square of a length, m², above which a strut is satisfied despite any rounding on the way. At least 1e-30, since smaller squares do not have all their
 /// digits.
-fn clear(distance: &Distance) -> f32 {
+fn satisfied_above(distance: &Distance) -> f32 {
     match distance.bound {
         Bound::AtLeast => (distance.rest * distance.rest * (1.0 + 1e-5)).max(1e-30),
         _ => f32::INFINITY,
@@ -40,7 +40,7 @@ impl WideKernel<2> for WideDistance {
     #[inline(always)]
     fn project<L: Lanes>(
         &self,
-        (packed_compliance, each, h, aside): KernelContext<L>,
+        (packed_compliance, each, h, inactive): KernelContext<L>,
         particles: &mut impl ParticleAccess<2>,
         multipliers: Option<&mut [f32]>,
     ) -> (L, L) {
@@ -49,24 +49,25 @@ impl WideKernel<2> for WideDistance {
         let (zero, one, most) = (L::zero(), L::splat(1.0), L::splat(f32::MAX));
         let d = a - b;
         let Some(multipliers) = multipliers else {
-            return left(self, packed_compliance, d.length(), wa + wb);
+            return remaining_errors(self, packed_compliance, d.length(), wa + wb);
         };
         // Struts between limbs are satisfied most of the time, which can be tested without a square root.
         let square = d.length_squared();
-        if packed_compliance.plain && L::load(&self.clear).lt(square).or(aside).all() {
+        if packed_compliance.plain && L::load(&self.satisfied_above).lt(square).or(inactive).all() {
             return (zero, zero);
         }
         let length = square.sqrt();
         let value = length - L::load(&self.rest);
         let weights = wa + wb;
-        let sum = if packed_compliance.plain { zero } else { load_sums::<L>(multipliers) };
+        let multiplier =
+            if packed_compliance.plain { zero } else { load_multipliers::<L>(multipliers) };
         let mut active = zero.lt(weights).and(weights.le(most)).and(value.abs().le(most));
         let mut holds = zero;
         if packed_compliance.limited {
             holds = packed_compliance.holds(value);
-            active = sum.same(zero).and(holds).select(zero, active);
+            active = multiplier.same(zero).and(holds).select(zero, active);
         }
-        if !aside.select(zero, active).any() {
+        if !inactive.select(zero, active).any() {
             return (zero, zero);
         }
         let parted = zero.lt(length);
@@ -85,10 +86,10 @@ impl WideKernel<2> for WideDistance {
                 let (to, _) = Vector::of(particles.start::<L>(1));
                 moved = n.dot(d - (from - to));
             }
-            let asks = Asks { value, weights, moved, sum };
-            let (change, summed) = packed_compliance.change(&asks, &self.compliance, each, h);
+            let input = KernelInput { value, weights, moved, multiplier };
+            let (change, summed) = packed_compliance.change(&input, &self.compliance, each, h);
             let sound = active.and(change.abs().le(most));
-            store_sums(sound.select(summed, sum), multipliers);
+            store_multipliers(sound.select(summed, multiplier), multipliers);
             change
         };
         active = active.and(change.abs().le(most));
@@ -116,7 +117,7 @@ impl WideKernel<2> for WideDistance {
 
 /// The errors of the hard ones of eight distances with the current lengths `length`: in metres, and as shares of their rest lengths.
 #[inline(always)]
-fn left<L: Lanes>(
+fn remaining_errors<L: Lanes>(
     eight: &WideDistance,
     packed_compliance: &PackedCompliance,
     length: L,
@@ -124,8 +125,8 @@ fn left<L: Lanes>(
 ) -> (L, L) {
     let rest = L::load(&eight.rest);
     let value = length - rest;
-    let asked = packed_compliance.hard::<L>().and(L::zero().lt(weights));
+    let counted = packed_compliance.hard::<L>().and(L::zero().lt(weights));
     let error = packed_compliance.holds(value).select(L::zero(), value.abs());
-    let left = asked.and(error);
+    let left = counted.and(error);
     (left, L::zero().lt(rest).and(left / rest))
 }

@@ -17,7 +17,7 @@ fn momenta(before: &State, after: &State) -> (DVec3, DVec3, f64) {
 }
 
 #[test]
-fn both_momenta_are_kept_by_every_law_and_every_distance() {
+fn both_momenta_are_conserved_by_every_kind_and_every_distance() {
     let mut random = Random::new(76);
     let mut groups: Vec<_> = every()
         .into_iter()
