@@ -6,9 +6,9 @@
 //! would respond to it.
 //!
 //! Verlet conserves the angular momentum `Σ m p × v` with `p` at the start of the substep, and so do corrections along the start of the step
-//! ([`GradientAt::StepStart`]). Corrections to the nearest point do not: a cube of rods loses its spin as `ω₀/√(1 + 2ω₀²ht)`, and a skin under pressure gains
-//! spin out of nothing. This is corrected in the same way, unless [`keep_spin`](crate::SolverSettings::keep_spin) is off, which leaves the lectures' loop as it
-//! is.
+//! ([`GradientAt::StepStart`](crate::GradientAt::StepStart)). Corrections to the nearest point do not: a cube of rods loses its spin as `ω₀/√(1 + 2ω₀²ht)`, and
+//! a skin under pressure gains spin out of nothing. This is corrected in the same way, unless [`keep_spin`](crate::SolverSettings::keep_spin) is off, which
+//! leaves the lectures' loop as it is.
 
 use glam::{DVec3, Vec3, Vec4};
 
