@@ -1,7 +1,7 @@
-//! A distance between two anchors: points that particles carry, such as a corner of a box, a place on a bone or the middle of a patch of cloth.
+//! A distance between two anchors. An anchor is a point carried by particles, such as a corner of a box, a place on a bone or the middle of a patch of cloth.
 //!
-//! An anchor is an affine combination `x = Σ wᵢ xᵢ` of particles with `Σ wᵢ = 1`. It moves with them as a point of theirs does under any affine map,
-//! so with a rigid body exactly, and nothing about the frame of the body has to be found.
+//! It is an affine combination `x = Σ wᵢ xᵢ` of particle positions with `Σ wᵢ = 1`, so it moves with the particles under any affine map. On a rigid body it
+//! therefore moves exactly as a point of the body, and no body frame has to be extracted.
 
 use std::sync::Arc;
 
@@ -14,57 +14,59 @@ use super::fault::ConstraintFault;
 use super::softness::Softness;
 use crate::pose::{pseudo_solve, symmetric};
 
-/// Two anchors stay a distance apart: `C = ‖x_a - x_b‖ - L`. With `L = 0` it is a ball joint.
+/// Keeps two anchors a distance apart: `C = ‖x_a - x_b‖ - L`. With `L = 0` it is a ball joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnchorDistance {
-    /// The anchor of the first particles of the constraint.
+    /// The first anchor; it uses the first particles of the constraint, one for each of its weights.
     pub a: Anchor,
-    /// The anchor of those that follow.
+    /// The second anchor; it uses the particles that follow.
     pub b: Anchor,
-    /// Length to keep, metres, 0 and up.
+    /// Length to keep, metres, 0 or more.
     pub rest: f32,
-    /// Whether the length is kept both ways.
+    /// Whether the length is kept exactly, or only as an upper or lower limit.
     pub bound: Bound,
-    /// How hard it is.
+    /// How stiff the constraint is.
     pub softness: Softness,
 }
 
-/// A point that particles carry.
+/// A point carried by particles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Anchor {
-    /// The share of each particle, which add up to 1. [`affine_weights`] finds them.
+    /// Weight of each particle; the weights sum to 1. [`affine_weights`] computes them.
     pub weights: Arc<[f32]>,
-    /// Whether the particles are a rigid body: it is pulled at the point as a rigid body is, and not particle by particle. Default not.
+    /// Whether the particles form a rigid body. If so, a correction acts on the whole body, as a force on a rigid body at this point does, and not on each
+    /// particle by its weight. Default false.
     pub rigid: bool,
 }
 
 impl Anchor {
-    /// One particle.
+    /// An anchor at a single particle.
     pub fn particle() -> Self {
         Self { weights: Arc::new([1.0]), rigid: false }
     }
 
-    /// A point of some particles.
+    /// An anchor of several particles, one weight for each.
     pub fn new(weights: impl Into<Arc<[f32]>>) -> Self {
         Self { weights: weights.into(), rigid: false }
     }
 
-    /// The same of a rigid body.
+    /// The same anchor, on a rigid body.
     pub fn rigid(self) -> Self {
         Self { rigid: true, ..self }
     }
 
-    /// Where it is, metres from the origin, among the particles from number `first` on.
+    /// Position of the anchor, metres from the origin; its particles start at index `first`.
     fn at(&self, first: usize, position: impl Fn(usize) -> Vec3) -> Vec3 {
         let all = self.weights.iter().zip(first..);
         all.map(|(&w, i)| position(i) * w).sum()
     }
 
-    /// Writes how `n·x` changes with each particle. `n` is a unit vector.
+    /// Writes the gradient of `n·x` by each particle. `n` is a unit vector.
     ///
-    /// Of free particles that is `wᵢ n`. A rigid body answers a pull along `n` at `r` (from its barycentre) by `n/M` and a turn `I⁻¹ (r × n)`, so
-    /// particle i is given the share `mᵢ (n/M + (I⁻¹ (r × n)) × rᵢ)` of it: these add up to `n` and to the torque `r × n`, and what holds the body
-    /// together has nothing to correct. Levers are those at the start of the step where corrections are along it, which keeps the angular momentum.
+    /// For independent particles it is `wᵢ n`. A rigid body that is pulled along `n` at the lever arm `r` (from its barycentre) translates by `n/M` and rotates
+    /// by `I⁻¹ (r × n)`. Particle i therefore gets `mᵢ (n/M + (I⁻¹ (r × n)) × rᵢ)`: these gradients sum to `n` and to the torque `r × n`, and the correction is
+    /// a rigid motion, so the constraints inside the body have nothing to correct. With [`GradientAt::StepStart`] the lever arms are those at the start of the
+    /// substep, which keeps the angular momentum.
     fn gradients(&self, points: &Points, first: usize, n: Vec3, gradients: &mut [Vec3]) {
         let numbers = first..first + self.weights.len();
         let free = numbers.clone().all(|i| points.inverse_mass(i) > 0.0);
@@ -103,12 +105,12 @@ impl Anchor {
 }
 
 impl AnchorDistance {
-    /// Two anchors in one place: a hard ball joint.
+    /// A hard ball joint: both anchors in one place.
     pub fn joint(a: Anchor, b: Anchor) -> Self {
         Self { a, b, rest: 0.0, bound: Bound::Equal, softness: Softness::Hard }
     }
 
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         let sides = [&self.a, &self.b];
         let sound = |anchor: &&Anchor| {
@@ -161,11 +163,12 @@ impl Equation for AnchorDistance {
     }
 }
 
-/// Particles that are flatter than this share of their length, squared, carry no point off their plane.
+/// Relative threshold for a second moment (a squared extent). An axis whose moment is less than this share of the largest is treated as having no extent: the
+/// particles cannot carry a point along it.
 const FLAT: f64 = 1e-6;
 
-/// The weights by which particles at these places, metres, carry a point: of all that add up to 1 and give the point, or the nearest to it that they can
-/// carry (on a line, say, or in a plane), those with the least sum of squares. Empty if there is no particle.
+/// The weights with which particles at `places` (metres) carry `point`. The weights sum to 1 and reproduce the point, or the nearest point that the particles
+/// can carry if they lie on a line or in a plane. Of all such weights these have the least sum of squares. Empty if there are no particles.
 pub fn affine_weights(places: &[Vec3], point: Vec3) -> Vec<f32> {
     let count = places.len() as f64;
     let centre = places.iter().map(|p| p.as_dvec3()).sum::<DVec3>() / count;
@@ -237,14 +240,14 @@ mod tests {
         checks::assert_momentum_kept(&joint, &places, &masses);
         let mut particles = points_of(&places, &masses);
         let before = particles.project(&joint);
-        // The pull is a rigid motion, to first order in how far it goes.
+        // To first order in its length, the correction is a rigid motion.
         let length = |p: &[Vec3], i: usize, k: usize| p[i].distance(p[k]);
         let after = particles.positions();
         for (i, k) in [(0, 1), (0, 7), (2, 5), (8, 9), (8, 15)] {
             let change = (length(&after, i, k) - length(&places, i, k)).abs();
             assert!(before > 0.03 && change < 2.0 * before * before, "{i} {k}: {change}");
         }
-        // It is pulled along its length alone, and gives way aside as well: each projection leaves a share of it.
+        // The correction acts only along the current offset, but the anchors also move sideways: each projection leaves a part of the error.
         for _ in 0..20 {
             particles.project(&joint);
         }
@@ -253,7 +256,7 @@ mod tests {
 
     #[test]
     fn it_moves_a_rigid_body_by_its_inverse_mass_at_the_point() {
-        // A cube of 8 kg from its centre to a corner particle: n/M + (r × n) I⁻¹ (r × n) per unit of pull.
+        // A cube of 8 kg, pulled at a corner particle: n/M + (r × n) I⁻¹ (r × n) per unit of correction.
         let (places, masses) = (corners(Vec3::ONE), [1.0; 8]);
         let anchor = Anchor::new(affine_weights(&places, Vec3::new(0.5, 0.0, 0.0))).rigid();
         let mut all = places.clone();

@@ -10,16 +10,16 @@ use super::softness::Softness;
 use super::wide::{Wide, beyond as beyond_wide, is_size, numbers};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
-/// The angle `a b c` at the joint `b` of the particles `[a, b, c]`, between two limits in 0..=π.
+/// Limits the angle `a b c` at the joint `b` of the particles `[a, b, c]` to a range within 0..=π.
 ///
-/// It has no side: an elbow at rest at 180° may bend either way. What may bend one way only is a [`Hinge`](super::Hinge).
+/// The angle is unsigned: an elbow at rest at 180° may bend either way. For a joint that bends one way only, use a [`Hinge`](super::Hinge).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Angle {
-    /// Smallest angle, radians, 0 to `max`. The joint opens at least so far.
+    /// Smallest angle, radians, 0 to `max`.
     pub min: f32,
-    /// Largest angle, radians, `min` to π. π is a straight joint. The same as `min` keeps one angle.
+    /// Largest angle, radians, `min` to π. π is a straight joint. Equal to `min`, it keeps one angle.
     pub max: f32,
-    /// How hard it is. A compliance is in rad²/J.
+    /// How stiff the constraint is. A compliance is in rad²/J.
     pub softness: Softness,
 }
 
@@ -29,14 +29,14 @@ impl Angle {
         Self { min, max, softness: Softness::Hard }
     }
 
-    /// The angle that `[a, b, c]` make there, kept hard; 0 where two of them coincide and there is none.
+    /// A hard constraint that keeps the angle of `[a, b, c]` at these positions. If two of them coincide there is no angle, and it keeps 0.
     pub fn rest(positions: [Vec3; 3]) -> Self {
         let [a, b, c] = positions;
         let angle = between(a - b, c - b).map_or(0.0, |turn| turn.angle);
         Self::between(angle, angle)
     }
 
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         let inside = |angle: f32| (0.0..=PI).contains(&angle);
         if particles != 3 {
@@ -51,7 +51,7 @@ impl Angle {
     }
 }
 
-/// `C = θ - max` above the range, `θ - min` (negative) below, radians, and zero inside: an inequality with two sides.
+/// `C = θ - max` above the range, `θ - min` (negative) below it, and zero inside, in radians: a two-sided inequality.
 impl Equation for Angle {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let (u, v) = (points.at(0) - points.at(1), points.at(2) - points.at(1));
@@ -74,7 +74,7 @@ impl Equation for Angle {
     }
 }
 
-/// How far a number is above a range, or (negative) below.
+/// How far `x` is above the range, or (negative) below it.
 #[inline]
 pub(super) fn beyond(x: f32, min: f32, max: f32) -> f32 {
     if x > max {
@@ -86,7 +86,7 @@ pub(super) fn beyond(x: f32, min: f32, max: f32) -> f32 {
     }
 }
 
-/// The angle between two vectors, 0 to π, and how it changes with each of them, rad/m.
+/// The angle between two vectors, 0 to π, and its derivatives by each of them, rad/m.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     pub(super) angle: f32,
@@ -94,18 +94,18 @@ pub(super) struct Turn {
     pub(super) by_v: Vec3,
 }
 
-/// The angle `θ = atan2(‖u×v‖, u·v)` of two vectors; `None` where one of them has no direction.
+/// The angle `θ = atan2(‖u×v‖, u·v)` between two vectors; `None` where one of them has no direction.
 ///
-/// The arc tangent has all its digits everywhere; the arc cosine loses half of them near 0 and π, and its derivative there is infinite. With the unit
-/// normal `n = u×v/‖u×v‖`, a turn of `u` about `n` by a small angle takes it by `n×u` per radian towards `v`; so, `u` moving across its own length,
+/// The arc tangent is accurate everywhere. The arc cosine loses half of its digits near 0 and π, where its derivative is infinite. With the unit normal `n =
+/// u×v/‖u×v‖`, turning `u` about `n` by a small angle moves it by `n×u` per radian towards `v`. For a displacement of the end of `u` across its own length this
+/// gives
 ///
 /// ```text
 /// ∂θ/∂u = -(n×û)/‖u‖        ∂θ/∂v = (n×v̂)/‖v‖
 /// ```
 ///
-/// and nothing along `u`, nor along `n`. Where `u` and `v` lie on one line (θ is 0 or π) every way across opens or bends the joint, and the angle has
-/// no gradient but a rim of them. One is chosen: `n` is `u` × the coordinate axis that it is least along. So a straight joint that is asked to bend
-/// does bend, always the same way.
+/// and zero along `u` and along `n`. Where `u` and `v` are collinear (θ is 0 or π), every direction across them changes the angle alike, so the gradient is not
+/// unique. One is chosen: `n` is `u` × the coordinate axis along which `u` is smallest. So a straight joint outside its limits does bend, always the same way.
 #[inline]
 pub(super) fn between(u: Vec3, v: Vec3) -> Option<Turn> {
     let (u_length, v_length) = (u.length(), v.length());
@@ -120,7 +120,7 @@ pub(super) fn between(u: Vec3, v: Vec3) -> Option<Turn> {
     Some(Turn { angle, by_u: u.cross(normal) / u_length, by_v: normal.cross(v) / v_length })
 }
 
-/// A unit vector across `u`: `u` × the coordinate axis that it is least along, the first of them if they are equal. `u` must not be zero.
+/// A unit vector perpendicular to `u`: `u` × the coordinate axis along which `u` is smallest, the first such axis in a tie. `u` must not be zero.
 #[inline]
 pub(super) fn any_normal(u: Vec3) -> Vec3 {
     let size = u.abs();
@@ -134,7 +134,7 @@ pub(super) fn any_normal(u: Vec3) -> Vec3 {
     u.cross(axis).normalize_or(Vec3::X)
 }
 
-/// The numbers of eight [`Angle`]s.
+/// The parameters of eight [`Angle`]s.
 #[derive(Clone, Debug)]
 pub(crate) struct Angles {
     min: [f32; LANES],
@@ -157,14 +157,14 @@ impl Wide<3> for Angles {
     }
 }
 
-/// Eight angles between two vectors, 0 to π, NaN where there is none, and how they change with each of them, rad/m.
+/// Eight angles between two vectors, 0 to π (NaN where there is none), and their derivatives by each vector, rad/m.
 pub(super) struct Turns<L> {
     pub(super) angle: L,
     pub(super) by_u: Vector<L>,
     pub(super) by_v: Vector<L>,
 }
 
-/// As the scalar `between`.
+/// Eight lanes of the scalar `between`.
 #[inline(always)]
 pub(super) fn between_wide<L: Lanes>(u: Vector<L>, v: Vector<L>) -> Turns<L> {
     let (u_length, v_length) = (u.length(), v.length());
@@ -186,7 +186,7 @@ pub(super) fn between_wide<L: Lanes>(u: Vector<L>, v: Vector<L>) -> Turns<L> {
     }
 }
 
-/// As the scalar `any_normal`.
+/// Eight lanes of the scalar `any_normal`.
 #[inline(always)]
 pub(super) fn any_normal_wide<L: Lanes>(u: Vector<L>) -> Vector<L> {
     let (x, y, z) = (u.x.abs(), u.y.abs(), u.z.abs());
@@ -217,7 +217,7 @@ mod tests {
                 || places[1].distance(places[0]) < 0.4
                 || places[1].distance(places[2]) < 0.4
             {
-                continue; // Too near to where it has none, for differences.
+                continue; // Too close to a degenerate angle for finite differences.
             }
             checked += 1;
             assert_gradients(&Angle::between(0.0, angle - 0.2), &places);
@@ -273,7 +273,7 @@ mod tests {
         }
     }
 
-    /// A rod hangs from a pinned bar at an angle of 90° that is kept by the constraint alone, against gravity.
+    /// A rod hangs from a pinned bar at an angle of 90°, which the constraint alone keeps against gravity.
     #[test]
     fn a_bracket_carries_its_arm_as_long_as_its_angle_is_hard() {
         let lowest = |softness: Softness| {
@@ -297,7 +297,7 @@ mod tests {
         };
         let hard = lowest(Softness::Hard);
         assert!(hard > -2e-3, "{hard}");
-        // At 2 Hz it sags by g/ω² = 62 mm, and swings to twice that at first.
+        // At 2 Hz it sags by g/ω² = 62 mm, and the first swing reaches twice that.
         let soft = lowest(Softness::frequency(2.0, 0.0));
         assert!(soft < -0.08 && soft > -0.135, "{soft}");
     }

@@ -9,24 +9,24 @@ use super::softness::Softness;
 use super::wide::{Wide, numbers};
 use crate::lanes::{LANES, Lanes, Vector};
 
-/// The area of the triangle `[a, b, c]`.
+/// Keeps the area of the triangle `[a, b, c]`.
 ///
-/// One that has collapsed to a line opens again, in a plane that is chosen for it. Three particles in one place have no way to go, and stay.
+/// A triangle that has collapsed to a line opens again, in a plane chosen for it. Three particles in one place have no direction in which to move, and stay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Area {
-    /// Area to keep, m², not negative.
+    /// Area to keep, m², 0 or more.
     pub rest: f32,
-    /// How hard it is. A compliance is in m⁴/J.
+    /// How stiff the constraint is. A compliance is in m⁴/J.
     pub softness: Softness,
 }
 
 impl Area {
-    /// The area that a triangle has there, kept hard.
+    /// A hard constraint that keeps the area of the triangle at these positions.
     pub fn of(positions: [Vec3; 3]) -> Self {
         Self { rest: area(positions).0, softness: Softness::Hard }
     }
 
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles != 3 {
             Some(ConstraintFault::Count)
@@ -38,7 +38,7 @@ impl Area {
     }
 }
 
-/// `C = A - A₀`, m², its gradient steep enough (`keep_within_reach`).
+/// `C = A - A₀`, m². `keep_within_reach` bounds the length of a step.
 impl Equation for Area {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let (now, by) = area([points.at(0), points.at(1), points.at(2)]);
@@ -57,17 +57,18 @@ impl Equation for Area {
     }
 }
 
-/// The area of a triangle, m², and how it changes with its corners, m.
+/// The area of a triangle, m², and its gradient by each corner, m.
 ///
-/// With `u = b - a`, `v = c - a` and the unit normal `n = u×v/‖u×v‖`, `A = ½‖u×v‖` changes by `½ n·(du×v + u×dv)`: a turn of the normal itself
-/// changes nothing to first order. Hence
+/// With `u = b - a`, `v = c - a` and the unit normal `n = u×v/‖u×v‖`, `A = ½‖u×v‖` changes by `½ n·(du×v + u×dv)`: to first order, turning the normal itself
+/// changes nothing. Hence
 ///
 /// ```text
 /// ∂A/∂b = ½ v×n        ∂A/∂c = ½ n×u        ∂A/∂a = -∂A/∂b - ∂A/∂c
 /// ```
 ///
-/// each as long as half the side opposite, and across it. A flat triangle has no normal, and its area grows whichever way it opens; it is given one
-/// across its longer side. The normal comes of a cross product without its size, whose square would be lost in a triangle of a micrometre.
+/// each half as long as the opposite side, and perpendicular to it. A degenerate (collinear) triangle has no normal, and its area grows whichever way it opens;
+/// it gets a normal perpendicular to its longer side. The cross product is normalised by its largest component first, because its square would underflow for a
+/// triangle of a micrometre.
 #[inline]
 pub(super) fn area([a, b, c]: [Vec3; 3]) -> (f32, [Vec3; 3]) {
     let (u, v) = (b - a, c - a);
@@ -84,17 +85,17 @@ pub(super) fn area([a, b, c]: [Vec3; 3]) -> (f32, [Vec3; 3]) {
     (0.5 * twice, [-(by_b + by_c), by_b, by_c])
 }
 
-/// Makes the gradients of an area or a volume so steep that one step takes the particles no farther than `reach` metres (root of the mean square).
+/// Scales the gradients of an area or a volume up, if necessary, so that one step moves the particles by no more than `reach` metres (root mean square).
 ///
-/// A step is `‖d‖ = |C|/‖∇C‖` with equal masses. Of what has collapsed to a point the gradient is all but zero, and the step would throw the
-/// particles thousands of shapes far. Such a gradient keeps its direction, and gets the steepness with which the step is the reach: that is about the
-/// one that the shape will have when it is in order, so the multipliers of a soft one keep their size, too. `reach` is the size that the shape has or
-/// shall have; what is not collapsed never meets this bound.
+/// With equal masses a step is `‖d‖ = |C|/‖∇C‖`. When a shape has collapsed to a point its gradient is almost zero, and the step would throw the particles
+/// thousands of shape sizes away. Such a gradient keeps its direction and is scaled so that the step equals `reach`. That is about the gradient of the intact
+/// shape, so the multipliers of a soft constraint keep their size too. `reach` is the larger of the current and the rest size; a shape that has not collapsed
+/// never reaches this bound.
 pub(super) fn keep_within_reach(value: f32, reach: f32, gradients: &mut [Vec3]) {
     let square: f32 = gradients.iter().map(|g| g.length_squared()).sum();
     let most = (square * gradients.len() as f32).sqrt() * reach;
     let steeper = value.abs() / most;
-    // Infinite or NaN where nothing is left of the gradient, or of the numbers: for the solver to see.
+    // Infinite or NaN if the gradient has vanished or the input is not finite; the solver handles those.
     if steeper > 1.0 && steeper.is_finite() {
         for gradient in gradients {
             *gradient *= steeper;
@@ -102,7 +103,7 @@ pub(super) fn keep_within_reach(value: f32, reach: f32, gradients: &mut [Vec3]) 
     }
 }
 
-/// The numbers of eight [`Area`]s.
+/// The parameters of eight [`Area`]s.
 #[derive(Clone, Debug)]
 pub(crate) struct Areas {
     rest: [f32; LANES],
@@ -134,7 +135,7 @@ impl Wide<3> for Areas {
     }
 }
 
-/// As the scalar `area`.
+/// Eight lanes of the scalar `area`.
 #[inline(always)]
 pub(super) fn area_wide<L: Lanes>(points: &[Vector<L>; 3]) -> (L, [Vector<L>; 3]) {
     let [a, b, c] = *points;
@@ -156,7 +157,7 @@ pub(super) fn area_wide<L: Lanes>(points: &[Vector<L>; 3]) -> (L, [Vector<L>; 3]
     (half * twice, [-(by_b + by_c), by_b, by_c])
 }
 
-/// Makes gradients so many times steeper.
+/// Multiplies the gradients by `factor`.
 #[inline(always)]
 pub(super) fn steeper<L: Lanes, const N: usize>(factor: L, gradients: &mut [Vector<L>; N]) {
     for gradient in gradients {
@@ -177,7 +178,7 @@ mod tests {
             let places = random.positions(3);
             let equation = Area::of([places[0], places[1], places[2]]);
             if equation.rest < 0.2 {
-                continue; // A thin one has a gradient that bends too soon for differences.
+                continue; // The gradient of a thin triangle varies too fast for finite differences.
             }
             assert_gradients(&Area { rest: equation.rest * 0.7, ..equation.clone() }, &places);
             assert_gradients(&Area { rest: equation.rest * 1.5, ..equation }, &places);
@@ -227,7 +228,7 @@ mod tests {
         }
     }
 
-    /// A soft triangle, 10 % too large, without gravity: its area over 2 s, and the largest and the smallest.
+    /// The area over 2 s of a soft triangle that starts 10 % too large, without gravity.
     fn breathing(sweeps: u32, softness: Softness) -> Vec<f32> {
         let mut world = Simulation::default();
         world.settings.max_sweeps = sweeps;
@@ -259,7 +260,7 @@ mod tests {
         let (last, first) = (one[90..].iter().copied(), one[..30].iter().copied());
         println!("1 and 8 sweeps are {apart} apart; {turns} crossings in 2 s");
         assert!(apart < 2e-4, "{apart}");
-        // Twice in each of the four periods of 2 s, at 2 Hz.
+        // Two crossings in each of the four periods of 2 s at 2 Hz.
         assert!((7..=9).contains(&turns), "{turns}");
         assert!(last.fold(0.0, f32::max) > 1.03 && first.fold(2.0, f32::min) < 0.95);
         let damped = breathing(often, Softness::frequency(2.0, 1.0));

@@ -1,5 +1,5 @@
-//! What holds particles by themselves, as a world has it: planes and boxes (physics.md C4), pins (C3), and the plane that a world in 2D lies in. How
-//! particles touch them is in [`collide`](crate::collide).
+//! Constraints on single particles that a world defines: planes and boxes (physics.md C4), pins (C3), and the plane of a 2D world. Contacts between particles
+//! and the planes and boxes are handled in [`collide`](crate::collide).
 
 use glam::Vec3;
 
@@ -7,32 +7,32 @@ use super::pin::Pin;
 use super::planar_drag::PlanarDrag;
 use crate::particles::Places;
 
-/// What is enforced on single particles. [`Constraint`](super::Constraint)s and distances are kept apart, in the
-/// [`Simulation`](crate::Simulation), because they are compiled into a plan when they change; these may change at any step for free.
+/// The constraints on single particles. [`Constraint`](super::Constraint)s and distances are kept separately, in the [`Simulation`](crate::Simulation), because
+/// a change to them recompiles the plan; these may change at any step at no cost.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Boundaries {
     /// Half-spaces that every particle stays in, such as the ground.
     pub planes: Vec<Plane>,
     /// Boxes that every particle stays inside.
     pub boxes: Vec<InsideBox>,
-    /// Particles that are held at a point, or led along a path.
+    /// Particles that are held at a point or moved along a path.
     pub pins: Vec<Pin>,
-    /// For a world in 2D: the plane in which every particle stays, on both its sides. Its friction does not matter.
+    /// For a 2D world: the plane in which every particle stays, on both sides. Its friction is ignored.
     pub plane_constraint: Option<Plane>,
 }
 
-/// "Every particle stays on the side of this plane to which the normal points": the ground, a wall, a ramp.
+/// A half-space that every particle stays in, such as the ground, a wall or a ramp. Particles stay on the side to which the normal points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// Unit vector that points to the allowed side. [`Plane::new`] normalises it.
+    /// Unit vector towards the allowed side. [`Plane::new`] normalises it.
     pub normal: Vec3,
     /// `normal · x` of the points on the plane, metres: its signed distance from the origin.
     pub offset: f32,
-    /// Coulomb's coefficient of friction μ, 0 (ice) and up. Default 0.5.
+    /// Coulomb friction coefficient μ, 0 (ice) or more. Default 0.5.
     pub friction: f32,
-    /// Which part of its speed of approach a thing bounces back with, 0 to 1. Default 0.
+    /// Coefficient of restitution: the share of the approach speed with which a body bounces back, 0 to 1. Default 0.
     pub restitution: f32,
-    /// The lectures' friction: a drag along the plane and one across it, for what touches it. Default none.
+    /// Velocity drag along and across the plane for particles that touch it, see [`PlanarDrag`]. Default none.
     pub drag: PlanarDrag,
 }
 
@@ -48,19 +48,19 @@ impl Plane {
         }
     }
 
-    /// The plane through `point` with the given normal, of any length but zero; `None` if it has no direction or is not finite.
+    /// The plane through `point` with the given normal, which may have any length but zero; `None` if the normal has no direction or an argument is not finite.
     pub fn new(point: Vec3, normal: Vec3) -> Option<Self> {
         let normal = normal.try_normalize()?;
         let plane = Self { normal, offset: normal.dot(point), ..Self::ground(0.0) };
         plane.is_valid().then_some(plane)
     }
 
-    /// The same with another coefficient of friction.
+    /// The same plane with another friction coefficient.
     pub fn with_friction(self, friction: f32) -> Self {
         Self { friction, ..self }
     }
 
-    /// The same with another coefficient of restitution.
+    /// The same plane with another coefficient of restitution.
     pub fn with_restitution(self, restitution: f32) -> Self {
         Self { restitution, ..self }
     }
@@ -76,16 +76,16 @@ impl Plane {
     }
 }
 
-/// "Every particle stays inside this box", whose edges lie along the axes: the lectures' clamp.
+/// An axis-aligned box that every particle stays inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InsideBox {
     /// Corner with the smallest coordinates, metres.
     pub min: Vec3,
     /// Corner with the largest coordinates, metres.
     pub max: Vec3,
-    /// Coulomb's coefficient of friction μ on its walls, 0 and up. Default 0.5.
+    /// Coulomb friction coefficient μ of its walls, 0 or more. Default 0.5.
     pub friction: f32,
-    /// Which part of its speed of approach a thing bounces back with, 0 to 1. Default 0.
+    /// Coefficient of restitution: the share of the approach speed with which a body bounces back, 0 to 1. Default 0.
     pub restitution: f32,
 }
 
@@ -107,8 +107,8 @@ impl InsideBox {
 }
 
 impl Plane {
-    /// The displacement that brings a row, a sphere of its radius, just inside, metres; zero if it is inside already. It goes to the
-    /// nearest point of the half-space: along the normal, for one particle whatever its mass.
+    /// The displacement that brings the particle in `row`, a sphere of its radius, just inside, metres; zero if it is inside already. It leads to the nearest
+    /// point of the half-space: along the normal, whatever the mass.
     #[inline]
     pub(crate) fn correction(&self, places: &Places, row: u32) -> Vec3 {
         let radius = places.radius[places.at(row)];
@@ -118,7 +118,8 @@ impl Plane {
 }
 
 impl InsideBox {
-    /// The same: the clamp, coordinate by coordinate. Where the box is thinner than the sphere, the sphere is held in the middle.
+    /// The displacement that brings the particle in `row` inside, metres: a clamp of each coordinate. Where the box is thinner than the sphere, the sphere is
+    /// held in the middle.
     #[inline]
     pub(crate) fn correction(&self, places: &Places, row: u32) -> Vec3 {
         let i = places.at(row);

@@ -1,4 +1,4 @@
-//! Checks that the tests of every constraint make: a wrong sign, a lost momentum or a NaN in a corner must not get past them.
+//! Checks that every constraint's tests share: they catch a wrong sign, lost momentum, or a NaN in a degenerate case.
 
 use glam::{Vec3, Vec4};
 
@@ -6,10 +6,10 @@ use super::correction::GradientAt;
 use super::equation::{Equation, Points, error as equation_error, project as project_equation};
 use super::softness::SubstepContext;
 
-/// A substep of a sixtieth of a second, of eight sweeps.
+/// A substep of 1/60 s with eight sweeps.
 const CONTEXT: SubstepContext = SubstepContext { h: 1.0 / 60.0, sweeps: 8 };
 
-/// The particles of a constraint, as a test holds them: positions and inverse masses now, positions at the start of the substep.
+/// The particles of a constraint under test: current positions and inverse masses, and positions at the start of the substep.
 #[derive(Clone, Debug)]
 pub(crate) struct Particles {
     pub(crate) now: Vec<Vec4>,
@@ -17,7 +17,7 @@ pub(crate) struct Particles {
     lambda: f32,
 }
 
-/// Particles at rest there. Masses in kg; one that is missing is 1 kg, and an infinite one pins.
+/// Particles at rest at these positions. Masses in kg; a missing mass is 1 kg, and an infinite one pins the particle.
 pub(crate) fn points_of(positions: &[Vec3], masses: &[f32]) -> Particles {
     let inverse = |i: usize| masses.get(i).map_or(1.0, |mass| 1.0 / mass);
     let now: Vec<_> = positions.iter().enumerate().map(|(i, p)| p.extend(inverse(i))).collect();
@@ -38,7 +38,7 @@ impl Particles {
         self.now.iter().map(|q| q.truncate()).collect()
     }
 
-    /// One projection, as the solver makes it; how far the constraint was from being kept, metres.
+    /// Applies one projection, as the solver does, and returns the constraint's error before it, metres.
     pub(crate) fn project(&mut self, equation: &dyn Equation) -> f32 {
         let mut gradients = vec![Vec3::ZERO; self.now.len()];
         let mut moves = Vec::new();
@@ -60,12 +60,12 @@ impl Particles {
         error
     }
 
-    /// How far a hard constraint is from being kept, metres.
+    /// Error of a hard constraint, metres.
     pub(crate) fn error(&self, equation: &dyn Equation) -> f32 {
         equation_error(equation, &self.points(), &mut vec![Vec3::ZERO; self.now.len()])
     }
 
-    /// `Σ mᵢ‖pᵢ - qᵢ‖²` over the free particles, in f64: what a constraint is to make least.
+    /// `Σ mᵢ‖pᵢ - qᵢ‖²` over the free particles, in f64: the cost that a constraint minimises.
     pub(crate) fn cost(&self, from: &[Vec3]) -> f64 {
         let of = |(q, p): (&Vec4, &Vec3)| {
             (q.truncate() - p).as_dvec3().length_squared() / f64::from(q.w)
@@ -74,25 +74,25 @@ impl Particles {
     }
 }
 
-/// Value and gradients of a constraint there, all masses 1 kg.
+/// Value and gradients of a constraint at these positions, with all masses 1 kg.
 pub(crate) fn evaluate(equation: &dyn Equation, positions: &[Vec3]) -> (f32, Vec<Vec3>) {
     let mut gradients = vec![Vec3::ZERO; positions.len()];
     let value = equation.evaluate(&points_of(positions, &[]).points(), &mut gradients);
     (value, gradients)
 }
 
-/// Every gradient agrees with central differences of the value, to 2e-3 of the largest of the gradients.
+/// Asserts that every gradient agrees with central differences of the value, to 2e-3 of the largest gradient.
 ///
-/// The differences are of f32 values, whose round-off (some 1e-7 of the value) is divided by the step: so the step is large, 2 % of the extent, and
-/// the error of its square is taken out by Richardson's extrapolation with half of it. What is left is about 1e-5 each. The value must be smooth that
-/// far around: inside the range of a limit there is nothing to check, and the check says so by failing.
+/// The differences are of f32 values, whose round-off (about 1e-7 of the value) is divided by the step. So the step is large, 2 % of the extent, and Richardson
+/// extrapolation with half of it removes the quadratic error. What remains is about 1e-5 each. The value must be smooth over that distance. Inside the range of
+/// a limit there is nothing to check, and the assertion fails.
 #[track_caller]
 pub(crate) fn assert_gradients(equation: &dyn Equation, positions: &[Vec3]) {
     let (value, gradients) = evaluate(equation, positions);
     assert!(value.is_finite() && value != 0.0, "nothing to check: the value is {value}");
     let largest = gradients.iter().map(|g| g.length()).fold(0.0, f32::max);
     assert!(largest > 0.0, "no gradient, but a value of {value}");
-    // One particle has no extent: of a metre.
+    // A single particle has no extent; 1 m is used.
     let step = 0.02 * Some(extent(positions)).filter(|&extent| extent > 0.0).unwrap_or(1.0);
     for i in 0..positions.len() {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
@@ -112,7 +112,8 @@ pub(crate) fn assert_gradients(equation: &dyn Equation, positions: &[Vec3]) {
     }
 }
 
-/// One projection keeps momentum and angular momentum: `Σ mᵢdᵢ` and `Σ mᵢ qᵢ×dᵢ` vanish to 2e-5 of the sum of their sizes. Masses must be finite.
+/// Asserts that one projection keeps momentum and angular momentum: `Σ mᵢdᵢ` and `Σ mᵢ qᵢ×dᵢ` vanish to 2e-5 of the sum of their magnitudes. Masses must be
+/// finite.
 #[track_caller]
 pub(crate) fn assert_momentum_kept(equation: &dyn Equation, positions: &[Vec3], masses: &[f32]) {
     let particles = points_of(positions, masses);
@@ -135,7 +136,7 @@ pub(crate) fn assert_momentum_kept(equation: &dyn Equation, positions: &[Vec3], 
     assert!(equation.is_internal(), "it keeps momenta: say so, and the solver does, too");
 }
 
-/// A hundred projections bring a hard constraint to within `tolerance` metres of being kept, from further away.
+/// Asserts that a hundred projections bring a hard constraint to within `tolerance` metres, from a larger error.
 #[track_caller]
 pub(crate) fn assert_kept(
     equation: &dyn Equation,
@@ -155,16 +156,16 @@ pub(crate) fn assert_kept(
     assert!(after <= tolerance, "off by {before} before and by {after} after");
 }
 
-/// The way to the constraint is the least: it goes along `w∇C` as measured by differences (see [`assert_gradients`]), and from where it ends every
-/// feasible place nearby costs more, `Σ m‖d‖²`. The violation must be small beside the shape, 10 % say: Newton's steps are the least only as far as
-/// the surface is flat.
+/// Asserts that the displacement is the least: it is along `w∇C` as measured by finite differences (see [`assert_gradients`]), and every feasible configuration
+/// near the result has a greater cost `Σ m‖d‖²`. The violation must be small compared with the shape, 10 % say: Newton steps are the least only as far as the
+/// constraint surface is flat.
 #[track_caller]
 pub(crate) fn assert_least(equation: &dyn Equation, positions: &[Vec3], masses: &[f32]) {
     assert_gradients(equation, positions);
     let mut best = points_of(positions, masses);
     let gradients = evaluate(equation, positions).1;
     best.project(equation);
-    // Along w∇C: one λ for all.
+    // Along w∇C, with one λ for all particles.
     let (mut along, mut squares) = (0.0, 0.0);
     for (i, gradient) in gradients.iter().enumerate() {
         let wanted = *gradient * best.now[i].w;
@@ -197,8 +198,8 @@ pub(crate) fn assert_least(equation: &dyn Equation, positions: &[Vec3], masses: 
     }
 }
 
-/// Whatever the places are, projecting leaves finite ones: coincident, collinear, coplanar, mirrored, huge, tiny, two in one place; with all free,
-/// one pinned, or all; and masses far apart.
+/// Asserts that projection leaves finite positions for degenerate input: coincident, collinear, coplanar, mirrored, huge and tiny shapes, or two particles in
+/// one place; with all particles free, one pinned, or all pinned; and with very different masses.
 #[track_caller]
 pub(crate) fn assert_survives(equation: &dyn Equation, positions: &[Vec3]) {
     let count = positions.len();
@@ -213,7 +214,7 @@ pub(crate) fn assert_survives(equation: &dyn Equation, positions: &[Vec3]) {
         ("coplanar", alike(&|p| Vec3::new(p.x, p.y, 0.0))),
         ("mirrored", alike(&|p| Vec3::new(-p.x, p.y, p.z))),
     ];
-    // Squares overflow from 2e19 m on, and vanish below 1e-19 m; between them values of many powers do one or the other.
+    // Squares overflow from 2e19 m on and underflow below 1e-19 m; at scales in between, values that are higher powers of a length do.
     for (name, scale) in [
         ("1e-30", 1e-30),
         ("1e-18", 1e-18),
@@ -258,8 +259,8 @@ pub(crate) fn assert_survives(equation: &dyn Equation, positions: &[Vec3]) {
     }
 }
 
-/// An equation that is never kept and moves nothing that f32 could tell, so that an island with the tolerance 0 is swept as often as it may be. A
-/// soft constraint has no error of its own to be swept for.
+/// An equation that is never satisfied and whose corrections are too small for f32. With a tolerance of 0, an island that holds it is swept the maximum number
+/// of times. (A soft constraint has no error of its own that would ask for sweeps.)
 #[derive(Debug)]
 pub(crate) struct Restless;
 
@@ -276,7 +277,7 @@ pub(crate) fn extent(positions: &[Vec3]) -> f32 {
     positions.iter().map(|p| p.distance(middle)).fold(0.0, f32::max)
 }
 
-/// The same numbers on every run: a 64-bit linear congruential generator (Knuth's constants), its upper bits.
+/// A generator with the same numbers on every run: a 64-bit linear congruential generator (Knuth's constants), of which the upper bits are used.
 #[derive(Clone, Debug)]
 pub(crate) struct Random(u64);
 
@@ -287,14 +288,14 @@ impl Random {
         random
     }
 
-    /// From -1 up to 1.
+    /// A number in -1..1.
     pub(crate) fn number(&mut self) -> f32 {
         self.0 =
             self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1u64 << 23) as f32 - 1.0
     }
 
-    /// In the cube from -1 to 1.
+    /// A vector in the cube from -1 to 1.
     pub(crate) fn vector(&mut self) -> Vec3 {
         Vec3::new(self.number(), self.number(), self.number())
     }
@@ -304,17 +305,17 @@ impl Random {
         (0..count).map(|_| self.vector()).collect()
     }
 
-    /// `count` masses from 0.25 to 4 kg, evenly in their logarithm.
+    /// `count` masses from 0.25 to 4 kg, uniform in their logarithm.
     pub(crate) fn masses(&mut self, count: usize) -> Vec<f32> {
         (0..count).map(|_| libm::exp2f(2.0 * self.number())).collect()
     }
 }
 
-/// The checks themselves must be able to fail.
+/// Tests that the checks themselves can fail.
 mod tests {
     use super::*;
 
-    /// A rod of length 1 between two particles, with what may be wrong about it.
+    /// A rod of length 1 between two particles, with optional faults: `sign` scales both gradients, `first` the first one.
     #[derive(Debug)]
     struct Rod {
         sign: f32,
@@ -335,7 +336,7 @@ mod tests {
         }
     }
 
-    /// A particle on a ball about the origin.
+    /// Keeps a particle on a sphere about the origin; it ties the particle to the world, so it does not keep momentum.
     #[derive(Debug)]
     struct OnBall(f32);
 

@@ -1,4 +1,4 @@
-//! Particles on one line (physics.md C6): the least-squares line, and everything onto it.
+//! Particles on one line (physics.md C6): fits the least-squares line and projects all particles onto it.
 
 use glam::Vec3;
 
@@ -8,28 +8,28 @@ use super::fault::ConstraintFault;
 use super::softness::Softness;
 use super::towards::towards;
 
-/// All particles lie on one line, wherever that is; three of them or more. It does not keep their order or their distances.
+/// Keeps three or more particles on one line, which may be anywhere. It does not keep their order or their distances.
 ///
-/// They go to the line to which their way is the least, `Σ m‖d‖²`; what is pinned does not move and decides where the line is, as far as it lies on
-/// one itself. Where several lines are as near (particles in one place, at the corners of a square or of a cube) one of them is taken, always the
-/// same for the same positions. The error that the solver sees is the root mean square of the distances, weighted by mass.
+/// The particles move to the line that minimises the displacement `Σ m‖d‖²`. Pinned particles do not move and determine the line, as far as they are collinear
+/// themselves. Where several lines are equally near (particles in one place, at the corners of a square or a cube), one of them is chosen, always the same for
+/// the same positions. The error reported to the solver is the mass-weighted root mean square of the distances.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Collinear {
-    /// How hard it is.
+    /// How stiff the constraint is.
     pub softness: Softness,
 }
 
 impl Collinear {
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
-        // Two are on a line whatever they do.
+        // Two particles are always collinear.
         (particles < 3).then_some(ConstraintFault::Count)
     }
 }
 
-/// Onto a line along the unit vector `e` through the barycentre, particle `i` goes by `e (e·r) - r`, with `r = q - q̄`, and all together cost
-/// `Σ m (r² - (e·r)²) = tr S - eᵀ S e` with `S` as for [`Coplanar`](super::Coplanar): least for the eigenvector of the greatest eigenvalue. Momentum
-/// is kept, `Σ m r = 0`, and angular momentum, `Σ m r × e (e·r) = (S e) × e = 0`.
+/// Projection onto the line along the unit vector `e` through the barycentre moves particle `i` by `e (e·r) - r`, with `r = q - q̄`. The total cost is `Σ m (r²
+/// - (e·r)²) = tr S - eᵀ S e`, with `S` as for [`Coplanar`](super::Coplanar). It is least for the eigenvector of the greatest eigenvalue. Momentum is kept, `Σ
+/// m r = 0`, and so is angular momentum, `Σ m r × e (e·r) = (S e) × e = 0`.
 impl Equation for Collinear {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let Some(Spread { centre, values, axes }) = Spread::of(points) else { return 0.0 };
@@ -59,7 +59,7 @@ mod tests {
     use super::super::checks::{self, Random, points_of};
     use super::*;
 
-    /// Five beads near a line, and masses for them.
+    /// Five beads near a line, and their masses.
     fn beads() -> (Vec<Vec3>, Vec<f32>) {
         let mut random = Random::new(11);
         let along = Vec3::new(1.0, -0.5, 2.0);
@@ -67,7 +67,7 @@ mod tests {
         (places.collect(), random.masses(5))
     }
 
-    /// Off the line through the first and the last, metres.
+    /// Largest distance from the line through the first and the last, metres.
     fn off(places: &[Vec3]) -> f32 {
         let along = (places[4] - places[0]).normalize();
         places.iter().map(|p| (*p - places[0]).reject_from(along).length()).fold(0.0, f32::max)
@@ -96,7 +96,7 @@ mod tests {
         let along = (found[4] - found[0]).normalize();
         let mut random = Random::new(5);
         for _ in 0..200 {
-            // Through somewhere near, and tilted a little.
+            // Through a nearby point, and slightly tilted.
             let tilted = (along + random.vector() * 0.05).normalize().as_dvec3();
             let through = (found[0] + random.vector() * 0.02).as_dvec3();
             let cost: f64 = places

@@ -1,4 +1,4 @@
-//! A cone that a bone stays in, about an axis fixed in its parent (physics.md C5).
+//! A cone that limits the direction of a bone, about an axis fixed in its parent (physics.md C5).
 
 use core::f32::consts::PI;
 
@@ -11,33 +11,33 @@ use super::softness::Softness;
 use super::wide::{CLEAR, Wide, is_below, numbers};
 use crate::lanes::{LANES, Lanes, Vector};
 
-/// The segment `c → d` stays within the angle `max` of an axis that is fixed in the frame of three particles: the shoulder or the hip of a ragdoll.
+/// Keeps the segment `c → d` within the angle `max` of an axis that is fixed in the frame of three particles, as in the shoulder or the hip of a ragdoll.
 ///
-/// The particles are `[o, x, y, c, d]`, or `[o, x, y, d]` for a segment that begins at `o`. Which axis it is follows from where `o`, `x` and `y` are,
-/// so it turns with them. A cone says nothing about twist; a [`Hinge`](super::Hinge) does.
+/// The particles are `[o, x, y, c, d]`, or `[o, x, y, d]` for a segment that starts at `o`. The axis is computed from the positions of `o`, `x` and `y`, so it
+/// turns with them. A cone does not limit twist; a [`Hinge`](super::Hinge) does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cone {
-    /// The axis is `axis.x (x - o) + axis.y (y - o) + axis.z (x - o)×(y - o)`; its length does not matter, but it must have one.
-    /// [`about`](Self::about) finds the numbers.
+    /// Coefficients of the axis: it is `axis.x (x - o) + axis.y (y - o) + axis.z (x - o)×(y - o)`. The length is irrelevant but must not be zero.
+    /// [`about`](Self::about) computes the coefficients.
     pub axis: Vec3,
-    /// Largest angle between the axis and the segment, radians, 0 to π (which allows all).
+    /// Largest angle between the axis and the segment, radians, 0 to π (no limit).
     pub max: f32,
-    /// How hard it is. A compliance is in rad²/J.
+    /// How stiff the constraint is. A compliance is in rad²/J.
     pub softness: Softness,
 }
 
 impl Cone {
-    /// A hard cone of `max` radians about `direction`, a vector of the world while the three particles of the frame are there.
+    /// A hard cone of `max` radians about `direction`, a vector in world space, for the given positions of the three particles of the frame.
     ///
-    /// `None` if the direction is zero, or if the frame is none because the three lie on one line.
+    /// `None` if the direction is zero, or if the three particles are collinear.
     pub fn about(o: Vec3, x: Vec3, y: Vec3, direction: Vec3, max: f32) -> Option<Self> {
-        // Solves direction = αu + βv + γw with w = u×v across both: γ is a projection, and by Cramer's rule α and β are
-        // (direction×v)·w/w·w and (u×direction)·w/w·w. In f64, so that a thin triangle is a frame, too.
+        // Solves direction = αu + βv + γw with w = u×v perpendicular to both: γ is a projection, and by Cramer's rule α and β are (direction×v)·w/w·w and
+        // (u×direction)·w/w·w. In f64, so that a thin triangle is a valid frame too.
         let (u, v) = ((x - o).as_dvec3(), (y - o).as_dvec3());
         let direction = direction.as_dvec3();
         let w = u.cross(v);
         let square = w.length_squared();
-        // A millionth of a right angle: below that f32 positions do not have a plane.
+        // The sine of the angle at `o` must exceed 1e-6: below that, f32 positions do not define a plane.
         if square <= 1e-12 * u.length_squared() * v.length_squared() {
             return None;
         }
@@ -46,18 +46,18 @@ impl Cone {
             u.cross(direction).dot(w) / square,
             direction.dot(w) / square,
         );
-        // Of length 1 in the largest number: the length is free.
+        // Scaled so that the largest coefficient is 1; the length is irrelevant.
         let axis = (axis / axis.abs().max_element()).as_vec3();
         axis.is_finite().then_some(Self { axis, max, softness: Softness::Hard })
     }
 
-    /// The axis where the frame is that, metres; not of unit length.
+    /// The axis for a frame at these positions, metres; not of unit length.
     pub fn axis_in(&self, o: Vec3, x: Vec3, y: Vec3) -> Vec3 {
         let (u, v) = (x - o, y - o);
         u * self.axis.x + v * self.axis.y + u.cross(v) * self.axis.z
     }
 
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if !(particles == 4 || particles == 5) {
             Some(ConstraintFault::Count)
@@ -74,16 +74,15 @@ impl Cone {
 
 /// `C = θ - max` outside the cone, radians, and zero inside.
 ///
-/// The angle θ between the axis `A` and `s = d - c` changes with either as `between` says: `g = ∂θ/∂A` and `∂θ/∂s`. The axis is
-/// `A = αu + βv + γ u×v` with `u = x - o`, `v = y - o`, so by the product rule
-/// `g·dA = αg·du + βg·dv + γ(g·(du×v) + g·(u×dv))`, and with the triple products turned round
+/// `between` gives the derivatives of the angle θ between the axis `A` and `s = d - c`: `g = ∂θ/∂A` and `∂θ/∂s`. The axis is `A = αu + βv + γ u×v` with `u = x
+/// - o`, `v = y - o`, so by the product rule `g·dA = αg·du + βg·dv + γ(g·(du×v) + g·(u×dv))`, and with the triple products permuted cyclically
 ///
 /// ```text
 /// ∂θ/∂x = αg + γ v×g        ∂θ/∂y = βg + γ g×u        ∂θ/∂o = -∂θ/∂x - ∂θ/∂y
 /// ∂θ/∂d = ∂θ/∂s             ∂θ/∂c = -∂θ/∂s
 /// ```
 ///
-/// They sum to zero, and turning all together changes nothing: the parent takes what the bone gets.
+/// They sum to zero, and rotating all particles together does not change θ: the parent receives the reaction of what the bone receives.
 impl Equation for Cone {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let (o, x, y) = (points.at(0), points.at(1), points.at(2));
@@ -111,14 +110,14 @@ impl Equation for Cone {
     }
 }
 
-/// The numbers of eight [`Cone`]s of four or five particles.
+/// The parameters of eight [`Cone`]s of four or five particles.
 #[derive(Clone, Debug)]
 pub(crate) struct Cones {
     axis: [[f32; LANES]; 3],
     max: [f32; LANES],
-    /// A cosine that is safely above that of `max`.
+    /// A cosine that is above that of `max` by a safe margin.
     clear: [f32; LANES],
-    /// 1 where the segment begins at the frame's own `o`: four particles, which stand in the form of five, `o` twice.
+    /// 1 where the segment starts at the frame's own `o`. Such a cone of four particles is stored in the form of five, with `o` twice.
     own: [f32; LANES],
 }
 
@@ -196,7 +195,7 @@ mod tests {
         between(a, b).map_or(0.0, |turn| turn.angle)
     }
 
-    /// The frame with a segment towards `direction`, of four particles or of five.
+    /// The frame with a segment along `direction`, of four particles or of five.
     fn with(direction: Vec3, count: usize) -> Vec<Vec3> {
         let mut places = FRAME.to_vec();
         let start = if count == 5 { Vec3::new(0.3, 0.2, 0.5) } else { Vec3::ZERO };

@@ -1,4 +1,4 @@
-//! The kinds of constraints there are beside the distance, and which particles one binds.
+//! A constraint on any particles, and its kinds: all that the solver has besides the distance.
 
 use std::sync::Arc;
 
@@ -20,32 +20,32 @@ use super::softness::Softness;
 use super::tetrahedron::Tetrahedron;
 use super::volume::Volume;
 
-/// The rows of the particles that a constraint binds, in its own order.
+/// The rows of the particles that a constraint binds, in the constraint's own order.
 pub type Rows = SmallVec<[u32; 5]>;
 
-/// A constraint of any kind: what must hold, and between which particles.
+/// A constraint of any kind, and the particles that it binds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
-    /// Rows of the particles, in the order that the kind asks for.
+    /// Rows of the particles, in the order that the kind defines.
     pub rows: Rows,
-    /// What must hold between them.
+    /// What is kept between them.
     pub kind: ConstraintKind,
 }
 
-/// What holds the numbers of a kind of constraint.
+/// Access to the parameters of one kind of constraint.
 pub(crate) trait FromKind: Sized {
-    /// Those of a constraint, if it is of this kind.
+    /// The parameters of this kind, or `None` if `kind` is another one.
     fn from_kind(kind: &ConstraintKind) -> Option<&Self>;
 }
 
-/// Makes the kinds of one table: a name, which is that of the type that holds its numbers, and its place in a sweep.
+/// Defines the constraint kinds from one table: a name, the type that holds the parameters, and the rank in a sweep.
 macro_rules! kinds {
     ($($(#[$doc:meta])* $name:ident($of:ident), rank $rank:literal;)*) => {
-        /// What must hold between the particles of a constraint. Immutable data, cheap to clone, shared by bodies of the same shape.
+        /// What a constraint keeps between its particles. Immutable data, cheap to clone, shared by bodies of the same shape.
         #[derive(Clone, Debug)]
         pub enum ConstraintKind {
             $($(#[$doc])* $name($of),)*
-            /// A game's own.
+            /// A user-defined equation.
             Custom(Arc<dyn Equation>),
         }
 
@@ -61,7 +61,7 @@ macro_rules! kinds {
                 }
             }
 
-            /// The equation that it is.
+            /// The equation of this kind.
             pub fn equation(&self) -> &dyn Equation {
                 match self {
                     $(Self::$name(kind) => kind,)*
@@ -69,7 +69,7 @@ macro_rules! kinds {
                 }
             }
 
-            /// Where it stands in a sweep: a game's own first, what is rigid last.
+            /// Position in a sweep, lowest first: user-defined kinds come first, rigid shapes and anchors last.
             pub(crate) fn rank(&self) -> u32 {
                 match self {
                     $(Self::$name(_) => $rank,)*
@@ -79,7 +79,7 @@ macro_rules! kinds {
         }
 
         $(impl $of {
-            /// The same, as hard as that.
+            /// The same constraint with another softness.
             pub fn with_softness(mut self, softness: Softness) -> Self {
                 self.softness = softness;
                 self
@@ -95,7 +95,7 @@ macro_rules! kinds {
             }
         })*
 
-        /// Two kinds of a game's own are the same only if they are the same object.
+        /// Two user-defined kinds are equal only if they are the same object.
         impl PartialEq for ConstraintKind {
             fn eq(&self, other: &Self) -> bool {
                 match (self, other) {
@@ -109,34 +109,34 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// In one plane.
+    /// Keeps particles in one plane.
     Coplanar(Coplanar), rank 1;
-    /// On one line.
+    /// Keeps particles on one line.
     Collinear(Collinear), rank 1;
-    /// The volume of a closed mesh.
+    /// Keeps the volume of a closed mesh.
     Volume(Volume), rank 2;
-    /// The area of many triangles together.
+    /// Keeps the total area of several triangles.
     Patch(Patch), rank 2;
     /// Isometric bending.
     Bend(Bend), rank 3;
-    /// The area of a triangle.
+    /// Keeps the area of a triangle.
     Area(Area), rank 4;
-    /// The volume of a tetrahedron.
+    /// Keeps the volume of a tetrahedron.
     Tetrahedron(Tetrahedron), rank 5;
-    /// The angle at a joint of three particles.
+    /// Limits the angle at a joint of three particles.
     Angle(Angle), rank 6;
-    /// The signed angle about an axis of two particles; also twist, and bending by the dihedral angle.
+    /// Limits the signed angle about an axis of two particles; also twist, and bending by the dihedral angle.
     Hinge(Hinge), rank 7;
-    /// A cone about an axis fixed in a parent.
+    /// Limits a direction to a cone about an axis fixed in a parent.
     Cone(Cone), rank 8;
-    /// A rigid shape.
+    /// Keeps a rigid shape.
     Rigid(Rigid), rank 9;
-    /// Two points that particles carry.
+    /// Keeps the distance of two points that particles carry.
     Anchors(AnchorDistance), rank 10;
 }
 
 impl Constraint {
-    /// A constraint between some particles, named by their rows.
+    /// A constraint between the particles in these rows.
     pub fn new(rows: impl IntoIterator<Item = u32>, kind: ConstraintKind) -> Self {
         Self { rows: rows.into_iter().collect(), kind }
     }
@@ -146,7 +146,7 @@ impl Constraint {
         if self.rows.iter().any(|&row| row as usize >= particles) {
             return Some(ConstraintFault::MissingParticle);
         }
-        // Quadratic for the few that most have; sorted for a mesh.
+        // Quadratic for the few particles that most constraints have; sorted for a mesh.
         let twice = if self.rows.len() <= 8 {
             self.rows.iter().enumerate().any(|(i, row)| self.rows[..i].contains(row))
         } else {
@@ -162,12 +162,12 @@ impl Constraint {
 }
 
 impl ConstraintKind {
-    /// A kind of constraint of a game's own.
+    /// A user-defined kind of constraint.
     pub fn custom(equation: impl Equation + 'static) -> Self {
         Self::Custom(Arc::new(equation))
     }
 
-    /// How many of its first particles are one of two things that it ties: what it pulls at. Of most kinds one.
+    /// How many of its first particles form the first of the two sides that it ties together. 1 for most kinds.
     pub(crate) fn first_side(&self) -> usize {
         match self {
             Self::Anchors(kind) => kind.a.weights.len(),

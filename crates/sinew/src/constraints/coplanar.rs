@@ -1,4 +1,4 @@
-//! Particles in one plane (physics.md C6): the least-squares plane, and everything onto it.
+//! Particles in one plane (physics.md C6): fits the least-squares plane and projects all particles onto it.
 
 use glam::{DVec3, Vec3};
 
@@ -8,33 +8,33 @@ use super::softness::Softness;
 use super::towards::{Weights, towards};
 use crate::pose::symmetric;
 
-/// All particles lie in one plane, wherever that is; four of them or more.
+/// Keeps four or more particles in one plane, which may be anywhere.
 ///
-/// They go to the plane to which their way is the least, `Σ m‖d‖²`; what is pinned does not move and decides where the plane is, as far as it lies
-/// in one itself. Where several planes are as near (particles on a line, in one place, at the corners of a regular tetrahedron) one of them is
-/// taken, always the same for the same positions. The error that the solver sees is the root mean square of the distances, weighted by mass.
+/// The particles move to the plane that minimises the displacement `Σ m‖d‖²`. Pinned particles do not move and determine the plane, as far as they are coplanar
+/// themselves. Where several planes are equally near (particles on a line, in one place, at the corners of a regular tetrahedron), one of them is chosen,
+/// always the same for the same positions. The error reported to the solver is the mass-weighted root mean square of the distances.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Coplanar {
-    /// How hard it is.
+    /// How stiff the constraint is.
     pub softness: Softness,
 }
 
 impl Coplanar {
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
-        // Three are in a plane whatever they do.
+        // Three particles are always coplanar.
         (particles < 4).then_some(ConstraintFault::Count)
     }
 }
 
-/// Onto a plane with the unit normal `n` through `c`, particle `i` goes by `-n (n·(qᵢ - c))`, and all together cost `Σ m (n·(q - c))²`. For a given
-/// normal that is least for `c = q̄`, the barycentre; what is left, with `r = q - q̄`, is
+/// Projection onto a plane with the unit normal `n` through `c` moves particle `i` by `-n (n·(qᵢ - c))`. The total cost is `Σ m (n·(q - c))²`. For a given
+/// normal it is least for `c = q̄`, the barycentre; with `r = q - q̄` the cost is then
 ///
 /// ```text
 /// Σ m (n·r)² = nᵀ S n        S = Σ m r rᵀ
 /// ```
 ///
-/// least for the eigenvector of the least eigenvalue of `S`. So this is the true minimiser, and it keeps momentum, `Σ m n (n·r) = 0`, and angular
+/// which is least for the eigenvector of the least eigenvalue of `S`. So this is the true minimiser. It keeps momentum, `Σ m n (n·r) = 0`, and angular
 /// momentum, `Σ m r × n (n·r) = (S n) × n = 0`.
 impl Equation for Coplanar {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
@@ -59,9 +59,9 @@ impl Equation for Coplanar {
     }
 }
 
-/// How particles lie about their centre.
+/// Second moments of the particles about their centre.
 pub(super) struct Spread {
-    /// Metres from the origin.
+    /// Centre, metres from the origin.
     pub(super) centre: DVec3,
     /// `Σ m (e·r)²` along each of the axes, kg·m².
     pub(super) values: [f64; 3],
@@ -94,7 +94,7 @@ mod tests {
     use super::super::checks::{self, Random, points_of};
     use super::*;
 
-    /// A bowl of seven, and masses for it.
+    /// Seven particles in a bowl shape, and their masses.
     fn bowl() -> (Vec<Vec3>, Vec<f32>) {
         let mut random = Random::new(3);
         let places = random.positions(7);
@@ -102,7 +102,7 @@ mod tests {
         (flatter.collect(), random.masses(7))
     }
 
-    /// Off the plane of the first three, metres.
+    /// Largest distance from the plane of the first three, metres.
     fn off(places: &[Vec3]) -> f32 {
         let normal = (places[1] - places[0]).cross(places[2] - places[0]).normalize();
         places.iter().map(|p| normal.dot(*p - places[0]).abs()).fold(0.0, f32::max)
@@ -131,7 +131,7 @@ mod tests {
         let normal = (found[1] - found[0]).cross(found[2] - found[0]).normalize();
         let mut random = Random::new(5);
         for _ in 0..200 {
-            // Through somewhere near, and tilted a little.
+            // Through a nearby point, and slightly tilted.
             let tilted = (normal + random.vector() * 0.05).normalize().as_dvec3();
             let through = (found[0] + random.vector() * 0.02).as_dvec3();
             let cost: f64 = places

@@ -1,23 +1,23 @@
-//! Along what constraints are corrected, where there is a choice.
+//! The direction in which constraints are corrected, where there is a choice.
 
-/// Along which gradient a hard distance or a rigid shape is corrected.
+/// The configuration at which the gradient of a hard distance or a rigid shape is taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum GradientAt {
-    /// To the nearest point: along the gradient where the particles are now, as the lectures show it. Robust; bleeds spin.
+    /// At the current positions: projects to the nearest point of the constraint (classic PBD). Robust, but rotation loses energy. The default.
     #[default]
     Current,
-    /// Along the gradient at the start of the substep (SHAKE; Ryckaert et al., 1977), which keeps momentum, angular momentum and energy as
-    /// Verlet does. It needs a nearly converged loop to pay. Where something turns by 0.35 rad or more in a substep the island goes back to
-    /// [`Current`](Self::Current), for that substep.
+    /// At the positions at the start of the substep (SHAKE; Ryckaert et al., 1977). Keeps momentum, angular momentum and energy as well as Verlet does. It pays
+    /// only if the sweeps nearly converge. Where a constraint rotates by 0.35 rad or more in a substep, its island uses [`Current`](Self::Current) for that
+    /// substep.
     StepStart,
 }
 
 /// How an area or a volume of many triangles is corrected (physics.md C7, C8).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SizeCorrection {
-    /// Along its gradient: the least mass-weighted displacement, approached by Newton steps, and soft if it is asked to be. The default.
+    /// Along its gradient: the least mass-weighted displacement, approached by Newton steps; may be soft. The default.
     #[default]
     Gradient,
-    /// By scaling everything about the barycentre, as the lectures do: right at once, but not the least.
+    /// By uniform scaling about the barycentre: exact in one step, but not the least displacement.
     Scaling,
 }

@@ -1,22 +1,22 @@
-//! Equidistance: two particles stay a fixed distance apart (physics.md C1), or no farther (a rope), or no nearer (a strut; C2).
+//! The distance between two particles: exact (physics.md C1), an upper limit (a rope), or a lower limit (a strut; C2).
 
 use glam::{Vec3, Vec4};
 
 use super::equation::{Bound, Equation, Points, change};
 use super::softness::{Softness, SubstepContext};
 
-/// "Particles `a` and `b` stay `rest` metres apart."
+/// Keeps particles `a` and `b` at the distance `rest`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
     /// Row of the first particle.
     pub a: u32,
-    /// Row of the second particle, another one than `a`.
+    /// Row of the second particle; must differ from `a`.
     pub b: u32,
-    /// Length to keep, metres, not negative. Zero makes the particles coincide.
+    /// Length to keep, metres, 0 or more. Zero makes the particles coincide.
     pub rest: f32,
-    /// How hard it is; [`Distance::new`] makes a hard one.
+    /// How stiff the constraint is. Hard from [`Distance::new`].
     pub softness: Softness,
-    /// Whether the length is kept both ways, or only one.
+    /// Whether the length is kept exactly, or only as an upper or lower limit.
     pub bound: Bound,
 }
 
@@ -43,17 +43,17 @@ impl Distance {
         Self { a, b, rest, softness: Softness::Hard, bound: Bound::Equal }
     }
 
-    /// The same with a compliance, m/N.
+    /// The same distance with a compliance, m/N.
     pub fn with_compliance(self, compliance: f32) -> Self {
         Self { softness: Softness::compliant(compliance), ..self }
     }
 
-    /// The same, as hard as that.
+    /// The same distance with another softness.
     pub fn with_softness(self, softness: Softness) -> Self {
         Self { softness, ..self }
     }
 
-    /// The same as an inequality.
+    /// The same distance as an inequality.
     pub fn with_bound(self, bound: Bound) -> Self {
         Self { bound, ..self }
     }
@@ -73,14 +73,14 @@ impl Distance {
         }
     }
 
-    /// How far the distance is from being kept, metres, not negative; 0 for an inequality that holds.
+    /// Violation of the distance, metres, 0 or more; 0 for an inequality that holds.
     pub fn error(&self, position_a: Vec3, position_b: Vec3) -> f32 {
         let value = length(position_a - position_b) - self.rest;
         if self.bound.holds(value) { 0.0 } else { value.abs() }
     }
 }
 
-/// Of its two particles, `a` first. Kernels of its own solve it; this is for what looks at constraints of any kind.
+/// Particles `a`, then `b`. The solver uses dedicated kernels for distances; this implementation is for code that handles constraints of any kind.
 impl Equation for Distance {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let (n, len) = direction(points.at(0) - points.at(1));
@@ -105,13 +105,13 @@ impl Equation for Distance {
     }
 }
 
-/// Projects one hard rod onto its constraint and returns how far it was from being kept, in metres.
+/// Projects one hard rod and returns its error before the projection, metres.
 ///
 /// `C = ‖d‖ - L` with `d = a - b`; its gradients are `±n`, `n = d/‖d‖`. So `Σ wⱼ‖∇ⱼC‖² = w_a + w_b` and the minimiser is
 /// `Δa = -w_a λ n`, `Δb = +w_b λ n` with `λ = C/(w_a + w_b)`: the lectures' closed form with `w = 1/m`. It is exact, because
 /// `C` is linear along its own gradient, and it keeps the barycentre: `m_a Δa + m_b Δb = 0`.
 ///
-/// The kernel that everything waits for: written as `d · C/(‖d‖ (w_a + w_b))`, it takes one square root and one division.
+/// This is the hottest kernel of the solver. Written as `d · C/(‖d‖ (w_a + w_b))`, it takes one square root and one division.
 #[inline]
 pub(crate) fn project_rod(positions: &mut [Vec4], a: u32, b: u32, rest: f32) -> f32 {
     let (a, b) = (a as usize, b as usize);
@@ -126,14 +126,14 @@ pub(crate) fn project_rod(positions: &mut [Vec4], a: u32, b: u32, rest: f32) -> 
         positions[b] = pb + d * (pb.w * scale);
         return value.abs();
     }
-    // Both pinned, or in the same place: rare, and not worth a branch above.
+    // Both pinned or coincident: rare, so kept out of the hot path.
     part(positions, a, b, rest)
 }
 
-/// Keeps the inverse mass in the fourth lane out of arithmetic on positions.
+/// Masks the inverse mass in the fourth lane out of arithmetic on positions.
 const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 
-/// A hard rod between coincident particles, or between pinned ones.
+/// Handles a hard rod between coincident particles, or between pinned ones.
 #[cold]
 fn part(positions: &mut [Vec4], a: usize, b: usize, rest: f32) -> f32 {
     let weights = positions[a].w + positions[b].w;
@@ -146,18 +146,17 @@ fn part(positions: &mut [Vec4], a: usize, b: usize, rest: f32) -> f32 {
     rest
 }
 
-/// Projects one hard rod along where it pointed when the substep began (SHAKE), and returns how far it was from being kept, metres.
+/// Projects one hard rod along its direction at the start of the substep (SHAKE), and returns its error before the projection, metres.
 ///
-/// The force of a rod acts along the rod at the *start* of the step: then Verlet conserves angular momentum and energy. Wanted is the multiple
-/// `s` of `d = p_b - p_a`, the rod at the start, with `‖d* - s (w_a + w_b) d‖ = L` for `d* = q_b - q_a`. To first order in `s`,
-/// `‖d*‖² - 2 s (w_a + w_b) d*·d = L²`:
+/// If the force of a rod acts along the rod at the *start* of the step, Verlet conserves angular momentum and energy. Required is the multiple `s` of `d = p_b
+/// - p_a`, the rod at the start, with `‖d* - s (w_a + w_b) d‖ = L` for `d* = q_b - q_a`. To first order in `s`, `‖d*‖² - 2 s (w_a + w_b) d*·d = L²`:
 ///
 /// ```text
 /// s = (‖d*‖² - L²) / (2 (w_a + w_b) d*·d)        q_a += w_a s d,  q_b -= w_b s d
 /// ```
 ///
-/// a Newton step, without a square root (but the error is given as a length, which takes one). Where the rod has turned too far for that, or has
-/// no direction, it is projected to the nearest point instead.
+/// This is a Newton step without a square root (only the returned error, a length, takes one). Where the rod has turned too far for it, or has no direction, it
+/// is projected to the nearest point instead.
 #[inline]
 pub(crate) fn project_rod_from_start(
     positions: &mut [Vec4],
@@ -171,7 +170,7 @@ pub(crate) fn project_rod_from_start(
     let start = (starts[b as usize] - starts[a as usize]).truncate();
     let square = now.length_squared();
     let along = now.dot(start);
-    // A third of what a rod in order would give: 70°, far beyond where the island goes back to the nearest point.
+    // A third of its value for a rod that has not turned: 70°, far beyond the angle at which the island falls back to the nearest point.
     if along <= rest * rest * (1.0 / 3.0) {
         return project_rod(positions, a, b, rest);
     }
@@ -185,9 +184,10 @@ pub(crate) fn project_rod_from_start(
     0.0
 }
 
-/// Projects any distance, hard or soft, both ways or one, and returns how far it was from being kept, in metres; of a soft one, how far it moved.
+/// Projects any distance, hard or soft, equality or inequality. Returns the error before the projection, metres; for a soft distance, the relative displacement
+/// of the projection.
 ///
-/// A soft one sums up its multiplier over the sweeps of a substep in `lambda`. A hard one of equality is the formula of [`project_rod`].
+/// A soft distance accumulates its multiplier over the sweeps of a substep in `lambda`. A hard equality uses the formula of [`project_rod`].
 ///
 /// Coincident particles have no direction: they are pushed apart along the x axis, `a` towards +x.
 #[inline]
@@ -215,12 +215,12 @@ pub(crate) fn project(
     match (softness.is_hard(), bound.holds(value)) {
         (true, true) => 0.0,
         (true, false) => value.abs(),
-        // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
+        // A soft constraint is not expected to reach zero error. It requests another sweep as long as sweeps still move it.
         (false, _) => (change * weights).abs(),
     }
 }
 
-/// The unit vector along a difference of positions, and its length, metres. What is in one place is parted along x.
+/// The unit vector along a difference of positions, and its length, metres. The direction of a zero vector is +x.
 #[inline]
 pub(super) fn direction(d: Vec3) -> (Vec3, f32) {
     let length = length(d);
@@ -233,7 +233,7 @@ fn length(d: Vec3) -> f32 {
     (d.x * d.x + d.y * d.y + d.z * d.z).sqrt()
 }
 
-/// The same of a vector whose fourth lane does not count.
+/// The same for the first three lanes of a vector.
 #[inline]
 fn length4(d: Vec4) -> f32 {
     let square = d * d;
@@ -293,7 +293,7 @@ mod tests {
 
     #[test]
     fn no_smaller_weighted_displacement_reaches_the_constraint() {
-        // Move along the constraint surface from the found minimiser: every way is uphill.
+        // Moves along the constraint surface from the minimiser: the cost rises in every direction.
         let (pa, pb) = (Vec3::ZERO, Vec3::new(1.5, 0.2, -0.4));
         let (ma, mb) = (1.0_f32, 4.0_f32);
         let mut p = pair(pa, pb, 1.0 / ma, 1.0 / mb);
@@ -336,7 +336,7 @@ mod tests {
 
     #[test]
     fn many_sweeps_of_a_soft_distance_agree_with_one_exact_solve() {
-        // Two free particles of 1 kg: the soft minimiser of Σ½m d² /h² + C²/2α has λ = C/(w_a + w_b + α̃), in any number of sweeps.
+        // Two free particles of 1 kg: the soft minimiser of Σ½m d² /h² + C²/2α has λ = C/(w_a + w_b + α̃), at any number of sweeps.
         for sweeps in [1, 2, 10] {
             let mut p = pair(Vec3::ZERO, Vec3::X * 2.0, 1.0, 1.0);
             let (soft, mut lambda) = (Distance::new(0, 1, 1.0).with_compliance(0.5), 0.0);

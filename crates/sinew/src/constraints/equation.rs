@@ -1,16 +1,16 @@
-//! One equation between the positions of some particles: what every constraint but the distance is, a game's own included (physics.md C11).
+//! A scalar equation between the positions of some particles: the base of every constraint but the distance, user-defined ones included (physics.md C11).
 
 use glam::{Vec3, Vec4};
 
 use super::correction::GradientAt;
 use super::softness::{Softness, SubstepContext, multiplier};
 
-/// A constraint of any kind: a value that is to be zero, and how it changes with each particle.
+/// A constraint of any kind: a scalar value that is driven to zero, and its gradient by each particle.
 ///
-/// The solver moves the particles by `dᵢ = -wᵢ ∇ᵢC · C / Σ wⱼ‖∇ⱼC‖²`, the least mass-weighted displacement that makes a linear `C` vanish, and
-/// one Newton step towards it otherwise. That conserves momentum if `C` does not change when all particles move together (the gradients sum to
-/// zero), and angular momentum if it does not change when they turn together. Check both, and the gradient against finite differences: a wrong
-/// sign pushes the wrong way and blows up.
+/// The solver moves the particles by `dᵢ = -wᵢ ∇ᵢC · C / Σ wⱼ‖∇ⱼC‖²`. For a linear `C` this is the least mass-weighted displacement that makes it zero;
+/// otherwise it is one Newton step. Momentum is conserved if `C` does not change when all particles are translated together (the gradients sum to zero), and
+/// angular momentum if `C` does not change when they are rotated together. Test both, and test the gradient against finite differences: a wrong sign pushes the
+/// wrong way and the simulation blows up.
 ///
 /// ```
 /// use sinew::glam::Vec3;
@@ -42,38 +42,39 @@ use super::softness::{Softness, SubstepContext, multiplier};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Equation: Send + Sync + core::fmt::Debug {
-    /// The value `C` where the particles are now, and its gradient by each of them. Both may be in any unit.
+    /// Returns the value `C` at the current positions and writes its gradient by each particle. The value may have any unit.
     ///
-    /// `gradients` has as many entries as `points`, all zero; what is left at zero is not moved by this constraint. Where `C` has no gradient (a
-    /// distance of coincident points, say), return what is to be done there, or a value of zero for nothing. Values and gradients that are not
-    /// finite are taken for nothing.
+    /// `gradients` has as many entries as `points`, all zero; a particle whose gradient is left at zero is not moved by this constraint. Where `C` has no
+    /// gradient (a distance of coincident points, say), write the direction in which to move, or return zero to do nothing. Values and gradients that are not
+    /// finite are ignored.
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32;
 
-    /// Whether the value is to be zero (the default), zero or less, or zero or more.
+    /// Whether the value must be zero (the default), zero or less, or zero or more.
     fn bound(&self) -> Bound {
         Bound::Equal
     }
 
-    /// How hard it is; hard by default.
+    /// How stiff the constraint is; hard by default.
     fn softness(&self) -> Softness {
         Softness::Hard
     }
 
-    /// Whether the value is a length in metres. If not (the default), the solver compares `√2 |C|/‖∇C‖` with its tolerance, which is a length
-    /// whatever the unit of `C`, and for two particles the way that they have to go together.
+    /// Whether the value is a length in metres. If not (the default), the solver compares `√2 |C|/‖∇C‖` with its tolerance. That is a length whatever the unit
+    /// of `C`; for two particles it is the change of their distance.
     fn is_length(&self) -> bool {
         false
     }
 
-    /// Whether it acts between its own particles alone, as a rod does: its value stays what it is where all of them are moved and turned together, so that it keeps their
-    /// momentum. Where that holds of all constraints of an island, the solver gives back what round-off takes of its momenta. Not by default, which is right of anything:
-    /// an equation that ties particles to a place in the world must not say so, or what it stops would keep its velocity.
+    /// Whether the constraint acts between its own particles alone, as a rod does: its value does not change when all of them are translated and rotated
+    /// together, so it keeps their momentum and angular momentum. Default false, which is always safe. If it is true for all constraints of an island, the
+    /// solver restores the momenta that the island loses by round-off. An equation that ties particles to a place in the world must return false; otherwise
+    /// what it stops would keep its velocity.
     fn is_internal(&self) -> bool {
         false
     }
 }
 
-/// The particles of one constraint, in its own order, as an [`Equation`] sees them.
+/// The particles of one constraint, in its own order, as passed to an [`Equation`].
 #[derive(Clone, Copy, Debug)]
 pub struct Points<'a> {
     pub(crate) now: &'a [Vec4],
@@ -83,23 +84,23 @@ pub struct Points<'a> {
 }
 
 impl Points<'_> {
-    /// How many there are.
+    /// Number of particles.
     pub fn len(&self) -> usize {
         self.now.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no particles.
     pub fn is_empty(&self) -> bool {
         self.now.is_empty()
     }
 
-    /// Where particle `i` of the constraint is, metres from [`origin`](Self::origin). Differences of two are true differences.
+    /// Position of particle `i` of the constraint, metres from [`origin`](Self::origin). Differences of two positions need no origin.
     #[inline]
     pub fn at(&self, i: usize) -> Vec3 {
         self.now[i].truncate()
     }
 
-    /// Where it was when the substep began, metres from the origin.
+    /// Its position at the start of the substep, metres from the origin.
     #[inline]
     pub fn start(&self, i: usize) -> Vec3 {
         self.starts[i].truncate()
@@ -111,37 +112,38 @@ impl Points<'_> {
         self.now[i].w
     }
 
-    /// The point of the world, in whole metres, that positions are relative to: near the particles, so that their digits are their own.
+    /// The point of the world, in whole metres, to which positions are relative. It is near the particles, so that positions keep full f32 precision far from
+    /// the world's origin.
     pub fn origin(&self) -> Vec3 {
         self.origin
     }
 
-    /// `p_i - point` for a point of the world, metres.
+    /// `p_i - point` for a point in world space, metres.
     #[inline]
     pub fn relative_to(&self, i: usize, point: Vec3) -> Vec3 {
         (self.origin - point) + self.at(i)
     }
 
-    /// Along which gradients the island is corrected: for equations that know how to use the positions at the start.
+    /// Where the island takes its gradients, for equations that can use the positions at the start of the substep.
     pub fn gradient_at(&self) -> GradientAt {
         self.gradient_at
     }
 }
 
-/// Which way a constraint is enforced, such as a distance.
+/// Which side of a constraint is enforced: an equality, or an upper or lower limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Bound {
-    /// Exactly the rest length: a rod.
+    /// Equality: exactly the rest length, a rod.
     #[default]
     Equal,
-    /// The rest length or less: a rope or a tether.
+    /// Upper limit: the rest length or less, a rope or a tether.
     AtMost,
-    /// The rest length or more: a strut.
+    /// Lower limit: the rest length or more, a strut.
     AtLeast,
 }
 
 impl Bound {
-    /// Whether the constraint asks for nothing when its value (length less rest length) is `value`.
+    /// Whether a constraint with this value (length less rest length) holds as an inequality and needs no correction.
     #[inline]
     pub(crate) fn holds(self, value: f32) -> bool {
         match self {
@@ -152,10 +154,10 @@ impl Bound {
     }
 }
 
-/// Projects one equation: moves `points.now` (returned through `moved`) and returns how far it was from being kept, metres; of a soft one,
-/// how far it moved the particle that it moved most.
+/// Projects one equation: passes the displacement of each particle to `moved` and returns the error before the projection, metres. For a soft equation it
+/// returns the largest displacement of a particle.
 ///
-/// `gradients` is scratch of the same length.
+/// `gradients` is scratch of the same length as `points`.
 pub(crate) fn project(
     equation: &dyn Equation,
     points: &Points,
@@ -189,13 +191,13 @@ pub(crate) fn project(
     match (softness.is_hard(), bound.holds(value)) {
         (true, true) => 0.0,
         (true, false) => error,
-        // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
+        // A soft constraint is not expected to reach zero error. It requests another sweep as long as sweeps still move it.
         (false, _) => farthest,
     }
 }
 
-/// The change of the multiplier that one projection makes of a value, its weights and how far it has [moved](multiplier); the sum is kept in `lambda`. An
-/// inequality only ever pushes one way, so its sum is held on that side of zero.
+/// The change of the multiplier by one projection, from the value, its weights and how far it has [moved](multiplier); the accumulated sum is kept in `lambda`.
+/// An inequality only pushes one way, so its sum is clamped to that side of zero.
 #[inline]
 pub(super) fn change(
     (softness, bound): (Softness, Bound),
@@ -210,12 +212,12 @@ pub(super) fn change(
         Bound::AtMost => (asked + *lambda).max(0.0) - *lambda,
         Bound::AtLeast => (asked + *lambda).min(0.0) - *lambda,
     };
-    // The sum matters to soft constraints alone; a hard inequality projects afresh in each sweep.
+    // Only soft constraints use the sum; a hard inequality starts afresh in each sweep.
     *lambda = if softness.remembers() { *lambda + change } else { 0.0 };
     change / unit
 }
 
-/// How far a hard equation is from being kept, metres, moving nothing.
+/// Error of a hard equation, metres. Moves nothing.
 pub(crate) fn error(equation: &dyn Equation, points: &Points, gradients: &mut [Vec3]) -> f32 {
     match solve(equation, points, gradients) {
         Some(found) if equation.softness().is_hard() && !equation.bound().holds(found.value) => {
@@ -225,7 +227,7 @@ pub(crate) fn error(equation: &dyn Equation, points: &Points, gradients: &mut [V
     }
 }
 
-/// Energy that a soft equation stores, J.
+/// Energy stored in a soft equation, J.
 pub(crate) fn energy(equation: &dyn Equation, points: &Points, gradients: &mut [Vec3]) -> f32 {
     match solve(equation, points, gradients) {
         Some(found) if !equation.bound().holds(found.value) => {
@@ -235,7 +237,7 @@ pub(crate) fn energy(equation: &dyn Equation, points: &Points, gradients: &mut [
     }
 }
 
-/// What an equation says where the particles are: not zero.
+/// An equation evaluated at the current positions; its value is not zero.
 pub(crate) struct Solved {
     pub(crate) value: f32,
     /// `Σ w‖∇C‖²`.
@@ -244,7 +246,7 @@ pub(crate) struct Solved {
     pub(crate) error: f32,
 }
 
-/// Evaluates; `None` where nothing is to be done or can be.
+/// Evaluates an equation; `None` where no correction is needed or possible.
 pub(crate) fn solve(
     equation: &dyn Equation,
     points: &Points,
@@ -258,7 +260,7 @@ pub(crate) fn solve(
         steepness += square;
         weights += points.inverse_mass(i) * square;
     }
-    // Weights that are finite come of finite gradients; pinned particles alone leave zero, and nothing to be done.
+    // Finite weights imply finite gradients. If all particles are pinned the weights are zero and nothing can move.
     if value == 0.0 || !value.is_finite() || !(weights.is_finite() && weights > 0.0) {
         return None;
     }

@@ -3,7 +3,7 @@
 /// What is wrong with a constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConstraintFault {
-    /// The same particle is named twice.
+    /// The same particle is listed twice.
     #[error("it names the same particle twice")]
     SameParticle,
     /// One of its particles is not a row of the simulation.
@@ -15,10 +15,10 @@ pub enum ConstraintFault {
     /// NaN, infinite, or out of its range.
     #[error("one of its numbers is not finite or out of range")]
     Number,
-    /// A smallest angle above the largest.
+    /// The lower limit is above the upper one.
     #[error("its lower limit is above its upper one")]
     Limits,
-    /// A triangle that names a particle that the constraint does not have.
+    /// A triangle refers to a particle that the constraint does not have.
     #[error("one of its triangles names a particle that it does not have")]
     Triangle,
     /// NaN, infinite or negative compliance, damping, frequency or share.

@@ -11,26 +11,25 @@ use super::softness::Softness;
 use super::wide::{CLEAR, Wide, beyond as beyond_wide, is_below, is_size, numbers};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
-/// The signed angle about the axis `h0 → h1` from the half-plane of `a` to the half-plane of `c`, of the particles `[a, h0, h1, c]`, between two
-/// limits.
+/// Limits the signed angle about the axis `h0 → h1` from the half-plane of `a` to the half-plane of `c`. The particles are `[a, h0, h1, c]`.
 ///
-/// The angle is -π to π, positive where the thumb of a right hand that turns `a` towards `c` points from `h0` to `h1`. What it is good for:
+/// The angle is in -π to π, positive by the right-hand rule about `h0 → h1` for a turn from `a` to `c`. Uses:
 ///
-/// - **A hinge**, an elbow or a knee: `h0` and `h1` are the pin of the hinge, `a` and `c` lie on the two bones. A straight joint has the angle π, so
-///   an elbow that closes by 150° and never bends backward is [`between`](Self::between)(30°, 180°), or (180°, 330°) if it closes the other way.
+/// - **A hinge**, such as an elbow or a knee: `h0` and `h1` are the pin of the hinge, `a` and `c` lie on the two bones. A straight joint has the angle π, so an
+///   elbow that closes by 150° and never bends backward is [`between`](Self::between)(30°, 180°), or (180°, 330°) if it closes the other way.
 /// - **Bending** of two triangles with the common edge `h0 h1`: [`rest`](Self::rest) keeps the dihedral angle; flat is π.
-/// - **A limit of twist**: the particles are [a reference in the parent, the joint, the child's far end, a reference in the child], so that the axis
-///   is the bone itself.
+/// - **A twist limit**: the particles are [a reference in the parent, the joint, the child's far end, a reference in the child], so that the axis is the bone
+///   itself.
 ///
-/// On a circle every number is above and below every range. Which it is goes by the shorter way: -179° is 1° above a range of 170° to 180°.
-/// Where `a` or `c` lies on the axis there is no angle, and nothing is done.
+/// An angle outside the range is corrected the shorter way round: -179° is 1° above a range of 170° to 180°. Where `a` or `c` lies on the axis there is no
+/// angle, and nothing is done.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hinge {
-    /// Smallest angle, radians, -2π to 2π: a range about the angle π goes beyond it (170° to 190°).
+    /// Smallest angle, radians, -2π to 2π, so that a range may extend across π (170° to 190°).
     pub min: f32,
-    /// Largest angle, radians, `min` (which keeps one angle) to 2π, and at most 2π above `min` (which allows all).
+    /// Largest angle, radians, `min` (which keeps one angle) to 2π, and at most 2π above `min` (no limit).
     pub max: f32,
-    /// How hard it is. A compliance is in rad²/J.
+    /// How stiff the constraint is. A compliance is in rad²/J.
     pub softness: Softness,
 }
 
@@ -40,13 +39,13 @@ impl Hinge {
         Self { min, max, softness: Softness::Hard }
     }
 
-    /// The angle that `[a, h0, h1, c]` make there, kept hard; 0 where there is none.
+    /// A hard constraint that keeps the angle of `[a, h0, h1, c]` at these positions; 0 where there is none.
     pub fn rest(positions: [Vec3; 4]) -> Self {
         let angle = dihedral(positions).map_or(0.0, |(angle, _)| angle);
         Self::between(angle, angle)
     }
 
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         let inside = |angle: f32| (-TAU..=TAU).contains(&angle);
         if particles != 4 {
@@ -61,12 +60,12 @@ impl Hinge {
     }
 }
 
-/// `C` is how far the angle is above the range, or (negative) below, radians, and zero inside.
+/// `C` is how far the angle is above the range, or (negative) below it, in radians, and zero inside.
 impl Equation for Hinge {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let places = [points.at(0), points.at(1), points.at(2), points.at(3)];
         let Some((angle, by)) = dihedral(places) else { return 0.0 };
-        // From the middle of the range, the short way round.
+        // Measured from the middle of the range, the shorter way round.
         let (middle, half) = (0.5 * (self.min + self.max), 0.5 * (self.max - self.min));
         let value = beyond(around(angle - middle), -half, half);
         if value != 0.0 {
@@ -84,30 +83,30 @@ impl Equation for Hinge {
     }
 }
 
-/// An angle as the one of -π to π that points the same way.
+/// Wraps an angle to -π to π.
 fn around(angle: f32) -> f32 {
     angle - TAU * (angle / TAU).round()
 }
 
-/// The dihedral angle and its gradients, rad/m; `None` where there is no axis or one of the outer particles lies on it.
+/// The dihedral angle and its gradients, rad/m; `None` where the axis has no length or one of the outer particles lies on it.
 ///
-/// With the unit axis `ê` along `e = h1 - h0`, `n = ê×(a - h0)` is as long as `a` is far from the axis, and points where `a` goes if it turns about
-/// `ê`; `m = ê×(c - h0)` likewise. The angle from one half-plane to the other is the angle from `n` to `m`: `φ = atan2(ê·(n×m), n·m)`, all its digits
-/// everywhere, with its sign. If `a` moves by `δ`, its half-plane turns by `δ·n/‖n‖²`, so
+/// With the unit axis `ê` along `e = h1 - h0`, `n = ê×(a - h0)` is as long as the distance of `a` from the axis, and points where `a` moves as it turns about
+/// `ê`; `m = ê×(c - h0)` likewise. The angle from one half-plane to the other is the angle from `n` to `m`: `φ = atan2(ê·(n×m), n·m)`, which is accurate
+/// everywhere and signed. If `a` moves by `δ`, its half-plane turns by `δ·n/‖n‖²`, so
 ///
 /// ```text
 /// ∂φ/∂a = -n/‖n‖²        ∂φ/∂c = m/‖m‖²
 /// ```
 ///
-/// Along the edge, `a` stands at `s = (a - h0)·e/‖e‖²` (0 at `h0`, 1 at `h1`), and `c` at `t`. If `h1` moves by `δ`, the place of the axis beside `a`
-/// moves by `s δ`, which turns the half-plane as if `a` had moved by `-s δ`; if `h0` moves, `1 - s` stands in the place of `s`:
+/// Along the edge, `a` is at `s = (a - h0)·e/‖e‖²` (0 at `h0`, 1 at `h1`), and `c` at `t`. If `h1` moves by `δ`, the point of the axis nearest to `a` moves by
+/// `s δ`, which turns the half-plane as if `a` had moved by `-s δ`. If `h0` moves, `1 - s` takes the place of `s`:
 ///
 /// ```text
 /// ∂φ/∂h0 = -(1 - s) ∂φ/∂a - (1 - t) ∂φ/∂c        ∂φ/∂h1 = -s ∂φ/∂a - t ∂φ/∂c
 /// ```
 ///
-/// (Bridson et al., *Simulation of Clothing with Folds and Wrinkles*, 2003, in other letters.) Unlike an angle without a sign, this one has a
-/// gradient where the joint is straight or folded flat, too.
+/// (Bridson et al., *Simulation of Clothing with Folds and Wrinkles*, 2003, in other notation.) Unlike an unsigned angle, this one has a gradient where the
+/// joint is straight or folded flat, too.
 fn dihedral([a, h0, h1, c]: [Vec3; 4]) -> Option<(f32, [Vec3; 4])> {
     let edge = h1 - h0;
     let length = edge.length();
@@ -118,7 +117,7 @@ fn dihedral([a, h0, h1, c]: [Vec3; 4]) -> Option<(f32, [Vec3; 4])> {
     let (to_a, to_c) = (a - h0, c - h0);
     let (n, m) = (axis.cross(to_a), axis.cross(to_c));
     let (n_square, m_square) = (n.length_squared(), m.length_squared());
-    // Below a millionth of the distance, what is across the axis is round-off.
+    // Below a millionth of the distance, the component across the axis is round-off.
     let on_axis = |across: f32, to: Vec3| across <= 1e-12 * to.length_squared();
     if on_axis(n_square, to_a) || on_axis(m_square, to_c) {
         return None;
@@ -130,17 +129,17 @@ fn dihedral([a, h0, h1, c]: [Vec3; 4]) -> Option<(f32, [Vec3; 4])> {
     Some((angle, [by_a, by_h0, by_a * -s - by_c * t, by_c]))
 }
 
-/// The numbers of eight [`Hinge`]s.
+/// The parameters of eight [`Hinge`]s.
 #[derive(Clone, Debug)]
 pub(crate) struct Hinges {
-    /// The middle of each range, as an angle of -π to π, radians.
+    /// The middle of each range, an angle in -π to π, radians.
     middle: [f32; LANES],
     /// Half its width, radians.
     half: [f32; LANES],
-    /// Cosine and sine of the middle; and a cosine that is safely above that of half the width.
+    /// Cosine and sine of the middle. `clear` below is a cosine that is above that of half the width by a safe margin.
     towards: [[f32; LANES]; 2],
     clear: [f32; LANES],
-    /// Whether one of them has a range, and not one angle.
+    /// Whether any of them has a range rather than a single angle.
     is_limit: bool,
 }
 
@@ -161,8 +160,8 @@ impl Wide<4> for Hinges {
         }
     }
 
-    /// By the cosine of how far it is from the middle. Lines through the edge that are nearly along it are left to `evaluate`: the angle between
-    /// those is round-off.
+    /// Compares the cosine of the angle from the middle of the range. Where `a` or `c` is nearly in line with the edge the angle is round-off, and the lane is
+    /// left to `evaluate`.
     #[inline(always)]
     fn is_kept<L: Lanes>(&self, points: &[Vector<L>; 4]) -> L {
         if !self.is_limit {
@@ -183,7 +182,7 @@ impl Wide<4> for Hinges {
         apart.and(is_below(near, n_square * m_square, L::load(&self.clear)))
     }
 
-    /// See `dihedral`. The middle of the range has been brought to -π..π beforehand, so that one turn at most is to be taken off.
+    /// See `dihedral`. The middle of the range is already in -π..π, so at most one full turn has to be subtracted or added.
     #[inline(always)]
     fn evaluate<L: Lanes>(&self, points: &[Vector<L>; 4]) -> (L, [Vector<L>; 4]) {
         let [a, h0, h1, c] = *points;
@@ -226,7 +225,7 @@ mod tests {
         angle * (PI / 180.0)
     }
 
-    /// Half-planes at `angle` about the z axis, with levers that are not 0 or 1.
+    /// Half-planes at `angle` about the z axis, with lever positions `s`, `t` other than 0 and 1.
     fn at(angle: f32) -> [Vec3; 4] {
         let c = Vec3::new(libm::cosf(angle), libm::sinf(angle), 0.0) * 0.8 + Vec3::Z * 1.3;
         [Vec3::new(1.0, 0.0, -0.2), Vec3::ZERO, Vec3::Z, c]
@@ -296,8 +295,8 @@ mod tests {
         }
     }
 
-    /// An elbow: the upper arm and the pin of the hinge are held, the forearm is straight at first, and `gravity` pulls at the hand. How far it has
-    /// bent, radians: the least, the most and the last.
+    /// An elbow: the upper arm and the pin of the hinge are pinned, the forearm is straight at first, and `gravity` pulls at the hand. Returns how far it has
+    /// bent, radians: the least, the greatest and the final angle.
     fn bent(gravity: f32, equation: Option<Hinge>, start: f32) -> (f32, f32, f32) {
         let mut world = Simulation::default();
         world.forces.gravity = Vec3::new(0.0, gravity, 0.0);
@@ -327,7 +326,7 @@ mod tests {
 
     #[test]
     fn an_elbow_bends_forward_by_150_degrees_and_not_backward() {
-        // Straight is 180°; the angle from the upper arm to the forearm goes on as the hand goes up.
+        // Straight is 180°; the angle from the upper arm to the forearm increases as the hand rises.
         let elbow = || Some(Hinge::between(degrees(180.0), degrees(330.0)));
         let (least, ..) = bent(-9.81, None, 0.0);
         assert!(least < degrees(-90.0), "a free arm falls: {least}");
@@ -337,7 +336,7 @@ mod tests {
         let (least, most, last) = bent(9.81, elbow(), 0.01);
         println!("pulled forward: {least} to {most}, at last {last} rad");
         assert!(least > degrees(-0.5) && (most - degrees(150.0)).abs() < degrees(1.0), "{most}");
-        // Thrown far: what it swings up to is the limit.
+        // With a fast swing, the limit still stops it.
         let (_, most, _) = bent(9.81, Some(Hinge::between(degrees(180.0), degrees(240.0))), 0.01);
         assert!((most - degrees(60.0)).abs() < degrees(1.0), "{most}");
     }

@@ -6,13 +6,13 @@
 //!
 //! | file | what it keeps |
 //! |---|---|
-//! | [`Distance`] | two particles at a distance, or nearer, or farther: the one that bodies are made of, with a kernel of its own |
+//! | [`Distance`] | two particles at a distance, or nearer, or farther: the constraint that bodies are mostly made of, with dedicated kernels |
 //! | [`Constraint`] | any other [`ConstraintKind`] between any particles; each kind is an [`Equation`], in a file of its own |
-//! | [`Boundaries`] | what holds every particle, or one, by itself: planes, boxes, pins, a plane for worlds in 2D |
-//! | [`Softness`] | how hard any of them is |
+//! | [`Boundaries`] | constraints on every particle, or on a single one: planes, boxes, pins, the plane of a 2D world |
+//! | [`Softness`] | how stiff any of them is |
 //!
-//! Every file holds a constraint's data, its value and gradient, the derivation above the kernel, and its tests.
-//! [`solve`](crate::solve) decides in which order the kernels run, and how often.
+//! Every file holds a constraint's data, its value and gradient, the derivation above the kernel, and its tests. [`solve`](crate::solve) determines in which
+//! order and how often the kernels run.
 
 mod anchor;
 mod angle;

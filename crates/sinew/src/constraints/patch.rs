@@ -1,4 +1,4 @@
-//! The area of a whole patch of triangles (physics.md C8), and what every constraint on a mesh needs.
+//! The area of a whole patch of triangles (physics.md C8), and helpers shared by the constraints on meshes.
 
 use std::sync::Arc;
 
@@ -11,22 +11,22 @@ use super::fault::ConstraintFault;
 use super::softness::Softness;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 
-/// The total area of a patch of triangles: one may grow while another shrinks.
+/// Keeps the total area of a patch of triangles: one may grow while another shrinks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
-    /// The triangles, as numbers of the constraint's particles. Which way round they are does not matter.
+    /// The triangles, as indices into the constraint's particles. Their winding does not matter.
     pub triangles: Arc<[[u32; 3]]>,
-    /// Area to keep, m², not negative.
+    /// Area to keep, m², 0 or more.
     pub rest: f32,
-    /// How it is corrected.
+    /// How the area is corrected.
     pub correction: SizeCorrection,
-    /// How hard it is. A compliance is in m⁴/J along the gradient, and in m/N for scaling.
+    /// How stiff the constraint is. A compliance is in m⁴/J along the gradient, and in m/N for scaling.
     pub softness: Softness,
 }
 
 impl Patch {
-    /// The area that a patch has there, kept hard along the gradient. `positions` are those of the constraint's particles, in its order; a triangle
-    /// that names none of them does not count, and is a fault.
+    /// A hard constraint that keeps the area of the patch at these positions, along the gradient. `positions` are those of the constraint's particles, in its
+    /// order. A triangle with an index out of range does not count, and [`Constraint::fault`](super::Constraint::fault) reports it.
     pub fn of(triangles: impl Into<Arc<[[u32; 3]]>>, positions: &[Vec3]) -> Self {
         let triangles = triangles.into();
         let corner = |i: u32| positions.get(i as usize).copied();
@@ -35,12 +35,12 @@ impl Patch {
         Self { triangles, rest, correction: SizeCorrection::Gradient, softness: Softness::Hard }
     }
 
-    /// The same with another correction.
+    /// The same patch with another correction.
     pub fn with_correction(self, correction: SizeCorrection) -> Self {
         Self { correction, ..self }
     }
 
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles < 3 {
             Some(ConstraintFault::Count)
@@ -52,12 +52,12 @@ impl Patch {
     }
 }
 
-/// Along the gradient `C = ΣA - A₀`, m², the gradient of each triangle from `area`, steep enough (`keep_within_reach`). By scaling, see `scale`:
-/// lengths go as the root of the area, so the factor is `√(A₀/A)`. What has no area to scale, or less than a quarter of what it should, goes along
-/// the gradient in either case. The solver takes the value's error through the gradient, which gives the same length for both units.
+/// Along the gradient: `C = ΣA - A₀`, m², with the gradient of each triangle from `area`; `keep_within_reach` bounds the length of a step. By scaling (see
+/// `scale`): lengths go as the root of the area, so the factor is `√(A₀/A)`. A patch of no area, or of less than a quarter of its rest area, is corrected along
+/// the gradient in either case. The solver derives the error from value and gradient, which gives the same length for both units.
 impl Equation for Patch {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
-        // The same bits with any instructions, so the best.
+        // All instruction sets give the same bits, so the fastest is used.
         let best = InstructionSet::best();
         let sum = area_of(&self.triangles, points.now, gradients, best);
         let now = sum as f32;
@@ -78,21 +78,20 @@ impl Equation for Patch {
     }
 }
 
-/// Uniform scaling by `factor` about the mass barycentre, as a value and gradients that the generic projection turns into just that.
+/// Uniform scaling by `factor` about the mass barycentre, as a value and gradients that the generic projection turns into exactly that.
 ///
-/// Every free particle is to move by `dᵢ = (s - 1)(qᵢ - B)`. Let `M = Σm` over the free ones, `R = √(Σ mᵢ‖qᵢ - B‖²/M)` the root of the mean square
-/// distance from the barycentre (metres), and
+/// Every free particle has to move by `dᵢ = (s - 1)(qᵢ - B)`. Let `M = Σm` over the free particles, `R = √(Σ mᵢ‖qᵢ - B‖²/M)` the root mean square distance from
+/// the barycentre (metres), and
 ///
 /// ```text
 /// C = (1 - s) R        ∇ᵢC = mᵢ (qᵢ - B)/(M R)        so that Σ wⱼ‖∇ⱼC‖² = Σ mⱼ‖qⱼ - B‖²/(M R)² = 1/M
 /// ```
 ///
-/// The projection `dᵢ = -wᵢ ∇ᵢC · C/(1/M)` gives `-(qᵢ - B)/(M R) · (1 - s) R · M = (s - 1)(qᵢ - B)`. `|C|` is the root of the mean square of how far
-/// the particles go, a length. The gradient is that of `R` with the factor held, not of the factor: this is the lectures' way, and not the least.
+/// The projection `dᵢ = -wᵢ ∇ᵢC · C/(1/M)` gives `-(qᵢ - B)/(M R) · (1 - s) R · M = (s - 1)(qᵢ - B)`. `|C|` is the root mean square displacement, a length. The
+/// gradient is that of `R` with the factor held fixed, not that of the factor, so the displacement is not the least.
 ///
-/// `B` is the barycentre of the *masses*: `Σ mᵢ(qᵢ - B) = 0` is the momentum that it does not give, and `Σ mᵢ (qᵢ - B)×(qᵢ - B) = 0` the angular
-/// momentum. A pinned particle weighs more than all others together, so where there are some, `B` is the mean of those; they do not move, and with
-/// one of them the size is right at once as well.
+/// `B` is the barycentre of the *masses*: `Σ mᵢ(qᵢ - B) = 0` keeps momentum and `Σ mᵢ (qᵢ - B)×(qᵢ - B) = 0` angular momentum. A pinned particle has infinite
+/// mass, so if there are any, `B` is their mean. They do not move; with a single one the size is still exact after one step.
 pub(super) fn scale(points: &Points, factor: f32, gradients: &mut [Vec3]) -> f32 {
     gradients.fill(Vec3::ZERO);
     let all = || (0..points.len()).map(|i| (points.at(i).as_dvec3(), mass(points.inverse_mass(i))));
@@ -108,7 +107,7 @@ pub(super) fn scale(points: &Points, factor: f32, gradients: &mut [Vec3]) -> f32
     let square: f64 =
         all().map(|(q, m)| m.map_or(0.0, |m| m * (q - middle).length_squared())).sum();
     let radius = (square / free.1).sqrt();
-    // Nothing free, or all in one place: no size to scale.
+    // No free particle, or all in one place: there is no size to scale.
     if !(radius > 0.0 && radius.is_finite()) {
         return 0.0;
     }
@@ -123,7 +122,7 @@ fn mass(inverse: f32) -> Option<f64> {
     (inverse > 0.0).then(|| 1.0 / f64::from(inverse))
 }
 
-/// What is wrong with the triangles of a constraint of so many particles.
+/// What is wrong with the triangles of a constraint with this many particles.
 pub(super) fn triangle_fault(triangles: &[[u32; 3]], particles: usize) -> Option<ConstraintFault> {
     if triangles.iter().flatten().any(|&i| i as usize >= particles) {
         Some(ConstraintFault::Triangle)
@@ -135,14 +134,14 @@ pub(super) fn triangle_fault(triangles: &[[u32; 3]], particles: usize) -> Option
 }
 
 kernel!(
-    /// The area of some triangles; its gradients are added to `gradients`. Both are summed up in the order of the triangles, areas in f64, so that there
-    /// is one result, whatever the instructions are.
+    /// The area of some triangles; the gradients are added to `gradients`. Both are summed in the order of the triangles, areas in f64, so that the result is
+    /// the same for any instruction set.
     ///
-    /// A volume is not worth it: adding up its gradients takes as long as all of it does one by one.
+    /// There is no such kernel for a volume: summing its gradients takes as long as the whole scalar loop.
     fn area_of<L: Lanes>(triangles: &[[u32; 3]], now: &[Vec4], gradients: &mut [Vec3]) -> f64 {
         let mut sum = 0.0;
         for some in triangles.chunks(LANES) {
-            // Where there are fewer than eight, the first stands there again, and is not added again.
+            // Unused lanes of the last chunk repeat the first triangle and are not added.
             let mut rows = some[0].map(|row| [row; LANES]);
             for (lane, triangle) in some.iter().enumerate() {
                 for (rows, row) in rows.iter_mut().zip(triangle) {
@@ -176,7 +175,7 @@ mod lanes_tests {
     use crate::constraints::area::area;
     use crate::constraints::checks::Random;
 
-    /// 50 particles, two of them in one place, and 83 triangles between them.
+    /// 50 particles, two of them coincident, and 83 triangles between them.
     fn mesh() -> (Vec<Vec4>, Vec<[u32; 3]>) {
         let mut now: Vec<_> = Random::new(51).positions(50).iter().map(|p| p.extend(1.0)).collect();
         now[7] = now[8];
@@ -222,7 +221,7 @@ mod tests {
     use super::super::checks::*;
     use super::*;
 
-    /// A sheet of 3 × 3 particles, 1 m wide, a little bent so that it is in no plane.
+    /// A sheet of 3 × 3 particles, 1 m wide, slightly curved so that it is not planar.
     fn sheet() -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let mut places = Vec::new();
         for row in 0..3 {

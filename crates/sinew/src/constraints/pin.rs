@@ -1,23 +1,23 @@
-//! Pins: a particle is held at a point, or led along a path that the game moves (physics.md C3).
+//! Pins: hold a particle at a point, or move it kinematically towards a target set by the game (physics.md C3).
 
 use glam::Vec3;
 
-/// "Particle `particle` is at `target`." A pinned particle must have infinite mass, so that no other constraint moves it.
+/// Places a particle at a target position. The particle must have infinite mass, so that no other constraint moves it.
 ///
-/// Within a step of several substeps the particle is led in a straight line from where it is to `target`, so that what hangs on
-/// it feels a steady motion rather than a jump in the first substep.
+/// Within a step of several substeps the particle moves in a straight line from its position to `target`, so that attached particles see a steady motion rather
+/// than a jump in the first substep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pin {
     /// Row of the particle.
     pub particle: u32,
-    /// Where it is to be at the end of the step, metres.
+    /// Position of the particle at the end of the step, metres.
     pub target: Vec3,
 }
 
 impl Pin {
-    /// Where the pin leads a particle that is now at `position`, with `remaining` substeps to go (this one included).
+    /// The next position of a particle that is now at `position`, with `remaining` substeps to go (this one included).
     ///
-    /// The path is walked in equal parts of what is left; the last part is the target itself, to the bit.
+    /// Each substep covers an equal part of the remaining path; the last ends exactly on the target.
     #[inline]
     pub(crate) fn lead(&self, position: Vec3, remaining: u32) -> Vec3 {
         if remaining <= 1 || !position.is_finite() {

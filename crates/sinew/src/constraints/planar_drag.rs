@@ -1,5 +1,5 @@
-//! The lectures' planar friction (physics.md F8): where a particle touches a plane, its velocity is split along the plane and across it, and a drag
-//! of its own takes its share of each. Coulomb's law, which needs no drag and knows sticking, is in [`collide`](crate::collide).
+//! Planar drag (physics.md F8): where a particle touches a plane, its velocity is split along and across the plane, and each component is damped at its own
+//! rate. Coulomb friction, which needs no drag and can stick, is in [`collide`](crate::collide).
 
 use glam::Vec3;
 
@@ -8,30 +8,30 @@ use crate::particles::{Particles, drag_of_rate, rate_of_drag};
 /// Shares of the velocity that a particle loses per second while it touches a plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanarDrag {
-    /// Of the velocity along the plane, 0 to 1. Default 0.
+    /// Share of the velocity along the plane, 0 to 1. Default 0.
     pub along: f32,
-    /// Of the velocity across it, towards it or away, 0 to 1: how sticky it is. Default 0.
+    /// Share of the velocity across the plane, in either direction, 0 to 1: how sticky it is. Default 0.
     pub across: f32,
 }
 
 impl PlanarDrag {
-    /// Whether both are shares. With a broken one the plane is skipped.
+    /// Whether both values are in range. If not, the plane is skipped.
     pub fn is_valid(self) -> bool {
         (0.0..=1.0).contains(&self.along) && (0.0..=1.0).contains(&self.across)
     }
 }
 
-/// How near to a plane counts as touching it, metres: what rests on it is a hair above or below.
+/// Distance to a plane within which a particle counts as touching it, metres: a resting particle is slightly above or below.
 const TOUCH: f32 = 1e-3;
 
 impl PlanarDrag {
-    /// The shares of the velocity along the plane and across it that are lost in `h` seconds: `1 - (1 - drag)^h`.
+    /// The shares of the velocity along and across the plane that are lost in `h` seconds: `1 - (1 - drag)^h`.
     pub(crate) fn lost_in(self, h: f32) -> [f32; 2] {
         [self.along, self.across].map(|drag| drag_of_rate(rate_of_drag(drag) * h))
     }
 
-    /// Takes from the velocities of particles that touch a plane with this drag what a substep of `h` seconds takes: `v_t ← v_t (1 - along)^h`,
-    /// `v_n ← v_n (1 - across)^h`. Rows of solids are left to those.
+    /// Damps the velocities of particles that touch a plane with this drag over a substep of `h` seconds: `v_t ← v_t (1 - along)^h`, `v_n ← v_n (1 -
+    /// across)^h`. Rows flagged in `solid` belong to bodies with collision shapes of their own and are skipped.
     pub(crate) fn apply(
         self,
         particles: &mut Particles,

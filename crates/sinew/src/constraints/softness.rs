@@ -1,28 +1,28 @@
-//! Softness: how hard a constraint is, in numbers that mean the same at any number of sweeps and substeps.
+//! Softness: how stiff a constraint is, in parameters that mean the same at any number of sweeps and substeps.
 
-/// How hard a constraint is enforced.
+/// How stiffly a constraint is enforced.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Softness {
-    /// Exactly, as far as the sweeps go. The default.
+    /// Rigid, as far as the sweeps converge. The default.
     #[default]
     Hard,
-    /// As a damped spring with the energy `½ C²/α`, stable at any stiffness and step (Macklin et al., *XPBD*, 2016).
+    /// A damped spring with the energy `½ C²/α`, stable at any stiffness and step (Macklin et al., *XPBD*, 2016).
     Compliant {
-        /// α, inverse stiffness: metres per newton where the constraint's value is a length; in general the value's unit squared per joule.
-        /// Zero is hard. The lectures' spring of stiffness k is `1/k`.
+        /// α, inverse stiffness: metres per newton where the constraint's value is a length; in general the value's unit squared per joule. Zero is hard. A
+        /// spring of stiffness k has `1/k`.
         compliance: f32,
-        /// β: force per rate of change of the value, N·s/m where that is a length. Zero swings on.
+        /// β: force per rate of change of the value, N·s/m where that is a length. Zero is undamped.
         damping: f32,
     },
-    /// As a damped spring of its own frequency, whatever the masses: stiffness `μω²`, damping `2ζμω`, with μ the mass that the constraint feels.
+    /// A damped spring of a given frequency, whatever the masses: stiffness `μω²`, damping `2ζμω`, where μ is the effective mass of the constraint.
     Frequency {
         /// Undamped frequency `ω/2π`, Hz, more than zero.
         hertz: f32,
-        /// Damping ratio ζ: 0 swings on, 1 is critical.
+        /// Damping ratio ζ: 0 is undamped, 1 critical.
         ratio: f32,
     },
-    /// The stiffness of the lectures and of the first PBD papers: the share k of the error, 0 to 1, that a substep takes away. It depends on the
-    /// substep, unlike the others, but no longer on the sweeps: each of n takes `1 - (1-k)^(1/n)`.
+    /// Stiffness as in classic PBD: the share k of the error, 0 to 1, that a substep removes. Unlike the others it depends on the substep length, but not on
+    /// the number of sweeps: each of n sweeps removes `1 - (1-k)^(1/n)`.
     Share(f32),
 }
 
@@ -42,7 +42,7 @@ impl Softness {
         Self::Frequency { hertz, ratio }
     }
 
-    /// Whether nothing yields.
+    /// Whether the constraint is fully hard.
     pub fn is_hard(self) -> bool {
         match self {
             Self::Hard => true,
@@ -63,7 +63,7 @@ impl Softness {
         }
     }
 
-    /// Energy stored at the value `value` of a constraint, J, where that is defined: `½ C²/α`. `weights` is `Σ w‖∇C‖²`.
+    /// Energy stored at the constraint value `value`, J: `½ C²/α`; 0 for kinds without an energy. `weights` is `Σ w‖∇C‖²`.
     pub(crate) fn energy(self, value: f32, weights: f32) -> f32 {
         let stiffness = match self {
             Self::Hard | Self::Share(_) => 0.0,
@@ -79,16 +79,16 @@ impl Softness {
     }
 }
 
-/// The substep that a softness is resolved for.
+/// The substep for which a softness is evaluated.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SubstepContext {
     /// Length of the substep, s.
     pub(crate) h: f32,
-    /// The most sweeps in it.
+    /// Maximum number of sweeps in it.
     pub(crate) sweeps: u32,
 }
 
-/// The change of the multiplier that one projection makes, and its new sum.
+/// The change of the multiplier by one projection.
 ///
 /// XPBD, eqs. 18 and 26, with the sign of λ turned: with `α̃ = α/h²`, `γ = αβ/h` and `W = Σ w‖∇C‖²`,
 ///
@@ -96,11 +96,11 @@ pub(crate) struct SubstepContext {
 /// Δλ = (C - α̃ λ + γ ∇C·(q - p)) / ((1 + γ) W + α̃)        particles move by -w ∇C Δλ
 /// ```
 ///
-/// which is one step of implicit Euler of the damped spring, however often it is repeated within the substep. A frequency is the compliance
-/// `W/ω²` with the damping `2ζω/W`: μ = 1/W is the mass that the constraint feels. `moved` is `∇C·(q - p)`, the change of `C` in this substep.
+/// This is one step of implicit Euler of the damped spring, however many sweeps repeat it within the substep. A frequency is the compliance `W/ω²` with the
+/// damping `2ζω/W`, where μ = 1/W is the effective mass. `moved` is `∇C·(q - p)`, the change of `C` in this substep.
 ///
-/// What is summed up over the sweeps is λ, or for a frequency `W λ`, the change of `C` that it made: `W` may differ from sweep to sweep as gradients
-/// do, and a λ summed up at one `W` says little at another. [`Softness::unit`] is what turns a change of λ into a change of the sum.
+/// The sum accumulated over the sweeps is λ, or for a frequency `W λ`, the change of `C` that it made: `W` may change from sweep to sweep with the gradients,
+/// and a λ accumulated at one `W` is not valid at another. [`Softness::unit`] converts a change of λ to a change of the sum.
 #[inline]
 pub(crate) fn multiplier(
     softness: Softness,
@@ -131,13 +131,13 @@ pub(crate) fn multiplier(
 }
 
 impl Softness {
-    /// What a change of λ is multiplied with before it is summed up: 1, or `W` for a frequency.
+    /// The factor from a change of λ to a change of the accumulated sum: 1, or `W` for a frequency.
     #[inline]
     pub(crate) fn unit(self, weights: f32) -> f32 {
         if let Self::Frequency { .. } = self { weights } else { 1.0 }
     }
 
-    /// Whether the multiplier is summed up over the sweeps of a substep.
+    /// Whether the multiplier is accumulated over the sweeps of a substep.
     #[inline]
     pub(crate) fn remembers(self) -> bool {
         matches!(self, Self::Compliant { .. } | Self::Frequency { .. })
@@ -164,7 +164,7 @@ mod tests {
     fn sweeping_a_soft_constraint_again_changes_nothing() {
         let softness = Softness::Compliant { compliance: 0.01, damping: 3.0 };
         let (substep_context, weights) = (SubstepContext { h: 0.01, sweeps: 9 }, 2.0);
-        // Value and movement are both linear in λ: C = 1 - W λ, moved = 0.4 - W λ.
+        // Value and displacement are both linear in λ: C = 1 - W λ, moved = 0.4 - W λ.
         let mut lambda = 0.0;
         for _ in 0..3 {
             let (value, moved) = (1.0 - weights * lambda, 0.4 - weights * lambda);

@@ -9,25 +9,25 @@ use super::softness::Softness;
 use super::wide::{Wide, is_size, numbers};
 use crate::lanes::{LANES, Lanes, Vector};
 
-/// The signed volume of the tetrahedron `[a, b, c, d]`: `⅙ (b - a)×(c - a)·(d - a)`.
+/// Keeps the signed volume of the tetrahedron `[a, b, c, d]`: `⅙ (b - a)×(c - a)·(d - a)`.
 ///
-/// It is positive where `d` sees `a`, `b`, `c` in counter-clockwise order. That agrees with a [`Volume`](super::Volume) of its outward triangles,
-/// which are `[a, c, b]`, `[a, b, d]`, `[a, d, c]` and `[b, c, d]`. Having a sign, it comes back right side out when it has been turned inside out.
+/// It is positive where `a`, `b`, `c` are counter-clockwise as seen from `d`. That agrees with a [`Volume`](super::Volume) of its outward triangles, which are
+/// `[a, c, b]`, `[a, b, d]`, `[a, d, c]` and `[b, c, d]`. Because the volume has a sign, an inverted tetrahedron recovers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tetrahedron {
-    /// Volume to keep, m³; negative for one whose particles are named in the other order.
+    /// Volume to keep, m³; negative for the opposite order of the particles.
     pub rest: f32,
-    /// How hard it is. A compliance is in m⁶/J.
+    /// How stiff the constraint is. A compliance is in m⁶/J.
     pub softness: Softness,
 }
 
 impl Tetrahedron {
-    /// The volume that a tetrahedron has there, sign and all, kept hard.
+    /// A hard constraint that keeps the signed volume of the tetrahedron at these positions.
     pub fn of(positions: [Vec3; 4]) -> Self {
         Self { rest: volume(positions).0, softness: Softness::Hard }
     }
 
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles != 4 {
             Some(ConstraintFault::Count)
@@ -39,7 +39,7 @@ impl Tetrahedron {
     }
 }
 
-/// `C = V - V₀`, m³, its gradient steep enough (`keep_within_reach`). Where all four lie on one line there is no gradient, and nothing is done.
+/// `C = V - V₀`, m³; `keep_within_reach` bounds the length of a step. Where all four particles are collinear there is no gradient, and nothing is done.
 impl Equation for Tetrahedron {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let (now, by) = volume([points.at(0), points.at(1), points.at(2), points.at(3)]);
@@ -58,15 +58,15 @@ impl Equation for Tetrahedron {
     }
 }
 
-/// The signed volume, m³, and how it changes with each corner, m².
+/// The signed volume, m³, and its gradient by each corner, m².
 ///
-/// `V = ⅙ (u×v)·w` with `u = b - a`, `v = c - a`, `w = d - a` is linear in each, and the same with the three turned round; so
+/// `V = ⅙ (u×v)·w` with `u = b - a`, `v = c - a`, `w = d - a` is linear in each of the three and invariant under their cyclic permutation; so
 ///
 /// ```text
 /// ∂V/∂b = ⅙ v×w        ∂V/∂c = ⅙ w×u        ∂V/∂d = ⅙ u×v        ∂V/∂a = -∂V/∂b - ∂V/∂c - ∂V/∂d
 /// ```
 ///
-/// each a third of the area of the face opposite long, and pointing away from it.
+/// Each has a third of the area of the opposite face as its length, and points away from that face.
 #[inline]
 fn volume([a, b, c, d]: [Vec3; 4]) -> (f32, [Vec3; 4]) {
     let (u, v, w) = (b - a, c - a, d - a);
@@ -74,15 +74,15 @@ fn volume([a, b, c, d]: [Vec3; 4]) -> (f32, [Vec3; 4]) {
     (by_d.dot(w), [-(by_b + by_c + by_d), by_b, by_c, by_d])
 }
 
-/// The numbers of eight [`Tetrahedron`]s.
+/// The parameters of eight [`Tetrahedron`]s.
 #[derive(Clone, Debug)]
 pub(crate) struct Tetrahedra {
     rest: [f32; LANES],
-    /// What `C²/Σ‖∇C‖²` has to be above for a step to be longer than what has the rest volume, m², less a little for rounding.
+    /// Lower bound of `C²/Σ‖∇C‖²`, m², above which a step may be longer than the edge of a cube with the rest volume; reduced slightly for rounding.
     reach: [f32; LANES],
 }
 
-/// Squares of values below this may have lost digits, m⁶.
+/// Squares of values below this may have lost precision, m⁶.
 const SMALLEST: f32 = 1e-30;
 
 impl Wide<4> for Tetrahedra {
@@ -96,8 +96,8 @@ impl Wide<4> for Tetrahedra {
         Self { rest: numbers(all, |tetrahedron| tetrahedron.rest), reach: numbers(all, reach) }
     }
 
-    /// See `volume`. The reach of a step is a third root; whether a gradient has to be steeper is asked without it, by squares, and where that is not sure by
-    /// the third power of the step, and lanes that have collapsed are sent through the scalar formula.
+    /// See `volume`. The reach of a step is a cube root. Whether a gradient has to be scaled up is first decided without it, by squares, then by the third
+    /// power of the step where that is not certain. Lanes that have collapsed go through the scalar formula.
     #[inline(always)]
     fn evaluate<L: Lanes>(&self, points: &[Vector<L>; 4]) -> (L, [Vector<L>; 4]) {
         let [a, b, c, d] = *points;
@@ -117,7 +117,7 @@ impl Wide<4> for Tetrahedra {
             return (value, gradients);
         }
         let size = now.abs().max(rest.abs());
-        // The root of the mean square of a step, times two: four particles.
+        // Root mean square step: half the norm, for four particles.
         let step = value.abs() / (square * L::splat(4.0)).sqrt();
         let far = is_size(step).and(size.lt(step * step * step));
         if far.any() {
@@ -128,7 +128,7 @@ impl Wide<4> for Tetrahedra {
     }
 }
 
-/// By how much gradients have to be steeper, so that steps of `step` metres become as long as what has the volume `size`, m³: at least 1.
+/// The factors, at least 1, by which gradients have to be scaled up so that steps of `step` metres become as long as the edge of a cube of volume `size`, m³.
 #[cold]
 fn steepened(step: [f32; LANES], size: [f32; LANES]) -> [f32; LANES] {
     core::array::from_fn(|lane| {

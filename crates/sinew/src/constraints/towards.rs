@@ -1,29 +1,30 @@
-//! Laws that know where each particle should go, told to a solver that asks for a value and its gradient; and what pinned particles weigh in them.
+//! Constraints that are given by the target position of each particle, expressed as the value and gradient that the solver requires; and the weight of pinned
+//! particles in such a fit.
 
 use glam::{DVec3, Vec3};
 
 use super::equation::Points;
 
-/// Value and gradients of "every free particle moves by its own `dᵢ`", metres; zero where that is not finite.
+/// Value and gradients of the constraint "every free particle moves by its own `dᵢ`", metres; zero where that is not finite.
 ///
-/// Some constraints have a closed form for the whole displacement (a plane, a line, a rigid shape, a change of scale). With `M = Σ mᵢ` over the free
-/// particles let
+/// Some constraints have a closed form for the whole displacement (a plane, a line, a rigid shape, a change of scale). With `M = Σ mᵢ` over the free particles
+/// let
 ///
 /// ```text
 /// C = √(Σ mᵢ‖dᵢ‖² / M)        ∇ᵢC = -mᵢ dᵢ / (M C)
 /// ```
 ///
-/// Then `Σ wⱼ‖∇ⱼC‖² = Σ mⱼ‖dⱼ‖² / (M C)² = 1/M`, and what the solver does with any equation, `-wᵢ ∇ᵢC · C / Σ wⱼ‖∇ⱼC‖²`, is
+/// Then `Σ wⱼ‖∇ⱼC‖² = Σ mⱼ‖dⱼ‖² / (M C)² = 1/M`, and the solver's displacement for any equation, `-wᵢ ∇ᵢC · C / Σ wⱼ‖∇ⱼC‖²`, is
 ///
 /// ```text
 /// wᵢ · mᵢ dᵢ / (M C) · C · M = dᵢ
 /// ```
 ///
-/// so a hard constraint moves each particle by exactly that, and a soft one by the same share of it: `C`, the root mean square of the displacements
-/// weighted by mass, is the length of a spring that the whole mass `M` hangs on. Where the `dᵢ` are the least `Σ m‖d‖²` that lead to a set which
-/// does not depend on the particles, `C` is the distance to that set and `∇C` its gradient. Otherwise it is not one, and need not be.
+/// so a hard constraint moves each particle by exactly `dᵢ`, and a soft one by the same share of it: `C`, the mass-weighted root mean square displacement, is
+/// the length of a spring that carries the whole mass `M`. If the `dᵢ` are the least `Σ m‖d‖²` that lead to a fixed set, `C` is the distance to that set and
+/// `∇C` its gradient. Otherwise `∇C` is not a true gradient, and need not be.
 ///
-/// `M C ≥ √(M mᵢ) ‖dᵢ‖`, so no gradient is longer than 1, however far apart the masses are.
+/// `M C ≥ √(M mᵢ) ‖dᵢ‖`, so no gradient is longer than 1, whatever the mass ratios.
 pub(crate) fn towards(
     points: &Points,
     gradients: &mut [Vec3],
@@ -33,7 +34,7 @@ pub(crate) fn towards(
     for (i, kept) in gradients.iter_mut().enumerate() {
         let w = points.inverse_mass(i);
         if w > 0.0 {
-            // Kept in the place of the gradient, so that no displacement is asked for twice.
+            // Stored in place of the gradient, so that no displacement is computed twice.
             *kept = displacement(i);
             let m = 1.0 / f64::from(w);
             mass += m;
@@ -41,7 +42,7 @@ pub(crate) fn towards(
         }
     }
     let value = (sum / mass).sqrt();
-    // Also if nothing is free, and for NaN.
+    // Also handles no free particle, and NaN.
     if !(value > 0.0 && value.is_finite()) {
         gradients.fill(Vec3::ZERO);
         return 0.0;
@@ -56,26 +57,26 @@ pub(crate) fn towards(
     value as f32
 }
 
-/// What each particle weighs in a fit, so that what is pinned decides and what is free follows.
+/// The weight of each particle in a fit: pinned particles determine it, and free ones follow.
 ///
-/// The centre of a set is the barycentre of the free particles if all are free, and the mean of the pinned ones otherwise: exactly, because a
-/// fit about one pinned particle must not tug at it. In the moments about it a pinned particle weighs [`PINNED`] times as much as all free ones.
+/// The centre of the set is the barycentre if all particles are free, and otherwise the mean of the pinned ones. It is exactly that, because a fit about one
+/// pinned particle must not shift it. In the moments about the centre a pinned particle has [`PINNED`] times the weight of all free ones together.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weights {
-    /// Of a pinned particle in the moments, kg.
+    /// Weight of a pinned particle in the moments, kg.
     heavy: f64,
     /// One over the sum of the weights in the centre.
     share: f64,
     any_pinned: bool,
 }
 
-/// How many times the mass of all free particles a pinned one weighs. Where several pinned ones cannot all be met they compromise among each
-/// other, and the free ones bend that by a thousandth, which the next sweep makes a millionth. A greater weight would leave what the free ones
-/// decide (the turn about a hinge of two pins) too few digits.
+/// Weight of a pinned particle, as a multiple of the mass of all free ones. If several pinned particles cannot all be met, the fit is a compromise between
+/// them; the free ones distort it by a thousandth, which the next sweep reduces to a millionth. A greater weight would leave too few digits for what the free
+/// ones determine (the rotation about a hinge of two pins).
 const PINNED: f64 = 1e3;
 
 impl Weights {
-    /// `None` if no particle is free: nothing can be done.
+    /// `None` if no particle is free.
     pub(crate) fn of(points: &Points) -> Option<Self> {
         let (mut free, mut pinned) = (0.0_f64, 0.0_f64);
         for i in 0..points.len() {
@@ -96,7 +97,7 @@ impl Weights {
         if w > 0.0 { 1.0 / f64::from(w) } else { self.heavy }
     }
 
-    /// Weight of particle `i` in the centre, of which the sum is 1.
+    /// Weight of particle `i` in the centre; these sum to 1.
     #[inline]
     pub(crate) fn in_centre(&self, points: &Points, i: usize) -> f64 {
         let w = points.inverse_mass(i);
@@ -107,8 +108,8 @@ impl Weights {
         }
     }
 
-    /// The centre of the particles where they are now, metres from the origin. As a sum of differences from the first one, so that particles in
-    /// one place have their centre exactly there.
+    /// The centre of the particles at their current positions, metres from the origin. It is a sum of differences from the first one, so that coincident
+    /// particles have their centre exactly there.
     pub(crate) fn centre(&self, points: &Points) -> DVec3 {
         let first = points.at(0).as_dvec3();
         let from_first = |i| (points.at(i).as_dvec3() - first) * self.in_centre(points, i);
@@ -122,7 +123,7 @@ mod tests {
     use super::super::{Equation, Softness};
     use super::*;
 
-    /// Each particle goes its own way.
+    /// Moves each particle by its own displacement.
     #[derive(Debug)]
     struct March(Vec<Vec3>, Softness);
 
@@ -157,7 +158,7 @@ mod tests {
     #[test]
     fn a_soft_law_moves_all_by_the_same_share() {
         let mut particles = points_of(&[Vec3::ZERO; 3], &[1.0, 2.0, 4.0]);
-        // Half a frequency of 1/2πh: 1/(1 + 1/(ωh)²).
+        // ωh = 1, so half of the displacement: 1/(1 + 1/(ωh)²).
         let hertz = 60.0 / core::f32::consts::TAU;
         particles.project(&March(STEPS.to_vec(), Softness::frequency(hertz, 0.0)));
         for (p, step) in particles.positions().iter().zip(STEPS) {

@@ -11,23 +11,23 @@ use super::fault::ConstraintFault;
 use super::patch::{scale, triangle_fault};
 use super::softness::Softness;
 
-/// The volume inside a closed mesh of triangles: what keeps a balloon or a soft body full.
+/// Keeps the volume inside a closed triangle mesh, such as a balloon or a soft body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
-    /// The triangles, as numbers of the constraint's particles, counter-clockwise as seen from outside. The other way round the volume is negative,
-    /// which works as well. A mesh with a hole counts as if the hole were closed by a fan around the constraint's first particle.
+    /// The triangles, as indices into the constraint's particles, counter-clockwise as seen from outside. With the opposite winding the volume is negative,
+    /// which works as well. A hole in the mesh counts as closed by a fan around the constraint's first particle.
     pub triangles: Arc<[[u32; 3]]>,
     /// Volume to keep, m³.
     pub rest: f32,
-    /// How it is corrected.
+    /// How the volume is corrected.
     pub correction: SizeCorrection,
-    /// How hard it is. A compliance is in m⁶/J along the gradient, and in m/N for scaling.
+    /// How stiff the constraint is. A compliance is in m⁶/J along the gradient, and in m/N for scaling.
     pub softness: Softness,
 }
 
 impl Volume {
-    /// The volume that a mesh has there, kept hard along the gradient. `positions` are those of the constraint's particles, in its order; a triangle
-    /// that names none of them does not count, and is a fault.
+    /// A hard constraint that keeps the volume of the mesh at these positions, along the gradient. `positions` are those of the constraint's particles, in its
+    /// order. A triangle with an index out of range does not count, and [`Constraint::fault`](super::Constraint::fault) reports it.
     pub fn of(triangles: impl Into<Arc<[[u32; 3]]>>, positions: &[Vec3]) -> Self {
         let triangles = triangles.into();
         let first = positions.first().copied().unwrap_or_default();
@@ -37,17 +37,17 @@ impl Volume {
         Self { triangles, rest, correction: SizeCorrection::Gradient, softness: Softness::Hard }
     }
 
-    /// The same, blown up to `factor` times the volume that it would keep (1 changes nothing): what holds it back stands under pressure.
+    /// The same mesh inflated to `factor` times its rest volume (1 changes nothing), which puts the constraints that resist it under pressure.
     pub fn with_pressure(self, factor: f32) -> Self {
         Self { rest: self.rest * factor, ..self }
     }
 
-    /// The same with another correction.
+    /// The same volume with another correction.
     pub fn with_correction(self, correction: SizeCorrection) -> Self {
         Self { correction, ..self }
     }
 
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles < 4 {
             Some(ConstraintFault::Count)
@@ -59,24 +59,24 @@ impl Volume {
     }
 }
 
-/// `V = ⅙ Σ xᵢ·(xⱼ×x_k)` over the triangles: each is the base of a tetrahedron with its top at the origin, and in a closed mesh what lies outside
-/// cancels. The sum is linear in each corner, and the same with the three turned round, so a triangle adds
+/// `V = ⅙ Σ xᵢ·(xⱼ×x_k)` over the triangles: each is the base of a tetrahedron with its apex at the origin, and in a closed mesh the parts outside cancel. The
+/// sum is linear in each corner and invariant under cyclic permutation of the three, so a triangle adds
 ///
 /// ```text
 /// ⅙ xⱼ×x_k to ∇ᵢV,   ⅙ x_k×xᵢ to ∇ⱼV,   ⅙ xᵢ×xⱼ to ∇_kV
 /// ```
 ///
-/// The origin does not matter to a closed mesh, but to its digits: it is the first particle, `x₀ = 0`, and sums are in f64. The first particle's own
-/// gradient is what makes the sum of all zero, so a mesh with a hole keeps momentum, too.
+/// For a closed mesh the choice of the origin matters only for precision: it is the first particle, `x₀ = 0`, and sums are in f64. The first particle's own
+/// gradient is set so that all gradients sum to zero; so a mesh with a hole keeps momentum, too.
 ///
-/// Along the gradient `C = V - V₀`, m³, its gradient steep enough (`keep_within_reach`). By scaling, see `scale`: lengths go as the third root of the
-/// volume, so the factor is `∛(V₀/V)`. What has no volume to scale, less than an eighth of what it should, or is inside out, goes along the gradient
-/// in either case.
+/// Along the gradient: `C = V - V₀`, m³; `keep_within_reach` bounds the length of a step. By scaling (see `scale`): lengths go as the cube root of the volume,
+/// so the factor is `∛(V₀/V)`. A mesh that has no volume, less than an eighth of its rest volume, or is inside out is corrected along the gradient in either
+/// case.
 impl Equation for Volume {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let Some(first) = (!points.is_empty()).then(|| points.at(0)) else { return 0.0 };
         let mut sum = 0.0_f64;
-        // No array is mapped here: that is a call for each, in the loop that a balloon spends its time in.
+        // Plain indexing instead of `array::map`, which compiles to a call for each triangle in the hot loop of a balloon.
         for &[i, j, k] in self.triangles.iter() {
             let (i, j, k) = (i as usize, j as usize, k as usize);
             let (a, b, c) = (points.at(i) - first, points.at(j) - first, points.at(k) - first);
@@ -115,7 +115,7 @@ mod tests {
     use super::super::checks::*;
     use super::*;
 
-    /// An octahedron whose triangles are cut in four `cuts` times and pushed out onto the unit sphere; outward.
+    /// An octahedron whose triangles are subdivided into four `cuts` times and projected onto the unit sphere; outward winding.
     fn sphere(cuts: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let mut places = vec![Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
         let mut triangles = vec![
@@ -158,7 +158,7 @@ mod tests {
         Volume::of(mesh.1.clone(), &mesh.0).with_pressure(factor).with_correction(correction)
     }
 
-    /// A sphere of 18 particles pulled out of shape.
+    /// A deformed sphere of 18 particles.
     fn potato() -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let (mut places, triangles) = sphere(1);
         let mut random = Random::new(41);
@@ -216,7 +216,7 @@ mod tests {
         }
     }
 
-    /// What a volume 1 % off costs by scaling, over what it costs along the gradient.
+    /// The cost of correcting a volume error of 1 % by scaling, relative to the cost along the gradient.
     fn dearer(mesh: &(Vec<Vec3>, Vec<[u32; 3]>), masses: &[f32]) -> f64 {
         let cost = |correction: SizeCorrection| {
             let mut particles = points_of(&mesh.0, masses);
@@ -230,7 +230,7 @@ mod tests {
         cost(SizeCorrection::Scaling) / cost(SizeCorrection::Gradient)
     }
 
-    /// Twelve meridians and five parallels with poles: how a sphere is cut where nobody thinks about it.
+    /// Twelve meridians and five parallels with poles: the common UV sphere.
     fn globe(height: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         use core::f32::consts::{FRAC_PI_6, PI};
         let mut places = vec![Vec3::Z * height];
@@ -254,7 +254,7 @@ mod tests {
         (places, triangles)
     }
 
-    /// physics.md C7: 1.08 times on a sphere, 22 times on a pancake (one a tenth or so as high as it is wide).
+    /// physics.md C7: 1.08 times the least cost on a sphere, 22 times on a pancake (about a tenth as high as it is wide).
     #[test]
     fn scaling_is_a_little_dearer_than_the_least_on_a_sphere_and_much_on_a_pancake() {
         let (even, odd) = (dearer(&sphere(3), &[]), dearer(&globe(1.0), &[]));

@@ -1,4 +1,4 @@
-//! What bending must cost, keep and survive.
+//! Tests of the energy, the momentum and the robustness of isometric bending.
 
 use super::super::checks::{self, points_of};
 use super::super::equation_energy;
@@ -13,7 +13,7 @@ const FOLDED: [Vec3; 4] =
     [Vec3::ZERO, Vec3::X, Vec3::new(0.3, 0.7, 0.4), Vec3::new(0.6, -0.4, 0.3)];
 const MASSES: [f32; 4] = [1.0, 0.5, 2.0, 4.0];
 
-/// The signed fold at the edge, rad.
+/// The signed fold angle at the edge, rad.
 fn fold(p: &[Vec3]) -> f32 {
     let edge = p[1] - p[0];
     let (na, nb) = (edge.cross(p[2] - p[0]), (p[3] - p[0]).cross(edge));
@@ -27,7 +27,7 @@ fn the_flat_shape_is_at_rest_and_the_gap_is_where_the_diagonals_cross() {
     assert!(checks::evaluate(&bend, &FLAT).0.abs() < 1e-7);
     let [e0, e1, a, b] = bend.weights;
     assert!((e0 + e1 - 1.0).abs() < 1e-6 && (a + b + 1.0).abs() < 1e-6);
-    // The line from a to b meets y = 0 at 0.3 + 0.3·0.8/1.3.
+    // The line from a to b crosses y = 0 at 0.3 + 0.3·0.8/1.3.
     assert!((FLAT[1] * e1).x - (0.3 + 0.3 * 0.8 / 1.3) < 1e-6);
     assert!((FOLDED[2].y - FOLDED[3].y) > 1.0 && checks::evaluate(&bend, &FOLDED).0 > 0.2);
 }
@@ -55,7 +55,7 @@ fn one_projection_unfolds_it_and_a_folded_rest_comes_back() {
     let mut particles = points_of(&flatter, &MASSES);
     particles.project(&folded);
     assert!(checks::evaluate(&folded, &particles.positions()).0.abs() < 1e-6);
-    // Its own triangles, laid flat.
+    // The same triangles, laid flat.
     let (a, b) = (Vec3::new(0.3, 0.65_f32.sqrt(), 0.0), Vec3::new(0.6, -0.5, 0.0));
     let mut flat = points_of(&[Vec3::ZERO, Vec3::X, a, b], &MASSES);
     for _ in 0..8 {
@@ -108,8 +108,8 @@ fn faults_are_told_apart() {
     assert!(numbers.iter().all(|bad| bad.fault(4) == Some(ConstraintFault::Number)));
 }
 
-/// Energy per area of a regular mesh rolled up to a cylinder about an axis in its plane, relative to `½ B κ²`. The mesh repeats the triangle of the
-/// edges `u` and `v`, so that one edge in each of its three directions stands for twice the area of a triangle.
+/// Bending energy per area of a regular mesh that is rolled to a cylinder about an axis in its plane, relative to `½ B κ²`. The mesh repeats the triangle with
+/// the edges `u` and `v`, so one edge in each of its three directions accounts for twice the area of a triangle.
 fn rolled(u: Vec3, v: Vec3, towards: f32, curvature: f32) -> f32 {
     const STIFFNESS: f32 = 2e-3;
     let (sin, cos) = libm::sincosf(towards);
@@ -119,7 +119,7 @@ fn rolled(u: Vec3, v: Vec3, towards: f32, curvature: f32) -> f32 {
         Vec3::new(s / curvature, across, (1.0 - c) / curvature)
     };
     let energy = |[edge, a]: [Vec3; 2]| {
-        // About the middle of the edge, so that the three edges are alike.
+        // About the middle of the edge, so that the three edges are treated alike.
         let flat = [-edge * 0.5, edge * 0.5, a - edge * 0.5, edge * 0.5 - a];
         let bend = Bend::stiff(flat, STIFFNESS).unwrap();
         let bent = points_of(&flat.map(roll), &[]);
@@ -142,7 +142,7 @@ fn a_stiffness_means_the_same_bending_energy_whatever_the_size_of_the_triangles(
             assert!((right - 1.0).abs() < 0.01, "right-angled, {size} m, {degrees}°: {right}");
         }
     }
-    // The grain of right-angled triangles: cylinders along the two diagonals.
+    // Anisotropy of right-angled triangles: cylinders along the two diagonals.
     let grain = [45.0_f32, 135.0].map(|d| rolled(Vec3::X, Vec3::Y, d.to_radians(), 0.1));
     println!("along the diagonals of a right-angled mesh: {grain:?}");
     assert!(grain.iter().all(|x| (0.3..3.1).contains(x)), "{grain:?}");
@@ -150,7 +150,7 @@ fn a_stiffness_means_the_same_bending_energy_whatever_the_size_of_the_triangles(
 
 #[test]
 fn two_triangles_swing_at_the_frequency_of_their_stiffness_at_any_number_of_sweeps() {
-    // Rigid wings about a hinge: the gap is Σ wᵢxᵢ, a coordinate with the mass 1/Σw wᵢ², on the spring 1/α.
+    // Rigid wings about a hinge: the gap is Σ wᵢxᵢ, a coordinate with the mass 1/Σw wᵢ², on a spring of stiffness 1/α.
     let half = 0.5_f32;
     let flat = [Vec3::ZERO, Vec3::X, Vec3::new(0.5, half, 0.0), Vec3::new(0.5, -half, 0.0)];
     for sweeps in [1, 8] {
@@ -168,7 +168,7 @@ fn two_triangles_swing_at_the_frequency_of_their_stiffness_at_any_number_of_swee
         world.constraints_mut().push(Constraint::new(0..4, ConstraintKind::Bend(bend)));
         let period = core::f32::consts::TAU / 32.0_f32.sqrt();
         let mut lowest = (0.0, 0.0_f32);
-        // Half a period on, all is on the other side.
+        // After half a period the gap is at the opposite extreme.
         for step in 1..=70 {
             world.step(0.01).unwrap();
             let gap = world.particles.position(2).z - world.particles.position(0).z;

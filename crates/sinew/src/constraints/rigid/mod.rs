@@ -1,4 +1,4 @@
-//! A rigid set of particles, by shape matching (physics.md B2'): one constraint in the place of a rod for every pair, exact in one projection.
+//! A rigid set of particles, by shape matching (physics.md B2'): one constraint in place of a rod for every pair, exact in one projection.
 
 mod turn;
 
@@ -13,30 +13,30 @@ use super::softness::Softness;
 use super::towards::{Weights, towards};
 use crate::pose::rotation;
 
-/// All particles keep the places that they have in a rigid shape, which may be anywhere and turned in any way, but never mirrored.
+/// Keeps all particles at their places in a rigid shape, which may be moved and rotated in any way, but never mirrored.
 ///
-/// Along [`GradientAt::Current`] they go to the nearest such places, the least `Σ m‖d‖²`. That bleeds spin. Along [`GradientAt::StepStart`] they go
-/// where they keep the angular momentum that they come with, and the spin and the energy are kept as Verlet does; where that is not to be had (the
-/// shape turned by about 1 rad or more in a substep, or something else bent it that much) they go to the nearest.
+/// With [`GradientAt::Current`] the particles move to the nearest such configuration, the least `Σ m‖d‖²`; rotation loses energy. With
+/// [`GradientAt::StepStart`] they move to the configuration that keeps the angular momentum of the step, and spin and energy are kept as well as Verlet does.
+/// Where there is no such configuration (the shape turned by about 1 rad or more in a substep, or was deformed that much), they move to the nearest.
 ///
-/// Particles that are pinned do not move; the shape turns about a single one, and about the line through two. More of them decide as far as they are
-/// where the shape has them. Any number of particles will do, on a line, in a plane or in one place as well. The error that the solver sees is the
-/// root mean square of the displacements, weighted by mass.
+/// Pinned particles do not move: the shape turns about a single one, and about the line through two. More than two are met as far as their positions fit the
+/// shape. Any number of particles is allowed, also on a line, in a plane or in one place. The error reported to the solver is the mass-weighted root mean
+/// square of the displacements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rigid {
-    /// Where each of the particles sits in the shape's own frame, metres. Shared by bodies of the same shape.
+    /// Position of each particle in the shape's own frame, metres. Shared by bodies of the same shape.
     pub rest: Arc<[Vec3]>,
-    /// How hard it is: [`Softness::frequency`] gives a shape that wobbles.
+    /// How stiff the constraint is: [`Softness::frequency`] gives a shape that wobbles.
     pub softness: Softness,
 }
 
 impl Rigid {
-    /// A hard one of the shape that these positions have, metres; in the order of the constraint's rows.
+    /// A hard constraint with the shape of these positions, metres, in the order of the constraint's rows.
     pub fn of(positions: impl Into<Arc<[Vec3]>>) -> Self {
         Self { rest: positions.into(), softness: Softness::Hard }
     }
 
-    /// Why it cannot bind `particles` particles, or `None` if it can.
+    /// Why the constraint cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles == 0 || self.rest.len() != particles {
             Some(ConstraintFault::Count)
@@ -48,9 +48,9 @@ impl Rigid {
     }
 }
 
-/// A shape turned by `R` and moved to the barycentre `q̄` asks of each particle `dᵢ = R (rᵢ - r̄) + q̄ - qᵢ`. Whatever `R` is, that keeps momentum,
-/// `Σ m d = 0`. The nearest way, least `Σ m‖d‖²`, is the rotation nearest to `Σ m (q - q̄)(r - r̄)ᵀ` (derived in [`pose`](crate::pose)); it keeps the
-/// angular momentum about where the particles are *now*, `Σ m (q - q̄) × d = 0`, which is not the one that Verlet keeps: `turn.rs` has the other.
+/// The shape rotated by `R` and moved to the barycentre `q̄` requires the displacement `dᵢ = R (rᵢ - r̄) + q̄ - qᵢ` of each particle. Whatever `R` is, that
+/// keeps momentum, `Σ m d = 0`. The least displacement, `Σ m‖d‖²`, has the rotation nearest to `Σ m (q - q̄)(r - r̄)ᵀ` (derived in [`pose`](crate::pose)). It
+/// keeps the angular momentum about the *current* positions, `Σ m (q - q̄) × d = 0`, which is not the one that Verlet keeps; `turn.rs` derives the other.
 impl Equation for Rigid {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let Some(weights) = Weights::of(points) else { return 0.0 };
@@ -76,7 +76,7 @@ impl Equation for Rigid {
     }
 }
 
-/// How the particles go with the rest shape.
+/// Centres and moments that match the particles to the rest shape.
 struct Fit {
     /// Centre of the particles, metres from the origin.
     now: DVec3,
@@ -119,8 +119,8 @@ impl Fit {
         turn::keeping(momentum, moments, nearest).unwrap_or(nearest)
     }
 
-    /// A rotation near the nearest one, so that two steps find that: the one that carries two of the rest positions, far out and far from being in
-    /// line, to where their particles are. It depends on the positions alone; so does what is done where many rotations are as good.
+    /// A rotation near the nearest one, so that two Newton steps find that: it maps two of the rest positions, far out and far from collinear, to the
+    /// directions of their particles. It depends on the positions alone, so the result is deterministic also where several rotations are equally near.
     fn initial_rotation(&self, points: &Points, rest: &[Vec3]) -> DQuat {
         let (mut far, mut reach) = (0, 0.0);
         for (i, r) in rest.iter().enumerate() {
@@ -145,7 +145,7 @@ impl Fit {
     }
 }
 
-/// A right-handed frame with its first axis along `a` and `b` in the plane of the first two; `None` if they are in line.
+/// A right-handed frame with its first axis along `a` and with `b` in the plane of the first two; `None` if they are collinear.
 fn frame(a: DVec3, b: DVec3) -> Option<DMat3> {
     let (x, z) = (a.try_normalize()?, a.cross(b).try_normalize()?);
     Some(DMat3::from_cols(x, z.cross(x), z))

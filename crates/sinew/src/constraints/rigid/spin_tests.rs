@@ -1,14 +1,14 @@
-//! A rigid shape as a body in motion: spin, tumbling, momentum, energy and fall, in a world of its own.
+//! Tests of a rigid shape in motion: spin, tumbling, momentum, energy and free fall, each in a world of its own.
 
 use super::*;
 use crate::{Constraint, ConstraintKind, ParticleSeed, Simulation};
 
-/// Eight particles at `half` on each side of the origin, kg in all, spinning at `spin` rad/s.
+/// Eight particles at ±`half` about the origin, of `mass` kg in total, spinning at `spin` rad/s.
 fn boxed(half: Vec3, mass: f32, spin: Vec3, gradient_at: GradientAt) -> Simulation {
     let mut world = Simulation::default();
     world.forces.gravity = Vec3::ZERO;
     world.settings.gradient_at = gradient_at;
-    // The correction itself is looked at here, not what makes up for it.
+    // These tests are about the correction itself, not about what restores its losses.
     world.settings.keep_spin = false;
     world.settings.substeps = 1;
     let sign = |bit: u8| f32::from(bit & 1) * 2.0 - 1.0;
@@ -63,14 +63,14 @@ fn at_one_step_a_frame_the_nearest_way_bleeds_as_the_rods_do() {
     let (nearest, kept) = (spin(GradientAt::Current), spin(GradientAt::StepStart));
     println!("5 rad/s after 2 s at 1/60 s: {nearest} and {kept}");
     assert!((nearest - 3.07).abs() < 0.02, "{nearest}");
-    // What Verlet keeps is the sine of a step's turn, 5/60; read is its chord.
+    // Verlet keeps the sine of a step's rotation angle, 5/60; the value that is read back is its chord.
     let turn = libm::asinf(5.0 / 60.0);
     assert!((kept - 120.0 * libm::sinf(0.5 * turn)).abs() < 1e-3, "{kept}");
 }
 
-/// Seconds between the flips of a solid box 1×2×3 at 6 rad/s about its middle axis, tilted by 1 %, in `seconds` of steps of `h`.
+/// Seconds between the flips of a solid box 1×2×3 at 6 rad/s about its middle axis, tilted by 1 %, over `seconds` in steps of `h`.
 ///
-/// The particles stand at ±half/√3 and have the inertia of the solid box; its moments are as 13 : 10 : 5, the middle one about y.
+/// The particles are at ±half/√3 and have the inertia of the solid box; its moments are in the ratio 13 : 10 : 5, the middle one about y.
 fn flips(h: f32, seconds: f32) -> Vec<f32> {
     let half = Vec3::new(1.0, 2.0, 3.0) * (0.5 / 3.0_f32.sqrt());
     let spin = Vec3::new(libm::sinf(0.01), libm::cosf(0.01), 0.0) * 6.0;
@@ -81,7 +81,7 @@ fn flips(h: f32, seconds: f32) -> Vec<f32> {
         // The y axis of the body: from a particle at -y to the one at +y.
         let up = (world.particles.position(2) - world.particles.position(0)).y;
         if up * last < 0.0 {
-            // Between the two steps, by a straight line.
+            // Interpolated linearly between the two steps.
             times.push((step as f32 + last / (last - up)) * h);
         }
         last = up;
@@ -146,7 +146,7 @@ fn in_free_fall_the_barycentre_follows_the_parabola_while_the_shape_spins() {
 
 #[test]
 fn a_plate_on_one_pinned_corner_swings_as_long_as_one_looks() {
-    // A square plate hung by a corner, let go from 60° to the side; a physical pendulum.
+    // A square plate hung by a corner and released from 60° to the side: a physical pendulum.
     let mut world = Simulation::default();
     world.settings.gradient_at = GradientAt::StepStart;
     let (sin, cos) = libm::sincosf(60.0_f32.to_radians());

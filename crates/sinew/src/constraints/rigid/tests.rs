@@ -1,11 +1,11 @@
-//! What one projection of a rigid shape must do.
+//! Tests of a single projection of a rigid shape.
 
 use super::super::checks::{self, Particles, Random, points_of};
 use super::super::{Points, project_equation};
 use super::*;
 use crate::constraints::SubstepContext;
 
-/// A lopsided shape of six, turned, moved and bent a little; and masses for it.
+/// An asymmetric shape of six particles, rotated, moved and slightly deformed, and their masses.
 fn bent() -> (Rigid, Vec<Vec3>, Vec<f32>) {
     let mut random = Random::new(21);
     let rest = random.positions(6);
@@ -16,14 +16,14 @@ fn bent() -> (Rigid, Vec<Vec3>, Vec<f32>) {
     (Rigid::of(rest.as_slice()), now.collect(), masses)
 }
 
-/// The largest error of any distance, metres.
+/// The largest error of any pair distance, metres.
 fn strain(rest: &[Vec3], now: &[Vec3]) -> f32 {
     let pairs = (0..rest.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
     let errors = pairs.map(|(i, j)| (rest[i].distance(rest[j]) - now[i].distance(now[j])).abs());
     errors.fold(0.0, f32::max)
 }
 
-/// One projection along the start of the step.
+/// One projection with the gradient at the start of the step.
 fn project_from_start(equation: &Rigid, particles: &mut Particles) {
     let mut moves = vec![Vec3::ZERO; particles.now.len()];
     let points = Points { gradient_at: GradientAt::StepStart, ..particles.points() };
@@ -185,7 +185,7 @@ fn degenerate_sets_stay_finite_along_the_start_as_well() {
 fn pinned_particles_stay_and_the_others_find_their_places_around_them() {
     let (equation, places, _) = bent();
     for from_start in [false, true] {
-        // One is a ball joint and met at once. Two, at a distance that is not quite that of the shape, are compromised on.
+        // A single pinned particle is a ball joint and is met at once. Two, at a distance that does not quite fit the shape, are met by a compromise.
         for (pinned, allowed) in [(vec![2], 2e-6), (vec![1, 4], 0.06)] {
             let mut masses = vec![1.0; 6];
             for &i in &pinned {

@@ -1,44 +1,46 @@
-//! The turn of a rigid shape that keeps its angular momentum: the discrete rigid body of Moser and Veselov, in the shape of a constraint.
+//! The rotation of a rigid shape that keeps its angular momentum: the discrete rigid body of Moser and Veselov, as a constraint.
 //!
-//! Verlet carries particles from `p` to `q`; the mean velocity is `(q - p)/h`, and the angular momentum of the step `Σ m p × q / h`, the same as
-//! that of the step before: `p = 2p' - p''` without forces, so `p × (2p - p'') = p'' × p`. A constraint must not change it. All about the
-//! barycentres, let the particles end at `x = R r`, a rotation of the rest shape. Wanted is the `R` with
+//! Verlet moves particles from `p` to `q`. The mean velocity is `(q - p)/h` and the angular momentum of the step `Σ m p × q / h`, the same as that of the step
+//! before: without forces `p = 2p' - p''`, so `p × (2p - p'') = p'' × p`. A constraint must not change it. With all positions relative to the barycentres, let
+//! the particles end at `x = R r`, a rotation of the rest shape. Required is the `R` with
 //!
 //! ```text
 //! Σ m p × R r = Σ m p × q = L
 //! ```
 //!
-//! three equations for three unknowns. (They are the rods' equations along the start of the step, SHAKE, solved for all pairs at once: a force
-//! between two particles along the line on which they were has no moment about where they were.) As a map from one step to the next this is
-//! symplectic and reversible, so the energy swings within a band of order h² and does not drift (Moser, Veselov, *Discrete versions of some
-//! classical integrable systems*, 1991; Hairer, Lubich, Wanner, *Geometric Numerical Integration*, VII.5).
+//! three equations for three unknowns. (They are the rods' equations of SHAKE solved for all pairs at once: a force between two particles along their line at
+//! the start has no moment about their positions at the start.) As a map from one step to the next this is symplectic and reversible, so the energy oscillates
+//! within a band of order h² and does not drift (Moser, Veselov, *Discrete versions of some classical integrable systems*, 1991; Hairer, Lubich, Wanner,
+//! *Geometric Numerical Integration*, VII.5).
 //!
 //! # Newton's step
 //!
-//! A further small turn θ takes `x` to `x + θ × x`, and `p × (θ × x) = θ (p·x) - x (p·θ)`, so with `B = Σ m x pᵀ`
+//! A further small rotation θ takes `x` to `x + θ × x`, and `p × (θ × x) = θ (p·x) - x (p·θ)`, so with `B = Σ m x pᵀ`
 //!
 //! ```text
 //! A θ = L - Σ m p × x        A = tr(B) 1 - B
 //! ```
 //!
-//! `B = R (Σ m p rᵀ)ᵀ`, and `Σ m p × x` is its antisymmetric part: nothing in a step depends on the number of particles. At rest `A` is the inertia
-//! tensor. After a turn by φ about one axis it has lost the factor cos φ there: `L` is to be met by a sine, and nothing does beyond a quarter turn.
+//! `B = R (Σ m p rᵀ)ᵀ`, and `Σ m p × x` is its antisymmetric part, so the cost of a step does not depend on the number of particles. Without rotation `A` is
+//! the inertia tensor. After a rotation by φ about one axis it has lost the factor cos φ there: `L` goes as a sine, and beyond a quarter turn there is no
+//! solution.
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// Quadratic from the nearest rotation, which is off by about φ³/2: two or three steps up to 0.3 rad. Beyond six it does not converge.
+/// Maximum number of Newton steps. They start at the nearest rotation, which is off by about φ³/2, and converge quadratically: two or three steps up to 0.3
+/// rad. What takes more than six does not converge.
 const STEPS: u32 = 6;
-/// Newton is done with a step of this size, rad: what it leaves is of the order of its square.
+/// Newton stops at a step of this size, rad: the remaining error is of the order of its square.
 const DONE: f64 = 1e-7;
-/// A share of the inertia that is added all around. On a line nothing keeps the shape from turning about that: this does, and slows the convergence
-/// in that direction by a factor that is seen only if the shape is thinner than 1 in 1e5.
+/// Regularisation: the share of the trace that is added to the diagonal. Collinear particles do not resist rotation about their line; this term makes the
+/// system solvable, and slows the convergence in that direction by a factor that is noticeable only if the shape is thinner than 1 in 1e5.
 const RIDGE: f64 = 1e-10;
-/// The farthest from the nearest rotation, rad. Free flight by the sine s of a turn is seen by the nearest one as an arc tangent: asin s - atan s
-/// is this much at a turn of 1 rad. What is farther off was bent there by something else than a turn.
+/// Greatest accepted angle from the nearest rotation, rad. In free flight, a rotation whose sine is s appears to the nearest rotation as an arc tangent, and
+/// asin s - atan s is this much at 1 rad. A greater difference comes from deformation.
 const FARTHEST: f64 = 0.3;
 
-/// The rotation that gives the angular momentum `momentum`, `Σ m p × q`, to the shape with `moments`, `Σ m p rᵀ`; sought from `nearest`. `None` if
-/// there is none near that.
+/// The rotation that gives the shape with `moments`, `Σ m p rᵀ`, the angular momentum `momentum`, `Σ m p × q`; iterated from `nearest`. `None` if there is none
+/// near it.
 pub(super) fn keeping(momentum: DVec3, moments: DMat3, nearest: DQuat) -> Option<DQuat> {
     let from_rest = moments.transpose();
     let mut q = nearest;
@@ -50,14 +52,14 @@ pub(super) fn keeping(momentum: DVec3, moments: DMat3, nearest: DQuat) -> Option
         let a = DMat3::from_diagonal(DVec3::splat(trace * (1.0 + RIDGE))) - b;
         let theta = solve(a, momentum - now)?;
         let square = theta.length_squared();
-        // Written so that a NaN declines.
+        // Written so that a NaN gives `None`.
         if !(trace > 0.0 && square < FARTHEST * FARTHEST) {
             return None;
         }
         let half = theta * 0.5;
         q = (DQuat::from_xyzw(half.x, half.y, half.z, 1.0) * q).normalize();
         if square < DONE * DONE {
-            // Of unit quaternions apart by φ, the dot product is cos φ/2.
+            // For unit quaternions apart by φ, the dot product is cos φ/2.
             let near = 1.0 - q.dot(nearest).abs() <= FARTHEST * FARTHEST / 8.0;
             return near.then_some(q);
         }
@@ -65,7 +67,7 @@ pub(super) fn keeping(momentum: DVec3, moments: DMat3, nearest: DQuat) -> Option
     None
 }
 
-/// `A⁻¹ b` by Cramer's rule, if `A` turns nothing inside out.
+/// `A⁻¹ b` by Cramer's rule; `None` unless the determinant is positive.
 fn solve(a: DMat3, b: DVec3) -> Option<DVec3> {
     let across = a.y_axis.cross(a.z_axis);
     let determinant = a.x_axis.dot(across);
