@@ -1,25 +1,24 @@
-//! Control forces: named pushes of the user's own, on a particle or on a compound as a whole (physics.md F2): an engine, a thruster, a hand.
+//! Control forces: named, user-driven forces on a particle or on a compound as a whole (physics.md F2), such as an engine, a thruster or a hand.
 //!
-//! A compound feels the force at its barycentre, as `F/M` on every particle, or at a point, with its lever; and a torque, spread as a
-//! rigid body would take it. [`particles`](crate::particles)' `total_mass.rs` derives that.
+//! On a compound the force acts at its barycentre, as `F/M` on every particle, or at a given point with its lever arm. A torque is distributed as a rigid body
+//! would take it; `total_mass.rs` of [`particles`](crate::particles) derives that.
 
 use glam::{DVec3, Vec3};
 
 use crate::particles::{Particles, TotalMass};
 
-/// A force and a torque on some particles together, in every substep until it is changed or removed.
+/// A force and a torque on a set of particles, applied in every substep until it is changed or removed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Control {
-    /// What the user calls it. Nothing in the simulation depends on it.
+    /// The user's name for it. The simulation does not use it.
     pub name: String,
-    /// The rows that it acts on together. Pinned ones and such as are not there do not count.
+    /// The rows that it acts on together. Pinned particles and missing rows are ignored.
     pub rows: Vec<u32>,
-    /// The force on all of them together, N, along the world's axes. (A thruster that turns with its body sets it anew each step, from the
-    /// body's [`pose`](crate::pose::pose).)
+    /// The total force, N, in world axes. (A thruster that turns with its body has to set it anew each step, from the body's [`pose`](crate::pose::pose).)
     pub force: Vec3,
-    /// The torque on all of them together, N·m. A line cannot be turned about itself, nor one particle at all: that part is lost.
+    /// The total torque, N·m. Collinear particles cannot be turned about their line, nor a single particle at all: that part of the torque is lost.
     pub torque: Vec3,
-    /// The point of the world where the force acts, metres. Default `None`: at the barycentre, so that it turns nothing.
+    /// The point at which the force acts, metres, in world space. Default `None`: the barycentre, so that the force causes no rotation.
     pub point: Option<Vec3>,
 }
 
@@ -34,12 +33,12 @@ impl Control {
         Self { name: name.into(), rows: rows.into(), torque, ..Self::default() }
     }
 
-    /// The same with the force acting at a point of the world, metres.
+    /// The same with the force acting at `point`, metres, in world space.
     pub fn at(self, point: Vec3) -> Self {
         Self { point: Some(point), ..self }
     }
 
-    /// Whether it asks for nothing.
+    /// Whether force and torque are zero.
     pub(crate) fn is_idle(&self) -> bool {
         self.force == Vec3::ZERO && self.torque == Vec3::ZERO
     }
@@ -76,7 +75,7 @@ mod tests {
     use crate::particles::ParticleSeed;
     use crate::simulation::Simulation;
 
-    /// A box of eight particles of different masses, 2 × 1 × 3 m, with all its distances, without gravity.
+    /// A box of eight particles of different masses, 2 × 1 × 3 m, with all its pair distances, without gravity.
     fn crate_of_wood() -> Simulation {
         let mut world = Simulation::default();
         world.forces.gravity = Vec3::ZERO;
@@ -98,7 +97,7 @@ mod tests {
 
     const ALL: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
 
-    /// Force and torque about the barycentre that the particles feel in all.
+    /// Total force on the particles, and torque about their barycentre.
     fn felt(world: &mut Simulation) -> (DVec3, DVec3) {
         world.begin_substep();
         world.accumulate_forces();
@@ -161,7 +160,7 @@ mod tests {
             let at = world.particles.position(i);
             world.particles.set(i, ParticleSeed::at(at).with_mass(1.0)).unwrap();
         }
-        // The direction that does not bleed spin, and sweeps enough for it.
+        // The gradient that keeps spin, with enough sweeps for it to converge.
         world.settings.gradient_at = GradientAt::StepStart;
         world.settings.max_sweeps = 40;
         // About its middle, along z: Σ m (x² + y²) = 8 (1 + 1/4) kg·m².

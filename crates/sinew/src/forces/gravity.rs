@@ -1,8 +1,8 @@
-//! Gravity: the uniform pull of a ground that is near, and the pull of heavy points (physics.md F1).
+//! Gravity: a uniform field, and attraction by heavy points (physics.md F1).
 //!
-//! A point of gravitational parameter `GM` attracts with `a = -GM d/(r² + ε²)^{3/2}`, `d` the particle from the point. The softening `ε` keeps
-//! it finite where a particle flies through; its potential is `-GM/√(r² + ε²)`. Either is an acceleration: mass does not matter, and the
-//! [gravity scale](crate::ParticleSeed::gravity_scale) of a particle multiplies both. Particles do not pull the point.
+//! A point of gravitational parameter `GM` attracts with `a = -GM d/(r² + ε²)^{3/2}`, where `d` is the particle's position relative to the point. The softening
+//! `ε` keeps it finite where a particle passes through; its potential is `-GM/√(r² + ε²)`. Both kinds are accelerations, independent of mass, and the [gravity
+//! scale](crate::ParticleSeed::gravity_scale) of a particle multiplies both. Particles do not attract the point.
 
 use glam::{DVec3, Vec3, Vec4};
 
@@ -10,19 +10,20 @@ use super::Forces;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
-/// A point that attracts everything: a planet, a magnet in a game, a black hole.
+/// A point that attracts all particles, such as a planet, a magnet in a game or a black hole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attractor {
-    /// Where it is, metres.
+    /// Its position, metres.
     pub position: Vec3,
-    /// Gravitational parameter `GM`, m³/s²; negative repels. At 10 m, 981 m³/s² pull as the Earth does on its ground.
+    /// Gravitational parameter `GM`, m³/s²; negative repels. At a distance of 10 m, 981 m³/s² give the gravity of the Earth's surface.
     pub strength: f32,
-    /// Softening length `ε`, metres, 0 or more: nearer than that the pull does not grow. Default 0.1; keep it above the way of a substep.
+    /// Softening length `ε`, metres, 0 or more: the attraction stops growing within it. Default 0.1; keep it larger than a particle's displacement in a
+    /// substep.
     pub softening: f32,
 }
 
 impl Attractor {
-    /// A point that attracts with the gravitational parameter `strength`, m³/s², softened over 0.1 m.
+    /// A point with the gravitational parameter `strength`, m³/s², softened over 0.1 m.
     pub fn new(position: Vec3, strength: f32) -> Self {
         Self { position, strength, softening: 0.1 }
     }
@@ -35,25 +36,25 @@ impl Attractor {
             && self.softening >= 0.0
     }
 
-    /// The acceleration of particles at `d` from the point, m/s². None at the point itself.
+    /// The acceleration of particles at `d` from the point, m/s². Zero at the point itself.
     #[inline(always)]
     fn pull<L: Lanes>(&self, d: Vector<L>) -> Vector<L> {
         let squared = d.length_squared() + L::splat(self.softening * self.softening);
         let pull = d * (L::splat(-self.strength) / (squared * squared.sqrt()));
-        // Without softening, at the point: no direction.
+        // Without softening there is no direction at the point itself.
         let largest = pull.x.abs() + pull.y.abs() + pull.z.abs();
         pull.or_else(largest.lt(L::splat(f32::INFINITY)), Vector::splat(Vec3::ZERO))
     }
 }
 
-/// Adds gravity, which needs no mass (`f = m g`, so `a = g`), and the game's own forces.
+/// Adds gravity, which needs no mass (`f = m g`, so `a = g`), and the external force of each particle.
 pub(crate) fn apply(particles: &mut Particles, forces: &Forces, instructions: InstructionSet) {
     particles.accelerate_all(forces.gravity);
     for number in 0..particles.column_summary.singular.len() {
         let i = particles.column_summary.singular[number] as usize;
         let w = particles.position[i].w;
         if w > 0.0 {
-            // Beside what all have.
+            // In addition to the gravity applied to all.
             let pull = forces.gravity * (particles.gravity_scale[i] - 1.0);
             particles.push_acceleration(i, pull + particles.external[i] * w);
         }
@@ -84,7 +85,7 @@ kernel!(
     }
 );
 
-/// Potential energy of particle `i` of mass `m` (kg) in both, J: `-m g·x - m Σ GM/√(r² + ε²)`.
+/// Potential energy of particle `i` of mass `m` (kg) in both fields, J: `-m g·x - m Σ GM/√(r² + ε²)`.
 pub(crate) fn energy(particles: &Particles, forces: &Forces, i: usize, m: f64) -> f64 {
     let x = particles.origin[i].as_dvec3() + particles.position[i].truncate().as_dvec3();
     let well = |attractor: &Attractor| {
@@ -106,7 +107,7 @@ mod tests {
 
     const GM: f32 = 200.0;
 
-    /// A particle at 5 m from a point far from the origin, thrown across at the given share of the speed of a circular orbit.
+    /// A particle at 5 m from a point far from the origin, launched sideways at the given share of the speed of a circular orbit.
     fn orbit(share: f32, centre: Vec3) -> Simulation {
         let mut world = Simulation::default();
         world.forces.gravity = Vec3::ZERO;
@@ -122,7 +123,7 @@ mod tests {
     fn a_circular_orbit_has_keplers_period() {
         for centre in [Vec3::ZERO, Vec3::new(8000.0, 0.0, 0.0)] {
             let mut world = orbit(1.0, centre);
-            // Ten turns, each ending where z becomes positive again.
+            // Ten orbits, each ending where z becomes positive again.
             let (mut turns, mut t, mut last) = (0, 0.0_f64, 0.0_f32);
             while turns < 10 && t < 60.0 {
                 world.step(1.0 / 60.0).unwrap();

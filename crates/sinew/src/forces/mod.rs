@@ -1,7 +1,7 @@
-//! Forces: what accelerates particles. They all add up (physics.md F1–F7); each file holds one law, its derivation and its test.
+//! Forces: everything that accelerates particles. They all add up (physics.md F1–F7); each file holds one kind of force, its derivation and its tests.
 //!
-//! A force law reads positions and velocities at the start of a substep and adds to [`Particles::acceleration`]. Nothing else moves
-//! because of a force; what must hold exactly is a [constraint](crate::constraints) instead.
+//! A force reads positions and velocities at the start of a substep and adds to [`Particles::acceleration`]; it moves nothing directly. What must hold exactly
+//! is a [constraint](crate::constraints) instead.
 
 mod control;
 mod electric;
@@ -31,41 +31,41 @@ use glam::Vec3;
 use crate::particles::{Particles, rate_of_drag};
 use crate::tracked::Tracked;
 
-/// The force laws of a simulation and what they act on.
+/// The forces of a simulation, and what they act on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forces {
     /// Gravitational acceleration, m/s². Default `(0, -9.81, 0)`.
     pub gravity: Vec3,
-    /// Points that attract, besides.
+    /// Points that attract, in addition to the uniform gravity.
     pub attractors: Vec<Attractor>,
-    /// Damping of everything by the air, as the share of velocity lost per second (the lectures' drag), 0 to 1. Default 0.
+    /// Damping of all particles by the air: the share of velocity lost per second, 0 to 1. Default 0.
     pub drag: f32,
-    /// The user's own forces on particles and compounds.
+    /// User-driven forces on particles and compounds.
     pub controls: Vec<Control>,
     /// Springs between pairs of particles.
     pub springs: Vec<Spring>,
-    /// Triangles of particles: wind presses on them and air drags, rays meet them, and bodies collide by them that ask for it
-    /// ([`BodyContacts::surface`](crate::BodyContacts::surface)).
+    /// Triangles of particles. Wind and air act on them, ray casts hit them, and bodies that enable it
+    /// ([`BodyContacts::surface`](crate::BodyContacts::surface)) collide by them.
     pub surfaces: Tracked<Vec<[u32; 3]>>,
-    /// Winds that press on them.
+    /// Winds that press on the surfaces.
     pub winds: Vec<Wind>,
-    /// Air that they and loose particles move in: with drag, lift and a velocity.
+    /// Air around surfaces and loose particles: with drag, lift and a velocity.
     pub air_flows: Vec<AirFlow>,
     /// Fluids that hulls and loose particles float in.
     pub fluids: Vec<Fluid>,
-    /// Solids made of several particles that float by their own shape. One at fault is left out, and its particles float as balls.
+    /// Bodies of several particles that float by their own shape. A faulty hull is skipped, and its particles float as balls.
     pub hulls: Vec<Hull>,
-    /// How charges attract and repel.
+    /// Coulomb forces between charges, and a uniform field.
     pub electric: Electric,
     /// Uniform electric fields, each within its region.
     pub electric_fields: Vec<ElectricField>,
 }
 
 impl Forces {
-    /// The particles that these act on otherwise than on all alike: those that they name; `None` where it may be any of them. Which surfaces winds press on, and which
-    /// particles have a charge, a gravity or a force of their own, is known elsewhere.
+    /// The particles on which a force acts individually, as controls and springs do; `None` if it may be any particle. Not included: winds on surfaces, and
+    /// particles with a charge, a gravity scale or an external force of their own, which are tracked elsewhere.
     pub(crate) fn rows(&self) -> Option<impl Iterator<Item = u32>> {
-        // Each by its name, so that the compiler asks of which kind a new force is.
+        // Exhaustive, so that a new kind of force does not compile until it is classified here.
         let Self {
             gravity: _,
             drag: _,
@@ -106,7 +106,7 @@ impl Default for Forces {
     }
 }
 
-/// Starts the sums of a substep afresh: no acceleration, and the damping of the air alone.
+/// Clears the sums for a new substep: no acceleration, and only the air's damping.
 pub(crate) fn reset(particles: &mut Particles, forces: &Forces) {
     let air = rate_of_drag(forces.drag.clamp(0.0, 1.0));
     particles.clear_sums(if air.is_nan() { 0.0 } else { air });

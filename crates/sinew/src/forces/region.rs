@@ -1,21 +1,21 @@
-//! Where in the world a field acts: a wind in a tunnel, a fluid in a basin. One notion of place for all of them, so that they fade alike.
+//! The region in which a field acts, such as a wind in a tunnel or a fluid in a basin. All fields share this type, so they fade alike.
 //!
-//! A shape says how deep inside it a point lies, in metres; what acts there is the share `3t² - 2t³` with `t = depth/fade`, from 0 at the
-//! shape's surface to 1 at `fade` metres inside. Its slope vanishes at both ends, so a field with a fade switches nothing on at once; one
-//! without (`fade` 0, the default) ends like a wall.
+//! A shape defines how deep inside it a point is, in metres. The field's share at the point is `3t² - 2t³` with `t = depth/fade`, from 0 at the shape's surface
+//! to 1 at `fade` metres inside. Its slope is zero at both ends, so a field with a fade switches nothing on abruptly. Without a fade (0, the default) it ends
+//! abruptly, like a wall.
 
 use glam::{Quat, Vec3};
 
 use crate::particles::Particles;
 
-/// Where a field acts, and how softly it ends. Default: everywhere.
+/// Where a field acts, and how it fades at the boundary. Default: everywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Region {
-    /// What it fills.
+    /// The shape that it fills.
     pub extent: Extent,
-    /// Over how many metres, from the surface inwards, the field grows from nothing to all of itself. Default 0: at once.
+    /// Distance inward from the surface, metres, over which the field grows from zero to full strength. Default 0: abruptly.
     ///
-    /// A shape thinner than twice this has the field nowhere in full.
+    /// A shape thinner than twice this reaches full strength nowhere.
     pub fade: f32,
 }
 
@@ -27,41 +27,41 @@ pub enum Extent {
     Everywhere,
     /// The half-space of points with `up · x < level`.
     Below {
-        /// Unit normal of the boundary, out of the region.
+        /// Unit normal of the boundary, pointing out of the region.
         up: Vec3,
         /// `up · x` of the points on the boundary, metres.
         level: f32,
     },
     /// A box.
     Box {
-        /// Its middle.
+        /// Its centre, metres.
         centre: Vec3,
         /// Lengths of its edges, metres, along its own axes.
         size: Vec3,
-        /// How its axes are turned; a unit quaternion.
+        /// Orientation of its axes; a unit quaternion.
         rotation: Quat,
     },
     /// A ball.
     Sphere {
-        /// Its middle.
+        /// Its centre, metres.
         centre: Vec3,
         /// Its radius, metres.
         radius: f32,
     },
     /// A cylinder with flat ends.
     Cylinder {
-        /// The middle of one end.
+        /// Centre of one end, metres.
         a: Vec3,
-        /// The middle of the other, another point than `a`.
+        /// Centre of the other end, metres; must differ from `a`.
         b: Vec3,
         /// Its radius, metres.
         radius: f32,
     },
-    /// What is within a radius of a line from `a` to `b`: a cylinder with round ends. A ball if the two coincide.
+    /// All points within a radius of the segment from `a` to `b`: a cylinder with round ends. A ball if the two coincide.
     Capsule {
-        /// One end of the line.
+        /// One end of the segment, metres.
         a: Vec3,
-        /// Its other end.
+        /// Its other end, metres.
         b: Vec3,
         /// The radius, metres.
         radius: f32,
@@ -72,17 +72,17 @@ impl Region {
     /// The whole world.
     pub const EVERYWHERE: Self = Self { extent: Extent::Everywhere, fade: 0.0 };
 
-    /// A box with edges along the world's axes, from its middle and the lengths of its edges in metres. It ends like a wall.
+    /// An axis-aligned box, from its centre and the lengths of its edges in metres. Without a fade.
     pub fn boxed(centre: Vec3, size: Vec3) -> Self {
         Extent::Box { centre, size, rotation: Quat::IDENTITY }.into()
     }
 
-    /// A ball, from its middle and its radius in metres. It ends like a wall.
+    /// A ball, from its centre and its radius in metres. Without a fade.
     pub fn sphere(centre: Vec3, radius: f32) -> Self {
         Extent::Sphere { centre, radius }.into()
     }
 
-    /// The same, fading in over `fade` metres from its surface inwards.
+    /// The same region, fading in over `fade` metres from its surface inwards.
     pub fn with_fade(self, fade: f32) -> Self {
         Self { fade, ..self }
     }
@@ -92,22 +92,22 @@ impl Region {
         self.fade.is_finite() && self.fade >= 0.0 && self.extent.is_valid()
     }
 
-    /// Whether a point of the world, in metres, lies inside or on the surface.
+    /// Whether a point, in world space and metres, lies inside or on the surface.
     pub fn contains(&self, point: Vec3) -> bool {
         self.extent.depth(WorldPoint::at(point)) >= 0.0
     }
 
-    /// The share of the field that acts at a point of the world, 0 to 1.
+    /// The field's share at a point in world space, 0 to 1.
     pub fn share(&self, point: Vec3) -> f32 {
         self.share_at(WorldPoint::at(point))
     }
 
-    /// The share of the field that acts on particle `i`, 0 to 1; true to the digits of its own origin, however far out it is.
+    /// The field's share at particle `i`, 0 to 1; uses the particle's own origin, so it is accurate far from the world's origin.
     pub fn share_of(&self, particles: &Particles, i: usize) -> f32 {
         self.share_at(WorldPoint::of(particles, i))
     }
 
-    /// The share of the field that acts at a place, 0 to 1.
+    /// The field's share at a place, 0 to 1.
     #[inline]
     pub(crate) fn share_at(&self, place: WorldPoint) -> f32 {
         if self.extent == Extent::Everywhere {
@@ -152,7 +152,7 @@ impl Extent {
         }
     }
 
-    /// A box along the world's axes that holds all of it, with some room for rounding: its lowest and its highest corner, metres.
+    /// An axis-aligned box that contains the shape, with a margin for rounding: its lowest and its highest corner, metres.
     pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         let about = |low: Vec3, high: Vec3| {
             let room = low.abs().max(high.abs()) * 1e-6;
@@ -161,28 +161,28 @@ impl Extent {
         match *self {
             Self::Everywhere | Self::Below { .. } => (Vec3::NEG_INFINITY, Vec3::INFINITY),
             Self::Box { centre, size, rotation } => {
-                // A box's half diagonals, of which the widest along each axis.
+                // Half extents of the box along each world axis.
                 let half = Vec3::AXES.map(|axis| turned_back(rotation, axis));
                 let reach = half.map(|axis| (axis.abs() * size).element_sum() * 0.5);
                 let reach = Vec3::from_array(reach);
                 about(centre - reach, centre + reach)
             }
             Self::Sphere { centre, radius } => about(centre - radius, centre + radius),
-            // A cylinder is in the box around its capsule.
+            // A cylinder is contained in the box of its capsule.
             Self::Cylinder { a, b, radius } | Self::Capsule { a, b, radius } => {
                 about(a.min(b) - radius, a.max(b) + radius)
             }
         }
     }
 
-    /// How far inside the surface a place is, metres; negative outside, where only the sign counts.
+    /// Depth of a place inside the surface, metres; negative outside, where only the sign is meaningful.
     fn depth(&self, place: WorldPoint) -> f32 {
         match *self {
             Self::Everywhere => f32::INFINITY,
             Self::Below { up, level } => -up.dot(place.relative_to(up * level)),
             Self::Box { centre, size, rotation } => {
                 let margin = 0.5 * size - turned_back(rotation, place.relative_to(centre)).abs();
-                // In scalars: `min_element` picks what it likes beside a NaN.
+                // In scalars, because the result of `min_element` is unspecified for NaN.
                 margin.x.min(margin.y).min(margin.z)
             }
             Self::Sphere { centre, radius } => radius - place.relative_to(centre).length(),
@@ -204,18 +204,18 @@ impl Extent {
 }
 
 fn is_unit(squared: f32) -> bool {
-    // A quaternion or a normal that was rounded or turned a thousand times is still one.
+    // Tolerates the rounding of a quaternion or a normal that has been rotated a thousand times.
     (squared - 1.0).abs() < 1e-3
 }
 
-/// `v` as seen from a frame that `rotation` has turned: its inverse applied, in scalars for the same bits everywhere.
+/// `v` in a frame rotated by `rotation`: the inverse rotation, in scalar arithmetic for the same bits everywhere.
 fn turned_back(rotation: Quat, v: Vec3) -> Vec3 {
     let axis = -Vec3::new(rotation.x, rotation.y, rotation.z);
     let across = axis.cross(v) * 2.0;
     v + across * rotation.w + axis.cross(across)
 }
 
-/// A point of the world with the digits of an origin of its own, as particles have (see [`particles`](crate::particles)).
+/// A point in world space with an origin of its own for precision, as particles have (see [`particles`](crate::particles)).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WorldPoint {
     origin: Vec3,
@@ -223,18 +223,18 @@ pub(crate) struct WorldPoint {
 }
 
 impl WorldPoint {
-    /// A point as it is, metres.
+    /// A point in world space, metres.
     pub(crate) fn at(point: Vec3) -> Self {
         Self { origin: point, local: Vec3::ZERO }
     }
 
-    /// Where particle `i` is.
+    /// The position of particle `i`.
     #[inline]
     pub(crate) fn of(particles: &Particles, i: usize) -> Self {
         Self { origin: particles.origin[i], local: particles.position[i].truncate() }
     }
 
-    /// The middle of three particles.
+    /// The centroid of three particles.
     #[inline]
     pub(crate) fn middle(particles: &Particles, [a, b, c]: [usize; 3]) -> Self {
         let aside = particles.separation(b, a) + particles.separation(c, a);
@@ -242,13 +242,13 @@ impl WorldPoint {
         Self { local: first.local + aside * (1.0 / 3.0), ..first }
     }
 
-    /// A place `by` metres from this one.
+    /// The place displaced by `by`, metres.
     #[inline]
     pub(crate) fn moved(self, by: Vec3) -> Self {
         Self { local: self.local + by, ..self }
     }
 
-    /// This place minus a point of the world, metres.
+    /// This place minus a point in world space, metres.
     #[inline]
     pub(crate) fn relative_to(self, point: Vec3) -> Vec3 {
         (self.origin - point) + self.local
@@ -297,7 +297,7 @@ mod tests {
 
     #[test]
     fn each_shape_contains_what_is_in_it_and_nothing_else() {
-        // From the middle of the shapes: up 0.9, up 2.5, up 3.5, aside 0.9, aside 1.5; and whether each of the six contains it.
+        // From the centre of the shapes: up 0.9, up 2.5, up 3.5, sideways 0.9, sideways 1.5; and whether each of the six contains it.
         let probes = [
             (Vec3::Y * 0.9, [true, true, true, true, true, true]),
             (Vec3::Y * 2.5, [true, false, true, false, false, true]),
@@ -323,7 +323,7 @@ mod tests {
         let steps: Vec<f32> = (0..=300).map(|i| share(2.25 - i as f32 * 0.005)).collect();
         let slopes: Vec<f32> = steps.windows(2).map(|s| s[1] - s[0]).collect();
         assert!(slopes.iter().all(|&slope| (0.0..=0.0076).contains(&slope)));
-        // No kink either: the slope itself changes by 6/fade² a metre at most.
+        // No kink: the slope changes by at most 6/fade² per metre.
         assert!(slopes.windows(2).all(|s| (s[1] - s[0]).abs() < 2e-4));
     }
 
@@ -345,7 +345,7 @@ mod tests {
 
     #[test]
     fn far_from_the_origin_a_region_still_fades_by_millimetres() {
-        // Neighbouring f32 are 8 mm apart at 100 km.
+        // Adjacent f32 values are 8 mm apart at 100 km.
         let far = Vec3::new(100_000.0, 0.0, 100_000.0);
         let region = Region::sphere(far, 1.0).with_fade(0.5);
         let mut particles = Particles::default();

@@ -1,20 +1,19 @@
-//! Springs: the lectures' soft connection, a force that grows with the stretch (physics.md F3).
+//! Springs: a force that grows with the stretch (physics.md F3).
 
 use glam::{Vec3, Vec4};
 
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
-/// A damped spring between two particles: a force during the sum of forces, where a
-/// [`Distance`](crate::constraints::Distance) is a correction of positions.
+/// A damped spring between two particles. It acts as a force, where a [`Distance`](crate::constraints::Distance) corrects positions.
 ///
-/// Explicit integration holds up to `ω h < 2` with `ω = √(k/μ)`, `μ = 1/(w_a + w_b)`: a stiffer connection wants a compliant
-/// distance, which is stable at any stiffness.
+/// Explicit integration is stable up to `ω h < 2` with `ω = √(k/μ)`, `μ = 1/(w_a + w_b)`. For stiffer connections use a compliant distance, which is stable at
+/// any stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spring {
     /// Row of the first particle.
     pub a: u32,
-    /// Row of the second particle, another one than `a`.
+    /// Row of the second particle; must differ from `a`.
     pub b: u32,
     /// Length at which it exerts no force, metres.
     pub rest: f32,
@@ -53,8 +52,8 @@ impl Spring {
         }
     }
 
-    /// The force with which it pulls its ends together, `k (‖d‖ - L) + b (v·n)`, newtons, negative where it pushes; none if the spring is at fault, or its
-    /// ends coincide.
+    /// The force that pulls its ends together, `k (‖d‖ - L) + b (v·n)`, newtons; negative where it pushes. Zero if the spring is at fault, or its ends
+    /// coincide.
     pub fn tension(&self, particles: &Particles) -> f32 {
         if self.fault(particles.len()).is_some() {
             return 0.0;
@@ -66,7 +65,7 @@ impl Spring {
         self.stiffness * (d.length() - self.rest) + self.damping * v.dot(n)
     }
 
-    /// Potential energy `½ k (‖d‖ - L)²`, joules; none if the spring is at fault.
+    /// Potential energy `½ k (‖d‖ - L)²`, joules; zero if the spring is at fault.
     pub fn energy(&self, particles: &Particles) -> f32 {
         if self.fault(particles.len()).is_some() {
             return 0.0;
@@ -77,8 +76,8 @@ impl Spring {
     }
 }
 
-/// Adds `f_a = -(k (‖d‖ - L) + b (v·n)) n` and its opposite: the same vector with two signs, so that momentum is conserved exactly.
-/// Ends that coincide have no direction and feel no force.
+/// Adds `f_a = -(k (‖d‖ - L) + b (v·n)) n` to `a` and its opposite to `b`: the same vector with two signs, so momentum is conserved exactly. Coincident ends
+/// have no direction and get no force.
 pub(crate) fn apply(particles: &mut Particles, springs: &[Spring], instructions: InstructionSet) {
     if !springs.is_empty() {
         particles.acceleration_dirty = true;
@@ -95,13 +94,13 @@ kernel!(
             let mut velocities = [Vec4::ZERO; LANES];
             let mut laws = [Vec4::ZERO; LANES];
             for (lane, spring) in eight.iter().enumerate() {
-                // Whoever fills the list by hand may have named a row that is not there.
+                // The list is public and not validated, so a row may be missing.
                 let (a, b) = (spring.a as usize, spring.b as usize);
                 if a == b || a >= len || b >= len {
                     continue;
                 }
                 separations[lane] = position[a] - position[b];
-                // What constraints bind together has one origin.
+                // Particles that constraints connect share one origin.
                 if origin[a] != origin[b] {
                     separations[lane] += (origin[a] - origin[b]).extend(0.0);
                 }
@@ -111,7 +110,7 @@ kernel!(
             let (d, _) = Vector::<L>::of(L::run(&separations, 0));
             let (v, _) = Vector::of(L::run(&velocities, 0));
             let [rest, stiffness, damping, there] = L::run(&laws, 0);
-            // The rest of what `Spring::fault` asks, of eight at once.
+            // The other conditions of `Spring::fault`, for eight springs at once.
             let sound = there * in_range(rest) * in_range(stiffness) * in_range(damping);
             let length = d.length();
             let directed = L::zero().lt(length);
@@ -131,7 +130,7 @@ kernel!(
     }
 );
 
-/// Ones where a number is finite, 0 or more, and zeros elsewhere.
+/// One where a number is finite and 0 or more, zero elsewhere.
 #[inline(always)]
 fn in_range<L: Lanes>(x: L) -> L {
     L::zero().le(x).and(x.lt(L::splat(f32::INFINITY))).and(L::splat(1.0))
@@ -142,7 +141,7 @@ mod tests {
     use super::*;
     use crate::particles::ParticleSeed;
 
-    /// A few hundred springs at random, some of them at fault, some without a length, over origins of their own.
+    /// A few hundred random springs, some of them faulty, some of zero length, between particles with various origins.
     fn tangle() -> (Particles, Vec<Spring>) {
         let mut state = 3_u32;
         let mut next = move || {

@@ -1,28 +1,28 @@
-//! The charges as packed rows, nodes of a tree over them, and Coulomb's law in eight lanes: one source acts on eight targets at once.
+//! Charges in packed columns, nodes of a tree over them, and Coulomb's law in eight lanes: one source acts on eight targets at once.
 
 use glam::{DVec3, Vec3, Vec4};
 
 use crate::lanes::{LANES, Lanes, Vector};
 use crate::particles::Particles;
 
-/// Squared distance in m² below which the force falls to zero: a micrometre. Its inverse cube, 1e18, and the squares of charges up to 10⁵ C stay in
-/// the range of `f32` together.
+/// Squared distance, m², below which the force falls to zero: a micrometre. The product of its inverse cube, 1e18, and the squares of charges up to 10⁵ C is
+/// still within the range of `f32`.
 pub(super) const NEAR: f32 = 1e-12;
 
-/// The charges of a leaf of the tree: as many as are worked on at once. The number of rows is a multiple of it.
+/// Charges in a leaf of the tree: one for each lane. The number of packed charges is a multiple of it.
 pub(super) const LEAF: usize = LANES;
 
 /// A charged particle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
-    /// Where it is in the world, metres.
+    /// Position in world space, metres.
     pub at: DVec3,
     /// Its charge, C.
     pub charge: f64,
     pub row: u32,
 }
 
-/// The particles that take part: those with a charge, up to 10⁵ C, and at most 1e18 m from anywhere.
+/// The charged particles that take part: those with a charge of at most 10⁵ C, within 1e18 m of the world's origin.
 pub(super) fn charged(particles: &Particles) -> impl Iterator<Item = Item> + '_ {
     let rows = (0..particles.len()).filter(|&i| particles.charge[i] != 0.0);
     let item = |i: usize| Item {
@@ -30,23 +30,23 @@ pub(super) fn charged(particles: &Particles) -> impl Iterator<Item = Item> + '_ 
         charge: f64::from(particles.charge[i]),
         row: i as u32,
     };
-    // Written so that what is not a number does not.
+    // Written so that a NaN is excluded.
     rows.map(item).filter(|item| item.at.length_squared() < 1e36 && item.charge.abs() <= 1e5)
 }
 
-/// The charges, and the sums of the forces on them. Padded with charges of nothing to a multiple of [`LEAF`].
+/// The charges, and the accumulated forces on them. Padded with zero charges to a multiple of [`LEAF`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct ChargeColumns {
-    /// `[x y z s]`: metres from the origin; s = `√|K| q`: the product of two is symmetric, and neither too large nor too small for `f32`.
+    /// `[x y z s]`: metres from the particle's origin, and s = `√|K| q`. The product of two is symmetric and stays within the range of `f32`.
     pub charges: Vec<Vec4>,
     /// `[x y z 0]`, metres.
     pub origins: Vec<Vec4>,
-    /// `[x y z 0]`, N, but for the sign of Coulomb's constant.
+    /// `[x y z 0]`, N, without the sign of Coulomb's constant.
     pub forces: Vec<Vec4>,
 }
 
 impl ChargeColumns {
-    /// Takes over the charges in the order of `items`, and forgets the forces.
+    /// Loads the charges in the order of `items`, and clears the forces.
     pub(super) fn fill(&mut self, particles: &Particles, items: &[Item], constant: f32) {
         let scale = constant.abs().sqrt();
         let rows = || items.iter().map(|item| item.row as usize);
@@ -62,13 +62,13 @@ impl ChargeColumns {
         self.forces.resize(padded, Vec4::ZERO);
     }
 
-    /// Force on charge `k`, N, but for the sign of Coulomb's constant.
+    /// Force on charge `k`, N, without the sign of Coulomb's constant.
     pub(super) fn force(&self, k: usize) -> Vec3 {
         self.forces[k].truncate()
     }
 }
 
-/// The eight charges on which others act at the moment.
+/// The eight charges on which forces are being computed.
 #[derive(Clone, Copy)]
 pub(super) struct Targets<L> {
     local: Vector<L>,
@@ -78,7 +78,7 @@ pub(super) struct Targets<L> {
 }
 
 impl<L: Lanes> Targets<L> {
-    /// Those from row `first` on, with `softening` = ε², m².
+    /// The targets from row `first` on, with `softening` = ε², m².
     #[inline(always)]
     pub(super) fn of(charges: &[Vec4], origins: &[Vec4], first: usize, softening: f32) -> Self {
         let (local, charge) = Vector::of(L::run(charges, first));
@@ -88,9 +88,8 @@ impl<L: Lanes> Targets<L> {
 
     /// `s_a s_b d/(‖d‖² + ε²)^{3/2}`, the force of a charge on each target.
     ///
-    /// Differences are those of [`Particles::separation`]: true to the digits of the charges' own origins. `d` changes its sign exactly when the two
-    /// change places, and nothing else does, so action and reaction are the same bits whoever is the target. A target that is the source feels
-    /// nothing: `d` is zero.
+    /// Differences are those of [`Particles::separation`], accurate relative to the charges' own origins. Exchanging the two charges changes exactly the sign
+    /// of `d` and nothing else, so action and reaction are bitwise equal. A target that is the source itself gets no force: `d` is zero.
     #[inline(always)]
     pub(super) fn forces_of(&self, source: &Vec4, origin: &Vec4) -> Vector<L> {
         let d = (self.local - Vector::splat(source.truncate()))
@@ -99,7 +98,7 @@ impl<L: Lanes> Targets<L> {
         d * (self.charge * L::splat(source.w) / (r2 * r2.sqrt()))
     }
 
-    /// The force of a far group on each target, which are at `place` seen from where the group's centre is measured from.
+    /// The force of a far group on each target. `place` is the position of the targets in the frame of the group's centre.
     #[inline(always)]
     pub(super) fn forces_of_group(&self, place: Vector<L>, group: &Group) -> Vector<L> {
         let d = place - Vector::splat(group.centre);
@@ -112,7 +111,7 @@ impl<L: Lanes> Targets<L> {
     }
 }
 
-/// Adds to the forces on the eight targets from row `first` on.
+/// Adds `sum` to the forces on the eight targets from row `first` on.
 #[inline(always)]
 pub(super) fn add<L: Lanes>(forces: &mut [Vec4], first: usize, sum: Vector<L>) {
     let (so_far, rest) = Vector::of(L::run(forces, first));
@@ -122,24 +121,24 @@ pub(super) fn add<L: Lanes>(forces: &mut [Vec4], first: usize, sum: Vector<L>) {
 /// A node of the tree over the charges.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ChargeNode {
-    /// Mean place of the charges, weighted by their magnitudes, metres.
+    /// Mean position of the charges, weighted by their magnitudes, metres.
     pub centre: DVec3,
-    /// Distance of the farthest one from it, metres; exactly zero where all are at one point.
+    /// Distance of the farthest charge from it, metres; exactly zero where all are at one point.
     pub reach: f64,
-    /// C.
+    /// Total charge, C.
     pub charge: f64,
-    /// C·m.
+    /// Dipole moment about the centre, C·m.
     pub dipole: DVec3,
-    /// Middle of the box around the charges, and distance to its corners, metres.
+    /// Centre of the bounding box of the charges, metres; `radius` below is the distance to its corners, metres.
     pub middle: DVec3,
     pub radius: f64,
-    /// The first of its leaves, and how many there are.
+    /// The first of its leaves; `leaves` below is how many there are.
     pub first: u32,
     pub leaves: u32,
 }
 
 impl ChargeNode {
-    /// How many nodes it is with all below it.
+    /// Size of the subtree, this node included.
     #[inline]
     pub(super) fn whole(&self) -> usize {
         2 * self.leaves as usize - 1
@@ -162,7 +161,7 @@ impl ChargeNode {
             self.dipole += d * item.charge;
             reach2 = reach2.max(d.length_squared());
         }
-        // Not the round-off of the middle of one point.
+        // Exactly the common point, without the round-off of its mean.
         if self.radius > 0.0 {
             self.reach = reach2.sqrt();
         } else {
@@ -171,7 +170,7 @@ impl ChargeNode {
         }
     }
 
-    /// Potential at `point` without Coulomb's constant, C/m; of the charge alone, less `own`, where all of it is at that very point.
+    /// Potential at `point` without Coulomb's constant, C/m. The monopole is reduced by the charge `own`, which is that of the target if the node contains it.
     pub(super) fn potential(&self, point: DVec3, softening: f64, own: f64) -> f64 {
         let d = point - self.centre;
         let s2 = d.length_squared() + softening;
@@ -183,7 +182,7 @@ impl ChargeNode {
     }
 }
 
-/// A far node as some targets see it.
+/// A far node in the frame of some targets.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group {
     /// Its centre, metres from the middle of the targets.
@@ -193,7 +192,7 @@ pub(super) struct Group {
 }
 
 impl Group {
-    /// A node as seen from `middle`, its charges times `scale`.
+    /// `node` relative to `middle`, its charges multiplied by `scale`.
     pub(super) fn of(node: &ChargeNode, middle: DVec3, scale: f64) -> Self {
         Self {
             centre: (node.centre - middle).as_vec3(),

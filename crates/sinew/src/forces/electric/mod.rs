@@ -1,7 +1,7 @@
 //! Electric forces: between charged particles, and from uniform fields (physics.md F4).
 //!
-//! Up to [`Electric::all_pairs_up_to`] charges every pair is summed up ([`pairs`]), which conserves momentum; beyond, far groups of charges act as
-//! one ([`tree`]), which conserves it as well as the groups are approximated.
+//! Up to [`Electric::all_pairs_up_to`] charges all pairs are summed ([`pairs`]), which conserves momentum. For more charges, far groups act as one ([`tree`]),
+//! and momentum is conserved only to the accuracy of that approximation.
 
 mod columns;
 mod pairs;
@@ -18,23 +18,23 @@ use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 use columns::ChargeColumns;
 
-/// Coulomb's law between all charged particles: like charges repel. And a field that acts on all of them.
+/// Coulomb's law between all charged particles (like charges repel), and a uniform field that acts on all of them.
 ///
-/// Closer than a micrometre the force falls to zero in proportion to the distance: charges at one point have no direction to push in.
+/// Below a distance of a micrometre the force falls to zero in proportion to the distance: charges at one point have no direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Electric {
-    /// Coulomb's constant K, N·m²/C². Default 8.987 552e9, the vacuum's: a microcoulomb is a strong charge on this scale.
+    /// Coulomb's constant K, N·m²/C². Default 8.987 552e9, that of the vacuum, with which a microcoulomb is a strong charge at game scale.
     pub constant: f32,
-    /// Softening length ε, metres: within it the force falls to zero instead of growing without bound (Plummer). Default 0.
+    /// Softening length ε, metres (Plummer): the force falls to zero within it instead of growing without bound. Default 0.
     pub softening: f32,
     /// A uniform field everywhere, N/C: the force on a charge is `q E`. Default zero.
     pub field: Vec3,
-    /// Up to this many charges all pairs are summed up, beyond it far groups of them act as one. Default 2000.
+    /// Up to this many charges all pairs are summed; beyond, far groups act as one. Default 2000.
     ///
-    /// The tree is faster from some 1300 on; up to the default, all pairs still take but one or two milliseconds, and conserve momentum to round-off.
+    /// The tree is faster from some 1300 on. Up to the default, all pairs take only one or two milliseconds, and conserve momentum to round-off.
     pub all_pairs_up_to: u32,
-    /// How large a group may be, as a share of its distance, to act as one: 0.1 to 1; default 0.45. The smaller, the more accurate and
-    /// the slower. At the default the error is 0.5 % of the size of the forces (root mean square).
+    /// Opening angle of the tree: how large a group may be, as a share of its distance, to act as one. 0.1 to 1; default 0.45. Smaller values are more accurate
+    /// and slower. At the default the error is 0.5 % of the size of the forces (root mean square).
     pub opening: f32,
 }
 
@@ -51,7 +51,7 @@ impl Default for Electric {
 }
 
 impl Electric {
-    /// Whether every number is finite and in range. Otherwise charges feel nothing from each other or from [`field`](Self::field).
+    /// Whether every number is finite and in range. Otherwise there are no forces between charges and none from [`field`](Self::field).
     pub fn is_valid(&self) -> bool {
         self.constant.is_finite()
             && self.softening.is_finite()
@@ -61,14 +61,14 @@ impl Electric {
     }
 }
 
-/// A uniform electric field within a region: between the plates of a capacitor, say.
+/// A uniform electric field within a region, such as between the plates of a capacitor.
 ///
-/// Where it fades or ends it is no gradient of anything (a true field bulges out there), so a charge that circles in and out may gain energy.
+/// Where the field fades or ends it has no potential (a real field has fringes there), so a charge that circles in and out may gain energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ElectricField {
-    /// Force per charge, N/C (the same as V/m). Default zero.
+    /// Force per charge, N/C (equal to V/m). Default zero.
     pub field: Vec3,
-    /// Where it acts; default everywhere.
+    /// Where it acts. Default everywhere.
     pub region: Region,
 }
 
@@ -79,14 +79,14 @@ impl ElectricField {
     }
 }
 
-/// What the electric forces need and nobody saves; it keeps its memory between calls.
+/// Scratch of the electric forces; it keeps its allocations between calls.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ElectricScratch {
     columns: ChargeColumns,
     tree: tree::ChargeTree,
 }
 
-/// Adds the forces of all charges on each other, and those of the fields on all charges.
+/// Adds the forces of all charges on each other, and of the fields on all charges.
 pub(crate) fn apply(
     particles: &mut Particles,
     Forces { electric, electric_fields, .. }: &Forces,
@@ -132,10 +132,10 @@ fn apply_fields(particles: &mut Particles, law: &Electric, fields: &[ElectricFie
     }
 }
 
-/// Potential energy, joules: `Σ K q_a q_b/√(‖d‖² + ε²)` of all pairs, and `-q E·x`, zero at the origin, of the charges that can move in
-/// the fields that fill the world. A field that is confined to a region is not counted: it has no potential.
+/// Potential energy, joules: `Σ K q_a q_b/√(‖d‖² + ε²)` over all pairs, and `-q E·x` (zero at the origin) of the free charges in the fields that fill the
+/// world. A field confined to a region is not counted, because it has no potential.
 ///
-/// Many charges are summed up by the tree, as their forces are, so that the ledger shows what the forces do; it costs some three times as much.
+/// For many charges the tree is used, as for their forces, so that the energy ledger matches the forces. It costs some three times as much as those.
 pub(crate) fn energy(particles: &Particles, forces: &Forces) -> f64 {
     let law = &forces.electric;
     let mut field = if law.is_valid() { law.field.as_dvec3() } else { glam::DVec3::ZERO };

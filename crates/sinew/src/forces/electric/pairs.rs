@@ -1,23 +1,23 @@
-//! All pairs of charges: exact, and in time that grows with the square of their number.
+//! All pairs of charges: exact, in quadratic time.
 //!
-//! Each pair is worked out once and counts for both, as the same bits with two signs: what the forces add up to is the round-off of the
-//! sums, some 1e-6 of the largest force, and nothing else.
+//! Each pair is computed once and applied to both charges, with the same bits and opposite signs. So the forces add up to zero but for the round-off of the
+//! sums, some 1e-6 of the largest force.
 //!
 //! # The order of the sums
 //!
-//! A source acts on eight targets, and what they do to it is the sum of eight lanes. Adding those up for each eight pairs would cost as much as
-//! the forces, so each source of a block keeps eight sums, and their lanes are added when the block is done. A block is as many sources
-//! as fit into the nearest cache together with their sums. A root and a division for eight pairs are what is left to wait for.
+//! A source acts on eight targets, and the reaction on the source is the sum of eight lanes. Summing the lanes for every eight pairs would cost as much as the
+//! forces. So each source of a block keeps eight sums, whose lanes are added when the block is done. The block size is such that sources and sums fit into the
+//! L1 cache. The remaining latency is one root and one division for eight pairs.
 
 use glam::{Vec3, Vec4};
 
 use super::columns::{ChargeColumns, Item, Targets, add};
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 
-/// Sources whose sums are kept at once: 128 of them take 16 KiB, half of what the nearest cache has.
+/// Sources in a block: 128 of them with their sums take 16 KiB, half of a common L1 cache.
 const BLOCK: usize = 128;
 
-/// `Σ q_a q_b/√(‖d‖² + ε²)` over all pairs, C²/m. Charges at the same point without softening are left out.
+/// `Σ q_a q_b/√(‖d‖² + ε²)` over all pairs, C²/m. Coincident charges without softening are left out.
 pub(super) fn potential(items: &[Item], softening: f32) -> f64 {
     let softening = f64::from(softening) * f64::from(softening);
     let mut sum = 0.0;
@@ -48,7 +48,7 @@ kernel!(
             for first in (0..end).step_by(LANES) {
                 let targets = Targets::<L>::of(charges, origins, first, softening);
                 let mut total = nothing;
-                // Among themselves from both sides, since each of them is a target.
+                // Pairs within the eight are computed from both sides, since each of them is a target.
                 let own = if first < start { 0..0 } else { first - start..first - start + LANES };
                 for source in &block[own.clone()] {
                     total += targets.forces_of(&source.charge, &source.origin);
@@ -67,17 +67,16 @@ kernel!(
     }
 );
 
-/// A charge that acts on others, side by side with what comes back. In columns of their own this took up to twice the time, depending on where in
-/// memory they happened to lie.
+/// A source with the reaction accumulated on it, stored together. As separate columns they took up to twice the time, depending on their alignment in memory.
 #[derive(Clone, Copy)]
 struct Source<L> {
     charge: Vec4,
     origin: Vec4,
-    /// What its targets do to it, in eight sums.
+    /// Reaction of its targets on it, in eight sums.
     back: Vector<L>,
 }
 
-/// The eight lanes in one sum, halves first.
+/// Sums the eight lanes, halves first.
 #[inline(always)]
 fn sum_of<L: Lanes>(lanes: L) -> f32 {
     let [a, b, c, d, e, f, g, h] = lanes.array();

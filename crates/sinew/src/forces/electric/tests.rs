@@ -1,4 +1,4 @@
-//! The tree against all pairs, and what must hold for both.
+//! The tree compared with all pairs, and properties that hold for both.
 
 use glam::{DVec3, Vec3, Vec4};
 
@@ -8,7 +8,7 @@ use crate::simulation::Simulation;
 
 const ALL_PAIRS: u32 = u32::MAX;
 
-/// Charges of about a microcoulomb in a box, by Knuth's linear congruence; `sign` is the share of positive ones.
+/// Charges of about a microcoulomb in a box, from Knuth's linear congruential generator; `sign` is the share of positive ones.
 fn cloud(count: usize, sign: f32, at: Vec3) -> Particles {
     let mut state = 1_u64;
     let mut random = || {
@@ -21,7 +21,7 @@ fn cloud(count: usize, sign: f32, at: Vec3) -> Particles {
         let place = Vec3::new(random(), random(), random()) * Vec3::new(4.0, 2.0, 3.0);
         let magnitude = 1e-6 * (0.5 + random());
         let charge = if random() < sign { magnitude } else { -magnitude };
-        // On a grid of 2⁻¹⁰ m, which f32 has 5 km away as well.
+        // On a grid of 2⁻¹⁰ m, which is exact in f32 5 km from the origin as well.
         let place = (place * 1024.0).round() / 1024.0;
         particles.push(ParticleSeed::at(at + place).with_charge(charge)).unwrap();
     }
@@ -39,7 +39,7 @@ fn forces(particles: &mut Particles, all_pairs_up_to: u32) -> Vec<DVec3> {
     forces_with(particles, Electric { all_pairs_up_to, ..Electric::default() })
 }
 
-/// The root of the mean square of the relative error of each force, and of the error of all by the size of all.
+/// The root mean square of each force's relative error, and the total error relative to the total of the forces.
 fn errors(found: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
     let pairs = || found.iter().zip(exact);
     let each: f64 =
@@ -65,7 +65,7 @@ fn the_tree_agrees_with_all_pairs_within_one_per_cent() {
             imbalance(&exact),
             imbalance(&found)
         );
-        // The first is what the nearly balanced charges make of it: a small force out of large ones that cancel.
+        // `each` is dominated by charges on which large forces nearly cancel.
         assert!(each < 0.03 && all < 0.01, "{sign}: {each} {all}");
         assert!(imbalance(&exact) < 1e-7 && imbalance(&found) < 2e-3);
     }
@@ -92,7 +92,7 @@ fn all_pairs_are_coulombs_law_whatever_the_number_that_stand_side_by_side() {
 fn every_instruction_set_gives_the_same_bits() {
     let crowd = |count: usize| {
         let mut particles = cloud(count, 0.5, Vec3::ZERO);
-        // Some at one point, some nearly, some far off, one that is nowhere.
+        // Some coincident, some nearly so, some far away, one not finite.
         for i in 0..count {
             let place = match i % 10 {
                 0 => Vec3::new(0.25, 0.5, 0.75),
@@ -136,7 +136,7 @@ fn the_tree_gives_the_energy_of_all_pairs() {
         };
         let (found, exact) = (with(0), with(ALL_PAIRS));
         println!("{sign} {softening}: {found} {exact}");
-        // Charges of either sign bind each other by about Σ q² K/spacing; what all pairs leave of it is a small difference.
+        // Charges of opposite sign bind each other by about Σ q² K/spacing; the sum over all pairs is a small difference of such terms.
         let spacing = libm::cbrt(24.0_f64 / 3000.0);
         let scale = 3000.0 * 8.987_552e9 * 1e-12 / spacing;
         assert!((found - exact).abs() < 2e-3 * scale.max(exact.abs()), "{sign}: {found} {exact}");

@@ -1,37 +1,37 @@
-//! Many charges: those that are near act one by one, far groups of them as one (Barnes and Hut 1986).
+//! Many charges: near ones act individually, far groups as one (Barnes and Hut 1986).
 //!
-//! # What a group does
+//! # The field of a group
 //!
-//! With `c` the mean place of the charges of a group, weighted by their magnitudes, `Q = Σ q` and `D = Σ q (x - c)`, the potential at a far
-//! point is that of a charge and of a dipole,
+//! With `c` the mean position of the charges of a group, weighted by their magnitudes, `Q = Σ q` and `D = Σ q (x - c)`, the potential at a far point is that of
+//! a monopole and a dipole,
 //!
 //! ```text
 //! φ = Q/s + D·d/s³        d = x - c,  s² = ‖d‖² + ε²
 //! E = -∇φ = (Q d - D)/s³ + 3 (D·d) d/s⁵
 //! ```
 //!
-//! and the next term is smaller by (size/distance)². Charges of one sign have no dipole about their own mean. Where signs are mixed `Q` is near
-//! zero, and the dipole is most of what a group does: without it the error is 2.6 times as large (4096 charges, opening 0.5).
+//! and the next term is smaller by (size/distance)². Charges of one sign have no dipole about their own mean. For mixed signs `Q` is near zero and the dipole
+//! is most of the field: without it the error is 2.6 times as large (4096 charges, opening 0.5).
 //!
-//! A group acts as one on a target at the distance `r` if no charge of it is farther than `opening · r` from `c`.
+//! A group acts as one on a target at the distance `r` if none of its charges is farther than `opening · r` from `c`.
 //!
 //! # The tree
 //!
-//! Eight neighbours at a time are the targets, a lane each, and the leaves. The charges are halved by a plane across their longest extent, and the
-//! halves again, always at a multiple of eight: every leaf but the last is full, the tree is as deep as the logarithm of their number wherever they
-//! are, and needs no pointers: a node with `n` leaves is followed by those of its first half and then by those of its second, `2n - 1` in all. (Of an
-//! octree along a Morton curve the leaves are half empty, and charges crowded in one place make it deep.) Ties are broken by the row, so the tree and
-//! all sums are functions of the particles alone.
+//! The targets are leaves of eight neighbouring charges, one for each lane. The charges are halved by a plane across their longest extent, and the halves
+//! again, always at a multiple of eight. So every leaf but the last is full, the depth is the logarithm of the number of leaves whatever the distribution, and
+//! no pointers are needed: a node with `n` leaves is followed by the subtree of its first half and then by that of its second, `2n - 1` nodes in all. (The
+//! leaves of an octree along a Morton curve are half empty, and crowded charges make it deep.) Ties are broken by the row, so the tree and all sums depend on
+//! the particles alone.
 //!
-//! Up to eight leaves, a bunch, share one [walk](super::walk). Differences to a group are taken in `f64` from the middle of the bunch, so that they
-//! keep their digits wherever in the world they are.
+//! Up to eight leaves, a bunch, share one [traversal](super::walk). Differences to a group are computed in `f64` from the middle of the bunch, so that they are
+//! accurate anywhere in the world.
 //!
-//! # What is lost
+//! # Accuracy
 //!
-//! Momentum: a group acts on a target, and the target on the members of the group one by one or in other groups, so the forces add up to
-//! nothing only as well as they are approximated. Measured on charges of either sign, spread evenly, where most of what far groups do cancels
-//! (error: root mean square, as a share of that of the forces; sum: of all forces, as a share of the sum of their magnitudes; milliseconds on
-//! one core of a shared machine with AVX2, where all pairs take 0.78 ns a pair: 6.5 ms for the 4096, 1.7 s for the 65 536):
+//! Momentum is not conserved exactly: a group acts on a target, but the target acts on the members of the group individually or in other groups, so the forces
+//! cancel only to the accuracy of the approximation. Measured on evenly distributed charges of either sign, where the contributions of far groups mostly cancel
+//! (error: root mean square, as a share of that of the forces; sum: of all forces, as a share of the sum of their magnitudes; milliseconds on one core of a
+//! shared machine with AVX2, where all pairs take 0.78 ns a pair: 6.5 ms for the 4096, 1.7 s for the 65 536):
 //!
 //! | opening | error, 4096 | error, 65 536 | sum, 65 536 | ms, 4096 | ms, 65 536 |
 //! |---|---|---|---|---|---|
@@ -42,8 +42,8 @@
 //!
 //! For 5000 charges of one sign, at 0.45, the error is 0.48 %, and the sum of the forces 1e-3 of their magnitudes.
 //!
-//! Taken charge by charge, each error relative to that charge's own force, the root mean square is some seven times that: it is made
-//! of the few charges on which large forces nearly cancel.
+//! If each charge's error is taken relative to its own force, the root mean square is some seven times that. It is dominated by the few charges on which large
+//! forces nearly cancel.
 
 use core::ops::Range;
 
@@ -59,22 +59,22 @@ use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 pub(super) struct ChargeTree {
     pub items: Vec<Item>,
     nodes: Vec<ChargeNode>,
-    /// Ranges of leaves yet to be halved.
+    /// Ranges of leaves that are still to be split.
     pending: Vec<(u32, u32)>,
     walk: Walk,
-    /// The far nodes as the targets at hand see them.
+    /// The far nodes in the frame of the current bunch.
     groups: Vec<Group>,
 }
 
 impl ChargeTree {
-    /// The tree of these charges.
+    /// Builds the tree of these charges.
     pub(super) fn of(items: Vec<Item>) -> Self {
         let mut tree = Self { items, ..Self::default() };
         tree.grow();
         tree
     }
 
-    /// Sorts the charges into leaves, and sums up the nodes.
+    /// Sorts the charges into leaves, and computes the nodes.
     pub(super) fn grow(&mut self) {
         let leaves = self.items.len().div_ceil(LEAF) as u32;
         self.nodes.clear();
@@ -102,7 +102,7 @@ impl ChargeTree {
                 self.pending.push((half, end));
                 self.pending.push((first, half));
             } else {
-                // Which eight they are is settled, but not in which order they were left.
+                // The selection fixes which charges are in a leaf, but not their order.
                 by_row(items);
             }
             self.nodes.push(ChargeNode {
@@ -113,7 +113,7 @@ impl ChargeTree {
                 ..ChargeNode::default()
             });
         }
-        // Only now are the charges in their final order, and a sum does not depend on how they were halved.
+        // Only now are the charges in their final order, so that the sums do not depend on the order of the splits.
         for node in &mut self.nodes {
             node.sum_up(&self.items[members(&self.items, node.first, node.first + node.leaves)]);
         }
@@ -129,7 +129,7 @@ impl ChargeTree {
         sum_leaves(self, columns, law, instructions);
     }
 
-    /// `Σ q_a q_b/√(‖d‖² + ε²)` over all pairs, near ones as they are and far ones by their groups, C²/m.
+    /// `Σ q_a q_b/√(‖d‖² + ε²)` over all pairs, near ones individually and far ones by their groups, C²/m.
     pub(super) fn potential(&mut self, law: &Electric) -> f64 {
         let softening = f64::from(law.softening) * f64::from(law.softening);
         let mut twice = 0.0;
@@ -148,13 +148,13 @@ impl ChargeTree {
         0.5 * twice
     }
 
-    /// Potential at charge `k`, of the leaf `eighth` of the last walk, without Coulomb's constant, C/m.
+    /// Potential at charge `k`, without Coulomb's constant, C/m. Its leaf is number `eighth` of the last walk.
     fn potential_at(&self, k: usize, eighth: usize, softening: f64) -> f64 {
         let target = self.items[k];
         let mut sum = 0.0;
         for &far in &self.walk.takes[eighth] {
             let node = &self.nodes[self.walk.far[far as usize] as usize];
-            // At one point with the target, it may be one of them.
+            // A node at the same point as the target may contain it.
             let own = members(&self.items, node.first, node.first + node.leaves).contains(&k);
             sum += node.potential(target.at, softening, if own { target.charge } else { 0.0 });
         }
@@ -170,7 +170,7 @@ impl ChargeTree {
     }
 }
 
-/// The nodes of at most eight leaves below one of more, in their order.
+/// Iterates over the bunches: the topmost nodes of at most eight leaves, in order.
 #[derive(Default)]
 struct Bunches {
     at: usize,
@@ -188,7 +188,7 @@ impl Bunches {
     }
 }
 
-/// Puts the eight of a leaf in the order of their rows: by insertion, for so few.
+/// Sorts the charges of a leaf by row; insertion sort, for so few.
 fn by_row(items: &mut [Item]) {
     for end in 1..items.len() {
         let mut at = end;
@@ -200,14 +200,14 @@ fn by_row(items: &mut [Item]) {
 }
 
 kernel!(
-    /// What acts on the leaves of a bunch.
+    /// Finds the near and far nodes for the leaves of a bunch.
     fn sum_walk<L: Lanes>(nodes: &[ChargeNode], walk: &mut Walk, bunch: usize, opening: f32) {
         walk.walk::<L>(nodes, bunch, 1.0 / f64::from(opening));
     }
 );
 
 kernel!(
-    /// The forces on the charges of each leaf.
+    /// Adds the forces on the charges of each leaf.
     fn sum_leaves<L: Lanes>(tree: &mut ChargeTree, columns: &mut ChargeColumns, law: &Electric) {
         let ChargeColumns { charges, origins, forces } = columns;
         let ChargeTree { items, nodes, walk, groups, .. } = tree;
@@ -250,7 +250,7 @@ fn members(items: &[Item], first: u32, end: u32) -> Range<usize> {
     first as usize * LEAF..(end as usize * LEAF).min(items.len())
 }
 
-/// The box around charges.
+/// Bounding box of some charges.
 fn bounds(items: &[Item]) -> (DVec3, DVec3) {
     let first = items[0].at;
     items.iter().fold((first, first), |(low, high), item| (low.min(item.at), high.max(item.at)))

@@ -1,42 +1,42 @@
-//! Which nodes of the tree act on a leaf as one, and which leaves charge by charge: one walk for eight leaves, a lane each.
+//! Tree traversal: finds which nodes act on a leaf as one, and which leaves act charge by charge. One traversal serves eight leaves, one for each lane.
 //!
-//! Neighbours see nearly the same nodes. Where some of the eight take a node as one and others do not, the walk goes on below it for those
-//! others alone. So it visits a node once instead of up to eight times, and waits for memory and for mispredicted branches as much less.
+//! Neighbouring leaves need nearly the same nodes. Where a node is far for only some of the eight, the traversal descends for the others alone. So each node is
+//! visited once instead of up to eight times, with fewer cache misses and mispredicted branches.
 
 use glam::Vec4;
 
 use super::columns::ChargeNode;
 use crate::lanes::{LANES, Lanes, Vector};
 
-/// What a walk found for each of eight leaves; it keeps its memory between calls.
+/// The result of a traversal for each of eight leaves; it keeps its allocations between calls.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Walk {
-    /// Nodes that act as one on some of them.
+    /// Nodes that act as one on some of the leaves.
     pub far: Vec<u32>,
-    /// Which of these do on each leaf.
+    /// For each leaf, the indices in `far` of those that act on it.
     pub takes: [Vec<u32>; LANES],
-    /// Ranges of leaves that act charge by charge on each.
+    /// For each leaf, the ranges of leaves that act on it charge by charge.
     pub near: [Vec<(u32, u32)>; LANES],
 }
 
-/// Nodes up to number `end`, and for which of the eight leaves they are looked at, a bit each.
+/// A subtree, up to node `end`, and the mask of the leaves for which it is being visited.
 #[derive(Clone, Copy, Default)]
 struct Below {
     end: usize,
     leaves: u32,
 }
 
-/// The tree is as deep as the logarithm of the number of leaves, which is a `u32`; and one for the root.
+/// Maximum depth: the tree is as deep as the logarithm of the number of leaves, a `u32`, plus one for the root.
 const DEEPEST: usize = 33;
 
 impl Walk {
-    /// Walks for the up to eight leaves below node `n`, `per_reach` being the inverse of the opening.
+    /// Traverses the tree for the up to eight leaves below node `n`; `per_reach` is the inverse of the opening.
     ///
-    /// A node is far for a leaf if it is farther off than its reach over the opening and the radius of the leaf together. Distances are taken in
-    /// `f32` from the middle of the eight: what is just so far may come out as either, the same on every machine.
+    /// A node is far for a leaf if its distance exceeds the sum of its reach over the opening and the radius of the leaf. Distances are in `f32` from the
+    /// middle of the eight leaves, so a borderline node may be classified either way, but the same on every machine.
     #[inline(always)]
     pub(super) fn walk<L: Lanes>(&mut self, nodes: &[ChargeNode], n: usize, per_reach: f64) {
-        // At least as many as a leaf among 65 536 charges mostly has.
+        // At least what a leaf needs in most cases among 65 536 charges.
         let longest = |most: usize, len: usize| most.max(len);
         let takes = self.takes.iter().map(Vec::len).fold(512, longest);
         let near = self.near.iter().map(Vec::len).fold(64, longest);
@@ -64,7 +64,7 @@ impl Walk {
             let size = L::splat((node.reach * per_reach) as f32) + radius;
             let d = places - Vector::splat((node.centre - middle).as_vec3());
             let beyond = (size * size).lt(d.length_squared()).bits();
-            // Charges at one point are a single charge, however near.
+            // Coincident charges act as a single charge, however near.
             let far = looking & if node.reach == 0.0 { all } else { beyond };
             let near = looking & !far;
             if far != 0 {
@@ -87,7 +87,7 @@ impl Walk {
     }
 }
 
-/// Clears a list with room for twice as many as there lately were: charges that move about must not make it grow by one, every now and then.
+/// Clears a list and reserves twice its recent length, so that moving charges do not cause frequent small reallocations.
 pub(super) fn make_room<T>(list: &mut Vec<T>, lately: usize) {
     list.clear();
     if list.capacity() < 2 * lately {
@@ -95,7 +95,7 @@ pub(super) fn make_room<T>(list: &mut Vec<T>, lately: usize) {
     }
 }
 
-/// Calls `of` with the number of each bit that is set.
+/// Calls `of` with the index of each set bit.
 #[inline(always)]
 fn each(mut bits: u32, mut of: impl FnMut(usize)) {
     while bits != 0 {
@@ -104,7 +104,7 @@ fn each(mut bits: u32, mut of: impl FnMut(usize)) {
     }
 }
 
-/// Adds a leaf to the ranges.
+/// Appends a leaf to the ranges.
 #[inline]
 fn note(ranges: &mut Vec<(u32, u32)>, leaf: u32) {
     match ranges.last_mut() {

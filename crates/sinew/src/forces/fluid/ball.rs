@@ -1,4 +1,4 @@
-//! Buoyancy of loose particles: the weight of the fluid that a partly submerged sphere pushes aside.
+//! Buoyancy of loose particles: the weight of the fluid displaced by a partly submerged sphere.
 
 use core::f32::consts::PI;
 
@@ -8,8 +8,8 @@ use super::Fluid;
 use crate::forces::region::WorldPoint;
 use crate::particles::Particles;
 
-/// Adds `ρ V g` along `up` to each particle with a radius, and to its damping the fluid's, by the submerged share of its volume. Those of the
-/// rows that are marked in `carriers` float as hulls instead; where there is no hull it is empty.
+/// Adds `ρ V g` along `up` to each particle with a radius, and the fluid's drag to its damping, in proportion to the submerged share of its volume. Rows marked
+/// in `carriers` float as hulls and are skipped; the slice is empty if there are no hulls.
 pub(super) fn apply(particles: &mut Particles, fluid: &Fluid, gravity: Vec3, carriers: &[bool]) {
     let (rate, lift) = (fluid.rate(), fluid.up * fluid.weight(gravity));
     let (low, high) = fluid.region.extent.bounds();
@@ -21,7 +21,7 @@ pub(super) fn apply(particles: &mut Particles, fluid: &Fluid, gravity: Vec3, car
         if carriers.get(i).copied().unwrap_or(false) {
             continue;
         }
-        // Most of a world is nowhere near a brook: what all of is beside the box around it needs no closer look.
+        // A cheap test against the bounding box of the fluid rejects most particles of a large world.
         let at = particles.origin[i] + particles.position[i].truncate();
         let reach = radius + at.abs() * 1e-6;
         if (at + reach).cmplt(low).any() || (at - reach).cmpgt(high).any() {
@@ -41,14 +41,14 @@ pub(super) fn apply(particles: &mut Particles, fluid: &Fluid, gravity: Vec3, car
     }
 }
 
-/// Volume in m³ of a ball of `radius` metres whose centre is `height` metres above the surface that is below it: a spherical cap of height `d`, with `d`
-/// from 0 (just touching) to `2r` (wholly under), has `V = π d² (3r - d)/3`.
+/// Submerged volume, m³, of a ball of `radius` metres whose centre is `height` metres above the surface. A spherical cap of depth `d`, from 0 (just touching)
+/// to `2r` (fully submerged), has `V = π d² (3r - d)/3`.
 fn cap_volume(height: f32, radius: f32) -> f32 {
     let d = cap_depth(height, radius);
     PI * d * d * (3.0 * radius - d) / 3.0
 }
 
-/// How far the centroid of that volume is below the centre of the ball, metres: `¾ (2r - d)²/(3r - d)`.
+/// Distance of the centroid of that volume below the centre of the ball, metres: `¾ (2r - d)²/(3r - d)`.
 fn cap_drop(height: f32, radius: f32) -> f32 {
     let d = cap_depth(height, radius);
     let rest = 2.0 * radius - d;
@@ -72,7 +72,7 @@ mod tests {
         assert!((share(0.0) - 0.5).abs() < 1e-6);
         assert!((share(-2.0) - 1.0).abs() < 1e-6);
         assert!((share(-90.0) - 1.0).abs() < 1e-6);
-        // Depth over radius 0.6527 is where a quarter is under (physics.md F6).
+        // At a depth of 0.6527 radii a quarter of the volume is submerged (physics.md F6).
         assert!((share(2.0 - 0.6527 * 2.0) - 0.25).abs() < 1e-4);
     }
 

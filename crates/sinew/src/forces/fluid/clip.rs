@@ -1,42 +1,42 @@
-//! The pressure of a fluid at rest on one triangle, cut at the waterline: exact, and a function of the three depths alone.
+//! The pressure of a fluid at rest on one triangle, clipped at the waterline: exact, and a function of the three depths alone.
 //!
-//! Pressure grows with depth: `p = ρ g s`, with `s` the depth of a point, which is linear over a triangle, and nothing above the surface. With
-//! the barycentric coordinates `λ = (λ₀, λ₁, λ₂)` of a point, `Σ λ = 1`, and the vector area `A` (half the cross product of two edges, pointing
-//! out), the force is `-ρ g A W` in all and `-ρ g A Wₖ` on corner `k`, where
+//! The pressure grows with depth, `p = ρ g s`, where the depth `s` of a point is linear over a triangle; it is zero above the surface. With the barycentric
+//! coordinates `λ = (λ₀, λ₁, λ₂)` of a point, `Σ λ = 1`, and the vector area `A` (half the cross product of two edges, pointing outward), the total force is
+//! `-ρ g A W` and the part on corner `k` is `-ρ g A Wₖ`, where
 //!
 //! ```text
 //! Wₖ = 1/‖A‖ ∫wetted s λₖ dA      metres
 //! ```
 //!
-//! Spread this way it has the moment of the pressure, too, about any point: `x = Σ λₖ xₖ`, so `∫ x s dA = ‖A‖ Σ xₖ Wₖ`.
+//! Distributed this way the force also has the moment of the pressure about any point: `x = Σ λₖ xₖ`, so `∫ x s dA = ‖A‖ Σ xₖ Wₖ`.
 //!
-//! **Wholly under.** Over a triangle the mean of `λⱼ λₖ` is 1/12, twice that for `j = k`. So with `s = Σ sⱼ λⱼ`,
+//! **Fully submerged.** Over a triangle the mean of `λⱼ λₖ` is 1/12, twice that for `j = k`. So with `s = Σ sⱼ λⱼ`,
 //!
 //! ```text
 //! Wₖ = (s₀ + s₁ + s₂ + sₖ)/12
 //! ```
 //!
-//! **One corner under**, say 0. The waterline crosses its edges at the shares `t₁ = s₀/(s₀ - s₁)` and `t₂ = s₀/(s₀ - s₂)` of their length. What is
-//! under is a triangle of the share `t₁ t₂` of the area, with the depths `(s₀, 0, 0)`, and the formula above in its own coordinates, carried over
-//! to those of the whole, gives
+//! **One corner submerged**, say 0. The waterline cuts its edges at the shares `t₁ = s₀/(s₀ - s₁)` and `t₂ = s₀/(s₀ - s₂)` of their length. The wetted part is
+//! a triangle with the share `t₁ t₂` of the area and the depths `(s₀, 0, 0)`. The formula above in its own coordinates, converted to those of the whole
+//! triangle, gives
 //!
 //! ```text
 //! W = t₁ t₂ s₀/12 · (4 - t₁ - t₂, t₁, t₂)
 //! ```
 //!
-//! **Two under.** The integrand is a polynomial, over the whole triangle given by the first formula whatever the signs; what is over the part
-//! above the surface is the second one, with a negative depth; the difference is what is under.
+//! **Two corners submerged.** The integrand is a polynomial, and the first formula gives its integral over the whole triangle whatever the signs. The second
+//! formula, with a negative depth, gives the part above the surface; the difference is the wetted part.
 
-/// How one triangle stands in the fluid.
+/// The result of clipping one triangle at the waterline.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Wetting {
-    /// `Wₖ`, metres: the share of each corner in the mean depth.
+    /// `Wₖ`, metres: the part of each corner in the mean depth.
     pub weights: [f64; 3],
-    /// Share of the area that is under the surface, 0 to 1.
+    /// Share of the area that is submerged, 0 to 1.
     pub share: f64,
 }
 
-/// The wetting of a triangle whose corners are at these depths, metres, positive under the surface. Nothing if one of them is not finite.
+/// The wetting of a triangle with these corner depths, metres, positive below the surface. Zero if one of them is not finite.
 pub(super) fn wetting(depth: [f64; 3]) -> Wetting {
     if !depth.iter().all(|s| s.is_finite()) {
         return Wetting::default();
@@ -46,7 +46,7 @@ pub(super) fn wetting(depth: [f64; 3]) -> Wetting {
         [false, false, false] => Wetting::default(),
         [true, true, true] => whole(depth),
         [a, b, c] => {
-            // The corner that is alone on its side.
+            // The corner that is the only one on its side of the waterline.
             let one_under = u8::from(a) + u8::from(b) + u8::from(c) == 1;
             let alone = (0..3).find(|&k| under[k] == one_under).unwrap_or(0);
             let tip = tip(depth, alone);
@@ -69,8 +69,8 @@ fn whole(depth: [f64; 3]) -> Wetting {
     Wetting { weights: depth.map(|s| (sum + s) / 12.0), share: 1.0 }
 }
 
-/// The part that the waterline cuts off at corner `k`. Of the corner and the other two, one side is under and the other is not: no depth equals
-/// `s`, and nothing is divided by zero.
+/// The part that the waterline cuts off at corner `k`. That corner and the other two are on different sides, so no other depth equals `s`, and there is no
+/// division by zero.
 fn tip(depth: [f64; 3], k: usize) -> Wetting {
     let (next, last) = ((k + 1) % 3, (k + 2) % 3);
     let s = depth[k];
@@ -88,7 +88,7 @@ fn tip(depth: [f64; 3], k: usize) -> Wetting {
 mod tests {
     use super::*;
 
-    /// The integrals by a fine grid of small triangles, each taken at its middle.
+    /// The integrals by a fine grid of small triangles, each evaluated at its centre.
     fn by_quadrature(depth: [f64; 3]) -> Wetting {
         const N: i32 = 600;
         let mut sum = Wetting::default();

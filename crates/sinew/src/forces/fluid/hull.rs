@@ -1,22 +1,20 @@
-//! Hulls: solids made of several particles that float by their own shape.
+//! Hulls: bodies of several particles that float by their own shape.
 //!
-//! The force of a fluid at rest on a body is that of the pressure on its wetted skin, `F = -∫ ρ g s n dA`, with the moment
-//! `-∫ ρ g s x × n dA`. [`clip`](super::clip) gives both exactly for a triangle, spread onto its corners; here they are summed up.
+//! The force of a fluid at rest on a body is that of the pressure on its wetted skin, `F = -∫ ρ g s n dA`, with the moment `-∫ ρ g s x × n dA`.
+//! [`clip`](super::clip) gives both exactly for a triangle, distributed to its corners; this module sums them.
 //!
-//! **A closed skin** needs no cut through the body at the waterline: that cut is where `s = 0`, so pressure does nothing there. By the divergence
-//! theorem the sum is `ρ g V up`, Archimedes' law with the submerged volume `V`, acting through its centroid:
-//! `-∫ s n dA = -∫ ∇s dV = up V`.
+//! **A closed skin** needs no cap at the waterline: there `s = 0`, so the pressure on a cap is zero. By the divergence theorem the sum is `ρ g V up`,
+//! Archimedes' law with the submerged volume `V`, acting at its centroid: `-∫ s n dA = -∫ ∇s dV = up V`.
 //!
-//! **An open skin**, a boat, is right as it stands while its rim is dry: it floats on its outside. When the rim goes under, the pressure on the
-//! opening is missing, and a sunken boat would be thrown out of the water. So the rim (the edges that have a triangle on one side only) is
-//! covered by a lid, a fan about the middle of the rim, which feels pressure where it is under. That makes every skin a closed one. *Water does
-//! not flow in*: a boat that heels or sinks below its rim floats on as if it had a deck, and goes down when it weighs more than the
-//! water that boat and lid push aside.
+//! **An open skin**, such as a boat, is correct as it is while its rim is dry: it floats on its outside. When the rim is submerged, the pressure on the opening
+//! is missing, and a sunken boat would be thrown out of the water. So the rim (the edges with a triangle on one side only) is covered by a lid, a fan about the
+//! middle of the rim, which takes pressure where it is submerged. That closes every skin. *Water does not flow in*: a boat that heels or sinks below its rim
+//! floats as if it had a deck, and sinks when it weighs more than the water displaced by boat and lid.
 //!
-//! **From the skin to the particles.** Where the particles are the corners of the skin, they take the force of their triangles: force and moment
-//! are those of the pressure, to round-off. Where the skin is carried along by the pose of the particles, the force `F` and the moment `τ` about
-//! their barycentre accelerate them as a rigid body, `aᵢ = F/M + α × rᵢ` with `I α = τ`: sums over the particles give `F` and `τ` back. What
-//! particles on a line, or a single one, cannot take of a moment is left out (the pseudo-inverse of `I`).
+//! **From the skin to the particles.** If the particles are the corners of the skin, they take the forces of their triangles: force and moment are those of the
+//! pressure, to round-off. If the skin follows the pose of the particles, the force `F` and the moment `τ` about their barycentre accelerate them as a rigid
+//! body, `aᵢ = F/M + α × rᵢ` with `I α = τ`: the sums over the particles are `F` and `τ` again. The part of a moment that collinear particles or a single one
+//! cannot take is dropped (the pseudo-inverse of `I`).
 
 use glam::{DVec3, Quat, Vec3};
 
@@ -30,18 +28,18 @@ mod skin;
 
 pub use skin::{Hull, HullFault, Skin};
 
-/// What the fluids need and nobody saves; it keeps its memory between calls.
+/// Scratch of the fluids; it keeps its allocations between calls.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FluidScratch {
     /// Which rows carry a hull, and so do not float as balls.
     pub(super) carriers: Vec<bool>,
-    /// Vertices of the hull at hand, metres from its first carrier.
+    /// Vertices of the current hull, metres from its first carrier.
     points: Vec<DVec3>,
-    /// Force on each of them at a weight of the fluid of 1 Pa/m, m³.
+    /// Force on each vertex for a specific weight of the fluid of 1 Pa/m, m³.
     forces: Vec<DVec3>,
 }
 
-/// Adds the buoyancy and the drag of all fluids on a hull, and marks its carriers. A hull at fault is left out: its particles float as balls.
+/// Adds the buoyancy and the drag of all fluids on a hull, and marks its carriers. A faulty hull is skipped, and its particles float as balls.
 pub(super) fn apply(
     particles: &mut Particles,
     fluids: &[Fluid],
@@ -77,14 +75,14 @@ pub(super) fn apply(
     }
 }
 
-/// Finds where the vertices of a hull are, metres from its first carrier. `None` where they are nowhere.
+/// Computes the positions of a hull's vertices, metres from its first carrier. `None` if the carriers have no pose.
 fn place(particles: &Particles, hull: &Hull, points: &mut Vec<DVec3>) -> Option<()> {
     let first = hull.rows[0] as usize;
     points.clear();
     match hull.skin() {
         Skin::Carriers => points.extend(hull.rows.iter().map(|&i| from(particles, i, first))),
         Skin::Posed { vertices, rest } => {
-            // A pinned carrier has no mass to tell; it counts as the others do on average.
+            // A pinned carrier has infinite mass; it is given the mean mass of the others.
             let (sum, count) = moving(particles, &hull.rows)
                 .fold((0.0, 0.0), |(sum, count), (_, m)| (sum + m, count + 1.0));
             let mean = if count > 0.0 { (sum / count) as f32 } else { 1.0 };
@@ -93,7 +91,7 @@ fn place(particles: &Particles, hull: &Hull, points: &mut Vec<DVec3>) -> Option<
                 let w = particles.position[i].w;
                 (particles.separation(i, first), rest, if w > 0.0 { 1.0 / w } else { mean })
             });
-            // Always from the same rotation: the result is a function of the particles alone.
+            // Always with the same initial rotation, so that the result depends on the particles alone.
             let found: Pose = pose(carriers, Quat::IDENTITY)?;
             points.extend(vertices.iter().map(|&v| found.point(v).as_dvec3()));
         }
@@ -101,21 +99,21 @@ fn place(particles: &Particles, hull: &Hull, points: &mut Vec<DVec3>) -> Option<
     Some(())
 }
 
-/// What a fluid with a weight of 1 Pa/m does to a hull as a whole.
+/// The total load on a hull by a fluid with a specific weight of 1 Pa/m.
 #[derive(Default)]
 struct Load {
     /// Force, m³.
     force: DVec3,
     /// Moment about the first carrier, m⁴.
     moment: DVec3,
-    /// Share of the volume that is under, or of the area for an open hull, 0 to 1.
+    /// Submerged share of the volume, or of the area for an open hull, 0 to 1.
     share: f64,
-    /// Mean place of the pressure, metres from the first carrier: somewhere under the surface.
+    /// Centre of pressure, metres from the first carrier; it is below the surface.
     middle: DVec3,
 }
 
 impl Load {
-    /// Sums the pressure up, and leaves what each vertex bears in `scratch.forces`. `None` if nothing is under.
+    /// Integrates the pressure, and leaves the force on each vertex in `scratch.forces`. `None` if nothing is submerged.
     fn of(
         particles: &Particles,
         hull: &Hull,
@@ -144,7 +142,7 @@ impl Load {
             }
         }
         sum.cover(hull.rim(), points, forces, up, level);
-        // A skin that is turned inside out (by the order of its corners, or by what happened to it) still has the fluid outside.
+        // On a skin that is inside out (by its winding, or by deformation) the fluid is still outside.
         let outward = if sum.volume < 0.0 { -1.0 } else { 1.0 };
         let mut load = Self::default();
         for (force, x) in forces.iter_mut().zip(points) {
@@ -166,7 +164,7 @@ impl Load {
     }
 }
 
-/// What is summed up over the skin.
+/// Sums over the skin.
 #[derive(Default)]
 struct Sum {
     volume: f64,
@@ -177,18 +175,18 @@ struct Sum {
 }
 
 impl Sum {
-    /// One triangle: its share in the volume; its vector area, m², out of the skin, and how it is wetted. A triangle that is not finite is none.
+    /// One triangle: adds its part of the volume; returns its outward vector area, m², and its wetting. A triangle that is not finite counts as zero.
     fn add(&mut self, [a, b, c]: [DVec3; 3], up: DVec3, level: f64) -> (DVec3, Wetting) {
         let area = (b - a).cross(c - a) * 0.5;
         if !area.is_finite() {
             return (DVec3::ZERO, Wetting::default());
         }
-        // The cone from the first carrier over the triangle.
+        // The tetrahedron from the first carrier to the triangle.
         self.volume += a.dot(area) / 3.0;
         (area, wetting([a, b, c].map(|x| level - up.dot(x))))
     }
 
-    /// The lid: a fan over the rim about its middle, whose share each vertex of the rim bears equally.
+    /// The lid: a fan over the rim about its middle. The force on the middle is distributed equally to the vertices of the rim.
     fn cover(
         &mut self,
         rim: &[[u32; 2]],
@@ -204,7 +202,7 @@ impl Sum {
         let middle = rim.iter().map(|&[a, _]| points[a as usize]).sum::<DVec3>() * share;
         let mut borne = DVec3::ZERO;
         for &[a, b] in rim {
-            // The other way round: the skin is on the left of its rim, the lid on the right.
+            // Reversed: the skin is on the left of a rim edge, the lid on its right.
             let at = [b as usize, a as usize];
             let (area, wetting) = self.add([points[at[0]], points[at[1]], middle], up, level);
             forces[at[0]] -= area * wetting.weights[0];
@@ -217,14 +215,14 @@ impl Sum {
     }
 }
 
-/// Puts the forces of the vertices onto the carriers that they are.
+/// Applies the forces on the vertices to the carriers, which are the same particles.
 fn apply_forces(particles: &mut Particles, hull: &Hull, forces: &[DVec3], weight: f64) {
     for (&i, &force) in hull.rows.iter().zip(forces) {
         particles.push_force(i as usize, (force * weight).as_vec3());
     }
 }
 
-/// Accelerates the carriers that can move as a rigid body, by the whole force and moment.
+/// Accelerates the free carriers as a rigid body, by the total force and moment.
 fn push(particles: &mut Particles, hull: &Hull, load: &Load, weight: f64) {
     let first = hull.rows[0] as usize;
     let (mut mass, mut first_moment) = (0.0, DVec3::ZERO);
@@ -257,13 +255,13 @@ fn push(particles: &mut Particles, hull: &Hull, load: &Load, weight: f64) {
     }
 }
 
-/// The carriers that can move, with their masses.
+/// The free carriers, with their masses.
 fn moving<'a>(particles: &'a Particles, rows: &'a [u32]) -> impl Iterator<Item = (u32, f64)> + 'a {
     let of = |&i: &u32| (i, f64::from(particles.position[i as usize].w));
     rows.iter().map(of).filter(|&(_, w)| w > 0.0).map(|(i, w)| (i, 1.0 / w))
 }
 
-/// Position of particle `i`, metres from another.
+/// Position of particle `i`, metres from particle `first`.
 fn from(particles: &Particles, i: u32, first: usize) -> DVec3 {
     place_of(particles, i as usize) - place_of(particles, first)
 }

@@ -1,12 +1,11 @@
-//! Fluids at rest or in a steady flow: what they carry and how they drag (physics.md F6, F7).
+//! Fluids at rest or in a steady flow: buoyancy and drag (physics.md F6, F7).
 //!
-//! Under a surface with the unit normal `up`, pressure is `p = ρ g s`, with the depth `s` measured along `up` and `g` the component of gravity
-//! against `up`. Where gravity is not along `up`, as over the bed of a mountain stream, the rest of it is what drives the stream, and
-//! what floats in it is carried across the surface's tilt by the same pull and held back by the drag. [`ball`] applies that to loose particles,
-//! [`hull`] to solids made of several.
+//! Below a surface with the unit normal `up`, the pressure is `p = ρ g s`, with the depth `s` measured along `up` and `g` the component of gravity against
+//! `up`. Where gravity is not along `up`, as in a mountain stream, its other component drives the stream; floating bodies are pulled along the tilted surface
+//! by it and held back by the drag. [`ball`] applies this to loose particles, [`hull`] to bodies of several particles.
 //!
-//! The drag of a fluid pulls towards its current, at a rate in proportion to the share of the body that is under. The masses of fluid that a body
-//! must push aside when it accelerates (added mass) are not modelled: a light body bobs faster than in truth.
+//! The drag pulls the velocity towards that of the current, at a rate proportional to the submerged share of the body. The fluid that an accelerating body has
+//! to displace (added mass) is not modelled: a light body bobs faster than in reality.
 
 mod ball;
 mod clip;
@@ -26,23 +25,23 @@ use crate::particles::{Particles, rate_of_drag};
 
 /// A fluid that fills the half-space below a plane, or the part of it within a region.
 ///
-/// A particle with a radius floats in it as a ball of that radius; particles that carry a [`Hull`] float as that hull instead. Where fluids
-/// overlap, each acts as if it were alone.
+/// A particle with a radius floats in it as a ball; particles that carry a [`Hull`] float as that hull instead. Where fluids overlap, each acts as if it were
+/// alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fluid {
-    /// Unit normal of the surface, out of the fluid. Default +y.
+    /// Unit normal of the surface, pointing out of the fluid. Default +y.
     pub up: Vec3,
     /// `up · x` of the points on the surface, metres. Default 0.
     pub level: f32,
-    /// Density, kg/m³. Default 1000, which is water's.
+    /// Density, kg/m³. Default 1000, water.
     pub density: f32,
-    /// Share of its velocity, relative to the fluid's, that a wholly submerged particle loses per second, 0 to 1; in proportion while it is
-    /// partly submerged. Default 0.8. A drag of 1 is a rate of [`FASTEST`](Self::FASTEST).
+    /// Share of its velocity relative to the fluid that a fully submerged particle loses per second, 0 to 1; proportionally less if it is partly submerged.
+    /// Default 0.8. A drag of 1 is a rate of [`FASTEST`](Self::FASTEST).
     pub drag: f32,
-    /// Velocity of the fluid, m/s: its drag pulls everything in it towards this. Default zero.
+    /// Velocity of the fluid, m/s; the drag acts relative to it. Default zero.
     pub current: Vec3,
-    /// Where under the surface the fluid is; default everywhere. A pool is a box; where the region fades, density and drag fade with it.
-    /// A body is inside by where the middle of its submerged part is, not triangle by triangle: walls exert no pressure.
+    /// The part of the half-space that the fluid fills. Default everywhere. A pool is a box; where the region fades, density and drag fade with it. The region
+    /// is evaluated once for a body, at the centre of its submerged part, not for each triangle: walls exert no pressure.
     pub region: Region,
 }
 
@@ -53,8 +52,8 @@ impl Default for Fluid {
 }
 
 impl Fluid {
-    /// The highest rate of damping that a fluid exerts, 1/s, and what a drag of 1 stands for. The rate of a drag of 1 is infinite, and so would be
-    /// the pull of its current; this one forgets a velocity within any step that there is, and stays a number.
+    /// Highest rate of damping by a fluid, 1/s; it stands for a drag of 1. The exact rate for a drag of 1 is infinite, and so would be the pull of the current.
+    /// This rate removes a relative velocity within any practical step, and is finite.
     pub const FASTEST: f32 = 1e6;
 
     /// Water at rest with its surface at y = `level` metres: 1000 kg/m³, a drag of 0.8.
@@ -69,12 +68,12 @@ impl Fluid {
         }
     }
 
-    /// The same within `region` only.
+    /// The same fluid within `region` only.
     pub fn within(self, region: Region) -> Self {
         Self { region, ..self }
     }
 
-    /// Whether every number is finite and in range. An invalid fluid carries nothing.
+    /// Whether every number is finite and in range. An invalid fluid does nothing.
     pub fn is_valid(&self) -> bool {
         (self.up.length_squared() - 1.0).abs() < 1e-3
             && self.level.is_finite()
@@ -85,18 +84,18 @@ impl Fluid {
             && self.region.is_valid()
     }
 
-    /// The rate at which a velocity relative to it decays in it, 1/s.
+    /// Rate at which a velocity relative to the fluid decays, 1/s.
     fn rate(&self) -> f32 {
         rate_of_drag(self.drag).min(Self::FASTEST)
     }
 
-    /// Increase of the pressure with depth, Pa/m: `ρ g` with the part of gravity against `up`.
+    /// Increase of pressure with depth, Pa/m: `ρ g` with the component of gravity against `up`.
     fn weight(&self, gravity: Vec3) -> f32 {
         -self.density * gravity.dot(self.up)
     }
 }
 
-/// Adds the buoyancy and the drag of all fluids on all hulls, and on the loose particles that carry none.
+/// Adds the buoyancy and the drag of all fluids on all hulls, and on the loose particles that carry no hull.
 pub(crate) fn apply(
     particles: &mut Particles,
     Forces { fluids, hulls, gravity, .. }: &Forces,

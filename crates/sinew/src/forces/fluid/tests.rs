@@ -1,4 +1,4 @@
-//! Hulls and fluids against what is known of them (physics.md F6): drafts, periods, and who stays upright.
+//! Hulls and fluids compared with analytic results (physics.md F6): drafts, heave periods and stability.
 
 mod still;
 
@@ -13,7 +13,7 @@ use crate::simulation::Simulation;
 
 const G: f64 = 9.81;
 
-/// Counter-clockwise from outside; corner `i` is on the positive side of x, y, z where bit 0, 1, 2 is set. The last two are the top.
+/// Counter-clockwise seen from outside; corner `i` is on the positive side of x, y, z where bit 0, 1, 2 is set. The last two triangles are the top.
 const BOX: [[u32; 3]; 12] = [
     [0, 2, 3],
     [0, 3, 1],
@@ -40,7 +40,7 @@ fn turned(angle: f32, axis: Vec3) -> DQuat {
     DQuat::from_xyzw(v.x, v.y, v.z, cos)
 }
 
-/// A box of eight particles: at its corners, with the skin hung on them, or equimomental, with the skin carried by their pose.
+/// A box of eight particles: at its corners, with the particles as the skin's corners, or equimomental, with the skin following their pose.
 #[derive(Clone, Copy)]
 struct Floating {
     size: Vec3,
@@ -64,7 +64,7 @@ impl Floating {
         Self { rotation, ..self }
     }
 
-    /// A world with this box, all its pairs tied, and water up to y = 0.
+    /// A world with this box, all its pairs connected, and water up to y = 0.
     fn world(&self, drag: f32) -> Simulation {
         let mut world = Simulation::default();
         world.settings.substeps = 8;
@@ -91,7 +91,7 @@ impl Floating {
     }
 }
 
-/// Force (N) and moment about the origin (N·m) of the fluids alone.
+/// Total force (N) and moment about the origin (N·m) of the fluids.
 fn load(world: &mut Simulation) -> (DVec3, DVec3) {
     world.begin_substep();
     world.apply_buoyancy();
@@ -177,7 +177,7 @@ fn a_wide_box_rights_itself_and_a_tall_one_capsizes() {
 
 #[test]
 fn a_boat_floats_on_its_outside_and_sinks_when_it_weighs_more_than_it_can_push_aside() {
-    // Steel of 900 kg as a tub of 2 m × 1 m × 2 m without a lid: its draft is 0.225 m. It can push aside 4000 kg.
+    // Steel of 900 kg as a tub of 2 m × 1 m × 2 m without a lid: its draft is 0.225 m. It can displace 4000 kg.
     let boat = |mass, posed| Floating {
         triangles: &BOX[..10],
         ..Floating::new(Vec3::new(2.0, 1.0, 2.0), mass, posed)
@@ -239,7 +239,7 @@ fn a_pool_carries_nothing_beside_itself() {
             world.particles.push(ParticleSeed::at(at).with_radius(0.5)).unwrap();
             load(&mut world).0.y
         };
-        // Half under, and the top of the pool's box is the surface: the middle of what is under is inside.
+        // Half submerged; the top of the pool's box is the surface, so the centre of the submerged part is inside.
         let exact = 9.81 * (4500.0 + 1000.0 * 2.0 / 3.0 * core::f64::consts::PI * 0.125);
         assert!((floats(Vec3::ZERO) / exact - 1.0).abs() < 1e-5);
         assert_eq!(floats(Vec3::X * 20.0), 0.0);

@@ -1,7 +1,7 @@
-//! Air with a velocity: drag and lift from the motion of each triangle relative to it (physics.md F5), so that a flag flutters, a feather floats
-//! down and a kite climbs.
+//! Air with a velocity: drag and lift from the motion of each triangle relative to it (physics.md F5), so that a flag flutters, a feather drifts down and a
+//! kite climbs.
 //!
-//! # The law
+//! # The force
 //!
 //! With `v` the air's velocity minus the triangle's (the mean of its corners'), and `a = A n` its area vector,
 //!
@@ -10,37 +10,36 @@
 //! lift = ½ρ C_L |a·v| (v × n') × v / |v|                across v, with n' = ±n, whichever points downwind
 //! ```
 //!
-//! and a third of it on each corner. For a sheet at the angle of attack α (between sheet and wind) drag is `½ρ C_D A v² sin α`, lift
-//! `½ρ C_L A v² sin α cos α`. The textbook's lift has the *direction* of `(v × n) × v`; that one is `½ρ C_L A v²` at full strength on a sheet that
-//! stands square to the wind, where it has no direction, and flips about with every tremor. The vector itself carries the missing `cos α`.
+//! with a third of the force on each corner. For a sheet at the angle of attack α (between sheet and wind) the drag is `½ρ C_D A v² sin α` and the lift `½ρ C_L
+//! A v² sin α cos α`. The textbook formula uses only the *direction* of `(v × n) × v`. It gives the full `½ρ C_L A v²` for a sheet perpendicular to the wind,
+//! where that direction is undefined and flips with every small motion. The vector itself has the missing factor `cos α`.
 //! As `(v × n) × v = n v² - v (v·n)` and `|a·v| n' = (a·v) n`, the lift is even in `n`:
 //!
 //! ```text
 //! lift = ½ρ C_L ((a·v)|v| n - (a·v)²/(A |v|) v)
 //! ```
 //!
-//! and it does not matter which way round the triangle is. A kite that turns its lower face to the wind has an `n'` that points downwind and up,
-//! and is lifted.
+//! so the winding of the triangle does not matter. A kite whose lower face is turned to the wind has an `n'` that points downwind and up, and is lifted.
 //!
-//! # Why it cannot blow up
+//! # Stability
 //!
-//! The force is taken at the start of a substep of `h` and held, and light things in strong wind would be thrown back and forth. With `f` the
-//! force of triangle `t`, every corner `i` gets the impulses of all its `n_i` triangles, and by Cauchy and Schwarz the energy of the change is
+//! The force is computed at the start of a substep of `h` and held constant, so light sheets in strong wind could be thrown back and forth. With `f` the force
+//! on triangle `t`, every corner `i` gets the impulses of all its `n_i` triangles, and by Cauchy and Schwarz the energy of the velocity change is
 //!
 //! ```text
 //! ½ Σ_i w_i (Σ_t h f_t/3)²  ≤  ½ Σ_i w_i n_i Σ_t h² f_t²/9  =  ½ h² Σ_t g_t f_t²        g_t = Σ n_i w_i / 9 over its corners
 //! ```
 //!
-//! while the force does the work `-h Σ_t f_t·v_t` on the motion relative to the air. That motion does not gain energy if for each triangle
-//! `h g f² ≤ 2 f·v`. With `x = h g |drag|/|v|` and `y = h g |lift|/|v|` that reads `x² + y² ≤ 2x`, which
+//! while the force does the work `-h Σ_t f_t·v_t` on the motion relative to the air. That motion gains no energy if for each triangle `h g f² ≤ 2 f·v`. With `x
+//! = h g |drag|/|v|` and `y = h g |lift|/|v|` that reads `x² + y² ≤ 2x`, which
 //!
 //! ```text
 //! x ≤ 1        and        y² ≤ ½ x (2 - x)
 //! ```
 //!
-//! ensure, with half of what drag takes left over, so that what lift makes swing comes to rest. The first also says that no sheet overshoots:
-//! for one that moves as a whole, `g` is exactly how much its triangles yield together, and `x = 1` takes it to the velocity of the air and not
-//! beyond. Neither does anything where the substep is short enough for the law itself, so the terminal speed is the law's to round-off.
+//! ensure, with half of the drag's dissipation left over, so that oscillations caused by lift die out. The first condition also prevents overshoot: for a sheet
+//! that moves as a whole, `g` is exactly the inverse effective mass of its triangles together, and `x = 1` brings it to the velocity of the air and not beyond.
+//! Neither condition is active where the substep is short enough for the plain formula, so the terminal speed is exact to round-off.
 
 use core::f32::consts::PI;
 
@@ -52,34 +51,32 @@ use crate::forces::region::{Extent, Region, WorldPoint};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
-/// Air that flows with a velocity, everywhere or in a region. Still air, velocity zero, slows things down.
+/// Air with a velocity, everywhere or in a region. Still air (velocity zero) slows things down.
 ///
-/// Where several overlap there is air once: their velocities add up, each by the share of its region, and density and coefficients are those of
-/// the densest. So a fan may blow in a breeze, and a breeze in still air.
+/// Where several flows overlap, they form one body of air: the velocities add up, each weighted by its region, and density and coefficients are those of the
+/// densest. So a fan may blow in a breeze, and a breeze in still air.
 ///
-/// A triangle stands for a sheet, of which both sides are in the air. On a closed body the lee side feels the wind as well: give its air half
-/// the coefficients.
+/// A triangle stands for a thin sheet with air on both sides. On a closed body the lee side is affected as well; for those, halve the coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirFlow {
     /// Velocity of the air, m/s.
     pub velocity: Vec3,
     /// Density of the air, kg/m³. Default 1.225: at sea level and 15 °C.
     pub density: f32,
-    /// Drag coefficient `C_D` of a sheet that stands square to the flow, 0 or more. Default 1.28, that of a flat plate. Without
-    /// drag there is no lift either.
+    /// Drag coefficient `C_D` of a sheet perpendicular to the flow, 0 or more. Default 1.28, that of a flat plate. Without drag there is no lift either.
     pub drag: f32,
-    /// Lift coefficient `C_L`, of `½ρ C_L A v² sin α cos α`, 0 or more. Default 1.28, as the drag.
+    /// Lift coefficient `C_L`, of `½ρ C_L A v² sin α cos α`, 0 or more. Default 1.28, equal to the drag.
     pub lift: f32,
-    /// How much gusts add and take: the standard deviation of each component of the velocity, as a share of the speed (the
-    /// meteorologists' intensity of turbulence, 0.1 over water, 0.3 in a town). Default 0: a steady flow.
+    /// Strength of gusts: the standard deviation of each component of the velocity, as a share of the speed (turbulence intensity, 0.1 over water, 0.3 in a
+    /// town). Default 0: a steady flow.
     pub gusts: f32,
     /// Size of the largest eddies, metres. Default 4.
     pub gust_length: f32,
-    /// Time in which the eddies change besides being carried along, seconds. Default 2.
+    /// Time in which the eddies change, in addition to being carried along, seconds. Default 2.
     pub gust_period: f32,
-    /// Where the air is. Default everywhere. Where the region fades, both density and velocity do.
+    /// Where the air is. Default everywhere. Where the region fades, density and velocity both fade.
     pub region: Region,
-    /// Whether loose particles (those of no triangle) with a radius feel it too, as balls with a drag coefficient of 0.47. Default true.
+    /// Whether it acts on loose particles (of no triangle) with a radius too, as balls with a drag coefficient of 0.47. Default true.
     pub on_particles: bool,
 }
 
@@ -105,22 +102,22 @@ impl AirFlow {
         Self { velocity, ..Self::default() }
     }
 
-    /// The same with gusts of the given share of its speed.
+    /// The same flow with gusts of the given share of its speed.
     pub fn with_gusts(self, gusts: f32) -> Self {
         Self { gusts, ..self }
     }
 
-    /// The same, in a region only.
+    /// The same flow, in a region only.
     pub fn within(self, region: Region) -> Self {
         Self { region, ..self }
     }
 
-    /// The velocity that this flow adds at a place and time, m/s: a pure function of both, without divergence where the region is in full.
+    /// The velocity that this flow contributes at a position and time, m/s: a pure function of both, free of divergence where the region is at full strength.
     pub fn at(&self, position: Vec3, time: f64) -> Vec3 {
         at_one_place(position, Current::of(self, time)) * self.region.share(position)
     }
 
-    /// Whether every number is finite and in range. Invalid air is not there.
+    /// Whether every number is finite and in range. An invalid flow does nothing.
     pub fn is_valid(&self) -> bool {
         let not_negative = |x: f32| x.is_finite() && x >= 0.0;
         self.velocity.is_finite()
@@ -130,18 +127,18 @@ impl AirFlow {
     }
 }
 
-/// Drag coefficient of a ball between a few hundred and some 200 000 Reynolds: anything from a pea to a football in a breeze.
+/// Drag coefficient of a ball for Reynolds numbers from a few hundred to some 200 000: anything from a pea to a football in a breeze.
 const BALL: f32 = 0.47;
 
 const THIRD: f32 = 1.0 / 3.0;
 
-/// The air at each triangle and each loose particle, looked up once a step: gusts take a good part of a second to pass.
+/// The air at each triangle and each loose particle, sampled once a step: gusts change only over a good part of a second.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Air {
-    /// For each triangle of the surfaces, padded to a multiple of eight, or none if there is no air: its velocity, m/s, and `½ρ`, kg/m³, 0 where
-    /// there is none.
+    /// For each triangle of the surfaces, padded to a multiple of eight: velocity, m/s, and `½ρ`, kg/m³, which is 0 where there is no air. Empty if there is no
+    /// air at all.
     triangles: Vec<Vec4>,
-    /// How what is there answers to it.
+    /// The response of each triangle: `C_D`, `C_L` and `g`.
     answers: Vec<Vec4>,
     balls: Vec<(u32, Felt)>,
     /// Number of triangles at each particle.
@@ -149,25 +146,25 @@ pub(crate) struct Air {
 }
 
 impl Air {
-    /// Whether there is any at triangles.
+    /// Whether there is air at any triangle.
     pub(crate) fn is_at_triangles(&self) -> bool {
         !self.triangles.is_empty()
     }
 }
 
-/// The air at a ball, and how that answers to it.
+/// The air at a ball, and the ball's response.
 #[derive(Clone, Copy, Debug, Default)]
 struct Felt {
     velocity: Vec3,
     /// `½ρ`, kg/m³; 0 where there is no air.
     density: f32,
-    /// `C_D` times its silhouette, m².
+    /// `C_D` times the silhouette, m².
     drag: f32,
-    /// How much it yields to a force, 1/kg: `g` of the derivation.
+    /// Inverse effective mass, 1/kg: `g` of the derivation.
     give: f32,
 }
 
-/// How eight triangles answer to the air, in the order in which they are packed: `C_D`, `C_L`, and `g` of the derivation, 1/kg.
+/// Response of eight triangles to the air, in the order in which they are packed: `C_D`, `C_L`, and `g` of the derivation, 1/kg.
 #[derive(Clone, Copy)]
 struct AirResponse<L> {
     drag: L,
@@ -175,7 +172,7 @@ struct AirResponse<L> {
     give: L,
 }
 
-/// Looks up the air at the time `time`, seconds.
+/// Samples the air at the time `time`, seconds.
 pub(crate) fn sample(
     particles: &Particles,
     surfaces: &[[u32; 3]],
@@ -197,7 +194,7 @@ pub(crate) fn sample(
     for &i in surfaces.iter().filter(|corners| there(corners)).flatten() {
         crowd[i as usize] += 1;
     }
-    // A triangle that names a row that is not there is left in the lee: it yields to nothing.
+    // A triangle with a missing row is left without air: its response `g` is zero.
     let yields = |&i: &u32| crowd[i as usize] as f32 * particles.inverse_mass(i as usize);
     let give = |corners: &[u32; 3]| corners.iter().map(yields).sum::<f32>() / 9.0;
     answers.extend(
@@ -225,7 +222,7 @@ pub(crate) fn sample(
     }
 }
 
-/// Adds drag and lift for a substep of `h` seconds, from the air that was last [sampled](sample).
+/// Adds drag and lift for a substep of `h` seconds, from the air last [sampled](sample).
 pub(crate) fn apply(
     particles: &mut Particles,
     surfaces: &PackedSurfaces,
@@ -265,7 +262,7 @@ impl<'a> Current<'a> {
         Self { flow, noise }
     }
 
-    /// The share of the flow that is at a place.
+    /// The share of the flow at a place.
     #[inline]
     fn share(&self, place: WorldPoint) -> f32 {
         let everywhere = self.flow.region.extent == Extent::Everywhere;
@@ -286,7 +283,7 @@ impl VectorField for Current<'_> {
 }
 
 kernel!(
-    /// Adds a flow's velocity at each triangle, and takes over its density with the coefficients if that is denser than what is there.
+    /// Adds a flow's velocity at each triangle, and takes its density and coefficients if it is denser than the air so far.
     fn blend<L: Lanes>(
         particles: &Particles,
         surfaces: &[[u32; 3]],
@@ -295,7 +292,7 @@ kernel!(
         answers: &mut [Vec4],
     ) {
         let flow = current.flow;
-        // Steady air that is everywhere is the same wherever that is.
+        // Steady air everywhere needs no position.
         let same = current.noise.is_none() && flow.region.extent == Extent::Everywhere;
         let eights = triangles.chunks_exact_mut(LANES).zip(answers.chunks_exact_mut(LANES));
         for (corners, (felt, answers)) in surfaces.chunks(LANES).zip(eights) {
@@ -324,14 +321,14 @@ kernel!(
     }
 );
 
-/// What air does to triangles in a substep of `h` seconds.
+/// The force of the air on triangles in a substep of `h` seconds.
 struct Dragging<'a> {
     air: &'a Air,
     h: f32,
 }
 
 impl SurfaceForce for Dragging<'_> {
-    /// The velocity of the air, m/s, and what answers to it, but for the time.
+    /// The velocity of the air, m/s, and the triangles' response, without the time factor.
     type Local<L: Lanes> = (Vector<L>, AirResponse<L>);
     const ASKS_MOTION: bool = true;
 
@@ -356,12 +353,12 @@ impl SurfaceForce for Dragging<'_> {
         motion: &Motion<L>,
     ) -> Vector<L> {
         let h = L::splat(self.h);
-        // A force acts from the middle of the last substep to that of this one; the longer of the two readings, as not every integrator does that.
+        // A force acts from the middle of the last substep to the middle of this one. The longer estimate is used, because not every integrator does that.
         let held = L::splat(0.5) * (motion.lag.max(h) + h);
         let relative = velocity - motion.sum * L::splat(THIRD);
         let answer = AirResponse { give: held * answer.give, ..answer };
         let force = answer.on_sheet(twice_the_area * L::splat(0.5), relative);
-        // Speeds beyond 1e19 m/s have no square: there the air gives up before the particles do. Nor has a triangle without an area a force.
+        // Speeds beyond 1e19 m/s overflow when squared: the force is dropped there. A triangle of no area has no force either.
         let largest = force.x.abs() + force.y.abs() + force.z.abs();
         let pushed = largest.lt(L::splat(f32::INFINITY));
         let third = force * L::splat(THIRD);
@@ -369,7 +366,7 @@ impl SurfaceForce for Dragging<'_> {
     }
 }
 
-/// The air at eight triangles and how those answer to it, as they are packed; `None` where there is none.
+/// The air at eight triangles and their response, from packed columns; `None` where there is no air.
 #[inline(always)]
 fn felt<L: Lanes>(
     flow: [L; 4],
@@ -381,8 +378,8 @@ fn felt<L: Lanes>(
 }
 
 impl<L: Lanes> AirResponse<L> {
-    /// The force on sheets of the given area vectors (m²) from air that moves at `v` relative to them (m/s); N. Here the density is in `drag` and
-    /// `lift`, and the time for which the force is held in `give`.
+    /// The force on sheets of the given area vectors (m²) from air that moves at `v` relative to them (m/s); N. Here `drag` and `lift` include the density, and
+    /// `give` the time for which the force is held.
     #[inline(always)]
     fn on_sheet(&self, area: Vector<L>, v: Vector<L>) -> Vector<L> {
         let one = L::splat(1.0);
@@ -404,7 +401,7 @@ impl<L: Lanes> AirResponse<L> {
 }
 
 impl Felt {
-    /// Adds a flow's velocity, and takes over its density with the coefficient if that is denser than what is there.
+    /// Adds a flow's velocity, and takes its density and coefficient if it is denser than the air so far.
     fn blend(&mut self, current: &Current, particles: &Particles, i: usize) {
         let place = WorldPoint::of(particles, i);
         let share = current.share(place);

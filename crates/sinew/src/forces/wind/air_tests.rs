@@ -1,4 +1,4 @@
-//! What air must do to sheets and balls: the analytic results of physics.md F5, and that no substep makes it throw anything about.
+//! Tests of the air on sheets and balls: the analytic results of physics.md F5, and stability at any substep.
 
 use glam::Vec3;
 
@@ -11,13 +11,13 @@ use crate::simulation::Simulation;
 
 const H: f32 = 1.0 / 60.0;
 
-/// A square metre of two triangles across `normal` with its middle at the origin, of `mass` kg and in motion.
+/// A square metre of two triangles perpendicular to `normal`, centred at the origin, of `mass` kg and in motion.
 fn sheet(normal: Vec3, mass: f32, velocity: Vec3) -> (Particles, Vec<[u32; 3]>) {
     let side = normal.any_orthonormal_vector();
     let up = normal.normalize().cross(side);
     let mut particles = Particles::default();
     for (x, y) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)] {
-        // The two corners of both triangles carry twice what the others do, so that the sheet does not turn.
+        // The two corners shared by both triangles get twice the mass of the others, so that the sheet does not rotate.
         let mass = if x * y > 0.0 { mass / 3.0 } else { mass / 6.0 };
         let seed = ParticleSeed::at(side * x + up * y).with_mass(mass).with_velocity(velocity);
         particles.push(seed).unwrap();
@@ -72,7 +72,7 @@ fn lift_is_across_the_wind_and_lifts_a_kite_whichever_way_round_its_triangles_ar
             let of = |drag: f32, lift: f32| AirFlow { drag, lift, ..AirFlow::steady(wind) };
             let both = felt(&mut particles, &surfaces, &[of(1.0, 1.3)], H);
             let lift = both - felt(&mut particles, &surfaces, &[of(1.0, 0.0)], H);
-            // The sheet meets the wind at 90° minus the angle of its normal.
+            // The angle of attack is 90° minus the angle of the normal.
             let (sin, cos) = (libm::cos(degrees.to_radians()), libm::sin(degrees.to_radians()));
             let expected = 0.5 * 1.225 * 1.3 * 64.0 * sin.abs() * cos;
             assert!(lift.dot(wind).abs() < 1e-4 * wind.length() * expected.abs() as f32);
@@ -93,7 +93,7 @@ fn a_falling_sheet_reaches_the_terminal_speed_at_which_drag_carries_its_weight()
         *world.forces.surfaces = surfaces;
         world.forces.air_flows.push(AirFlow::default());
         let exact = (2.0 * mass * 9.81 / (1.225 * 1.28)).sqrt();
-        // It gets there as tanh(g t/v). Nothing holds these four particles together, and a free sheet is not steady for long.
+        // It approaches that speed as tanh(g t/v). The four particles are not connected, and a free sheet is not steady for long.
         for _ in 0..(6.0 * exact / 9.81 / h) as u32 {
             world.step(h).unwrap();
         }
@@ -135,7 +135,7 @@ fn energy(particles: &Particles, wind: Vec3) -> f64 {
 
 #[test]
 fn a_feather_in_a_storm_is_carried_along_and_never_thrown_about() {
-    // A tenth of a gram and 50 cm² in 40 m/s, at 1/60 s and at a hopeless 1/10 s: the bare law would push it to fifty times the wind's speed.
+    // A tenth of a gram and 50 cm² in 40 m/s, at 1/60 s and at 1/10 s, far too long: the plain formula would push it to fifty times the wind's speed.
     let wind = Vec3::new(40.0, 0.0, 0.0);
     for (h, lift) in [(H, 0.0), (0.1, 0.0), (H, 1.28), (0.1, 5.0)] {
         let mut world = Simulation::default();
@@ -160,7 +160,7 @@ fn a_feather_in_a_storm_is_carried_along_and_never_thrown_about() {
 
 #[test]
 fn a_crumpled_cloth_of_light_particles_never_gains_energy_from_still_air() {
-    // Corners that share up to six triangles, masses from 1 mg to 1 g, all of them thrown in different directions.
+    // Corners that share up to six triangles, masses from 1 mg to 1 g, all moving in different directions.
     let mut seed = 3_u32;
     let mut next = move || {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -211,8 +211,8 @@ fn a_flow_blows_in_its_region_only_and_flows_that_overlap_are_one_air() {
     let near = |a: f32, b: f32| (a - b).abs() < 1e-4;
     assert!(near(at(Vec3::X, &[flow.within(fan)]), square(4.0)));
     assert_eq!(at(Vec3::X * 5.0, &[flow.within(fan)]), 0.0);
-    // The middles of the triangles are 1/√18 m aside, and so 2.5 m from the middle. At half the fade half of the velocity and half of the density: an
-    // eighth of the force.
+    // The centroids of the triangles are 1/√18 m off, and so 2.5 m from the centre of the region. At half the fade, half of the velocity and half of the
+    // density give an eighth of the force.
     let faded = at(Vec3::Y * 2.488_86, &[flow.within(fan.with_fade(1.0))]);
     assert!((faded / square(4.0) - 0.125).abs() < 1e-3, "{faded}");
     let breeze = AirFlow::steady(Vec3::Y);
@@ -235,7 +235,7 @@ fn broken_air_and_broken_triangles_are_left_out() {
     let (mut particles, mut surfaces) = sheet(Vec3::Y, 10.0, Vec3::ZERO);
     assert_eq!(felt(&mut particles, &surfaces, &broken, H), Vec3::ZERO);
     let whole = felt(&mut particles, &surfaces, &[good], H);
-    // A row that is not there, no area, no direction: nothing of it is felt, and nothing is NaN.
+    // A missing row, no area, no direction: no force, and no NaN.
     surfaces.extend([[0, 1, 99], [0, 0, 1], [2, 2, 2]]);
     assert!(felt(&mut particles, &surfaces, &[good], H).abs_diff_eq(whole, 1e-4));
     particles.set_velocity(0, Vec3::splat(f32::MAX));
@@ -246,8 +246,8 @@ fn broken_air_and_broken_triangles_are_left_out() {
     assert_eq!(felt(&mut particles, &surfaces, &[good], H), Vec3::ZERO);
 }
 
-/// A crumpled sheet of `n` by `n` particles, some of them pinned, in motion, some with origins of their own, with triangles that have no area, name
-/// rows that are not there, or are not finite.
+/// A crumpled, moving sheet of `n` by `n` particles, some pinned, some with origins of their own, and with triangles that have no area, have missing rows, or
+/// are not finite.
 fn crumpled(n: usize) -> (Particles, Vec<[u32; 3]>) {
     let mut state = 11_u32;
     let mut next = move || {
@@ -284,7 +284,7 @@ fn every_instruction_set_blows_with_the_same_bits_and_as_one_triangle_at_a_time_
             sample(&particles, surfaces, &[gusty, fan], 7.3, &mut air, set);
             pressures.sample(&particles, surfaces, &wind, 7.3, set);
             particles.clear_sums(0.0);
-            // A length at which the limits are reached for some and not for others.
+            // A substep at which the limits are active for some triangles and not for others.
             let packed = PackedSurfaces::of(surfaces, &particles);
             apply(&mut particles, &packed, &air, 0.004, set);
             pressure::apply(&mut particles, &packed, &pressures, false, set);

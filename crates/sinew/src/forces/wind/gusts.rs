@@ -1,39 +1,39 @@
-//! Gusts: waves of parabolas, and a turbulent velocity made of them that has no sources and no sinks.
+//! Gusts: a divergence-free turbulent velocity field made of waves with a parabolic profile.
 //!
 //! # Curl noise
 //!
-//! Air does not pile up, so the velocity of a gust must have no divergence: it is the curl of something. Take a wave `W` that runs along the
-//! unit vector `k`, as the vector potential `ψ = s² (a × k) W(k·x/s)/s`, with `a` a unit vector across `k`. Its curl is
+//! Air is nearly incompressible, so the velocity of a gust must be free of divergence: it is the curl of a potential. Take a wave `W` that travels along the
+//! unit vector `k`, with the vector potential `ψ = s² (a × k) W(k·x/s)/s`, where `a` is a unit vector perpendicular to `k`. Its curl is
 //!
 //! ```text
 //! ∇ × ψ = (k × (a × k)) W' = a W'(k·x/s)          and ∇·(a W') = (a·k) W''/s = 0
 //! ```
 //!
-//! so a wave whose velocity `a` lies across its direction `k` has no divergence at all, and neither has a sum of them. Eight such waves in two
-//! octaves cost eight dot products; noise on a lattice, the usual way, costs ten times as much and is free of divergence only as far as its
-//! derivatives are exact. `k` and `a` are whole numbers over their length (2² + 3² + 6² = 7²), so `a·k` is zero to the last bit.
+//! so a transverse wave (velocity `a` perpendicular to its direction `k`) has no divergence, and neither has a sum of them. Eight such waves in two octaves
+//! cost eight dot products; lattice noise, the usual way, costs ten times as much and is free of divergence only as far as its derivatives are exact. `k` and
+//! `a` are integers over their length (2² + 3² + 6² = 7²), so `a·k` is exactly zero.
 //!
-//! The smaller octave is weaker by the cube root of its size (Kolmogorov). A wave stands in the air that carries it (Taylor: turbulence is
-//! frozen into the wind), and besides runs along `k` by itself, once per period or so, which is what makes the pattern change.
+//! The smaller octave is weaker by the cube root of its size (Kolmogorov). A wave is carried along by the wind (Taylor's frozen turbulence) and in addition
+//! travels along `k` by itself, about once per period, which makes the pattern change.
 
 use glam::{Vec3, Vec4};
 
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 
-/// A turbulent velocity without divergence, at one instant. A pure function of place and time, so that nothing about it needs to be saved.
+/// A divergence-free turbulent velocity field at one instant. A pure function of position and time, so it has no state to save.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CurlNoise {
-    /// Turns per metre along each wave.
+    /// Wave cycles per metre along each wave.
     turns: [Vec3; WAVES.len()],
-    /// How far each wave has run, turns in -1..1.
+    /// Phase of each wave, cycles in -1..1.
     run: [f32; WAVES.len()],
-    /// Largest velocity of each wave, m/s.
+    /// Velocity amplitude of each wave, m/s.
     swing: [Vec3; WAVES.len()],
 }
 
-/// A wave: direction, velocity across it, their common length; waves per gust length, turns per period, strength.
+/// A wave: direction, velocity perpendicular to it, their common length; cycles per gust length, cycles per period, strength.
 ///
-/// Densities and speeds are in no simple ratio, so that the sum does not repeat within a scene.
+/// Densities and speeds are in no simple ratio, so the sum does not repeat within a scene.
 struct Wave {
     k: [i8; 3],
     a: [i8; 3],
@@ -47,8 +47,8 @@ const fn wave(k: [i8; 3], a: [i8; 3], length: i8, [density, speed, strength]: [f
     Wave { k, a, length, density, speed, strength }
 }
 
-/// Strengths of the two octaves: in the ratio of the cube root of 2.2, and such that each component of the velocity varies by 1 (its standard
-/// deviation, on average over the axes): 4 (0.94² + 0.724²) · 8/15 / 3 = 1, where 8/15 is the mean square of [`arch`].
+/// Strengths of the two octaves: in the ratio of the cube root of 2.2, and scaled so that each component of the velocity has a standard deviation of 1 on
+/// average over the axes: 4 (0.94² + 0.724²) · 8/15 / 3 = 1, where 8/15 is the mean square of [`arch`].
 const LARGE: f32 = 0.94;
 const SMALL: f32 = 0.724;
 
@@ -64,8 +64,8 @@ const WAVES: [Wave; 8] = [
 ];
 
 impl CurlNoise {
-    /// Eddies of `size` metres that change within `period` seconds and are carried along at `wind` m/s; each component of their velocity has the
-    /// standard deviation `strength`, m/s. `time` in seconds. `size` and `period` are positive.
+    /// Eddies of `size` metres that change within `period` seconds and are carried along at `wind` m/s. Each component of their velocity has the standard
+    /// deviation `strength`, m/s. `time` in seconds. `size` and `period` are positive.
     pub(super) fn new(strength: f32, size: f32, period: f32, wind: Vec3, time: f64) -> Self {
         let unit = |v: [i8; 3], length: i8| Vec3::from(v.map(f32::from)) / f32::from(length);
         Self {
@@ -79,7 +79,7 @@ impl CurlNoise {
         }
     }
 
-    /// The velocity at eight places, m/s.
+    /// The velocity at eight positions, m/s.
     #[inline(always)]
     pub(super) fn at<L: Lanes>(&self, position: Vector<L>) -> Vector<L> {
         let mut sum = Vector::splat(Vec3::ZERO);
@@ -91,32 +91,32 @@ impl CurlNoise {
     }
 }
 
-/// Drops whole turns in f64, so that gusts are as smooth after a day as in the first second. In -1..1, also beyond what an `i64` holds; a NaN stays
-/// one.
+/// The fractional part, computed in f64, so that gusts are as smooth after a day as in the first second. In -1..1, also for values beyond the range of `i64`;
+/// NaN stays NaN.
 pub(super) fn fraction(turns: f64) -> f32 {
     (turns - turns as i64 as f64).clamp(-1.0, 1.0) as f32
 }
 
-/// A smooth wave of period 1 between -1 and 1, of parabolas instead of a sine: a tenth of the time, and the same bits on every machine.
-/// Beyond 2²² turns hardly a fraction is left: what it gives there is no wave, but never more than 1.
+/// A smooth wave of period 1 between -1 and 1, made of parabolas: a tenth of the time of a sine, and the same bits on every machine. Beyond 2²² cycles hardly
+/// any fraction bits are left; the result is then no wave, but still at most 1.
 #[inline(always)]
 pub(super) fn arch<L: Lanes>(turn: L) -> L {
-    // Adding 1.5·2²³ leaves no bits for a fraction, so this rounds to the nearest whole turn without a branch.
+    // Adding 1.5·2²³ leaves no fraction bits, so this rounds to the nearest whole cycle without a branch.
     let no_fraction = L::splat(12_582_912.0);
     let whole = (turn + no_fraction) - no_fraction;
-    // From -1 to 1, where 4 t (1 - |t|) is one whole wave.
+    // From -1 to 1, where 4 t (1 - |t|) is one full wave.
     let t = L::splat(2.0) * (turn - whole).max(L::splat(-0.5)).min(L::splat(0.5));
     L::splat(4.0) * t * (L::splat(1.0) - t.abs())
 }
 
-/// A vector at one place, of a kernel that finds it at eight.
+/// Evaluates a vector field, which works on eight positions, at a single one.
 pub(super) fn at_one_place(position: Vec3, work: impl VectorField) -> Vec3 {
     with(InstructionSet::Simd128, OnePlace { position, work })
 }
 
-/// What has a vector everywhere.
+/// A vector field over space.
 pub(super) trait VectorField {
-    /// The vectors at eight places.
+    /// The vectors at eight positions.
     fn at<L: Lanes>(&self, position: Vector<L>) -> Vector<L>;
 }
 
@@ -161,7 +161,7 @@ mod tests {
         at_one_place(Vec3::X * turn, Wave).x
     }
 
-    /// Places all over a few hundred metres, and instants over an hour.
+    /// Positions over a few hundred metres, and times over an hour.
     fn places(n: u32) -> impl Iterator<Item = (Vec3, f64)> {
         let mut seed = 5_u32;
         let mut next = move || {
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn curl_noise_has_no_divergence() {
-        // The parabolas are exactly quadratic between their joints, so central differences err by round-off alone, but for a few that straddle one.
+        // The parabolas are exactly quadratic between their joints, so central differences have only round-off, except for the few that straddle a joint.
         let h = 0.01;
         let (mut divergence, mut gradient) = (0.0_f64, 0.0_f64);
         for (p, t) in places(2000) {
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn eddies_are_carried_along_by_the_wind_and_change_on_the_way() {
-        // With a period so long that they hardly change, what is here now is downwind later.
+        // With a period so long that the eddies hardly change, the present velocity here appears downwind later.
         let wind = Vec3::new(4.0, 0.0, 1.0);
         let (dt, p) = (2.0, Vec3::new(0.3, 1.0, -0.7));
         let frozen = |t| CurlNoise::new(1.0, 3.0, 1e6, wind, t);
@@ -232,7 +232,7 @@ mod tests {
             let t = year + f64::from(i) * 0.001;
             let change =
                 at_one_place(Vec3::ONE, noise(t + 0.001)) - at_one_place(Vec3::ONE, noise(t));
-            // Slope of a wave 4, strength 2, at most 5 turns a second, eight of them.
+            // A wave has slope 4, strength 2 and at most 5 cycles a second; there are eight of them.
             assert!(change.length() < 0.3, "{change}");
         }
         assert!(at_one_place(Vec3::ONE, noise(f64::MAX)).length() < 14.0);

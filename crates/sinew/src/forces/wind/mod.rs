@@ -1,6 +1,5 @@
-//! Air that moves: the lectures' [`Wind`], a pressure that only direction and silhouette matter to, and an [`AirFlow`], which is a velocity, so that
-//! things slow down, lift and fall in it as they do in air. Both blow on the triangles of
-//! [`Forces::surfaces`](super::Forces::surfaces), everywhere or in a [`Region`](super::Region), steadily or in gusts.
+//! Moving air. [`Wind`] is a pressure that depends only on direction and silhouette. [`AirFlow`] is a velocity, so things slow down, lift and fall in it as in
+//! real air. Both act on the triangles of [`Forces::surfaces`](super::Forces::surfaces), everywhere or in a [`Region`](super::Region), steadily or in gusts.
 
 mod air;
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Wind pressure on triangles, as the lectures give it (physics.md F5), with gusts that travel downwind.
+//! Wind pressure on triangles (physics.md F5), with gusts that travel downwind.
 
 use core::ops::Range;
 
@@ -12,19 +12,19 @@ use crate::particles::Particles;
 
 /// A wind that presses on surfaces, everywhere or in a region.
 ///
-/// The lectures' law: a triangle that shows the area `A` to the wind feels the force `A ‖w‖` along `w`, whichever side it shows, and a third
-/// of it acts on each corner. `w` is a pressure, and the motion of the cloth does not matter to it.
+/// A triangle whose area projected along the wind is `A` gets the force `A ‖w‖` along `w`, whichever side faces the wind, a third of it on each corner. `w` is
+/// a pressure; the motion of the cloth has no effect on it. For drag relative to moving air, use [`AirFlow`](super::AirFlow).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wind {
     /// Direction of the wind, and its dynamic pressure in pascal (N/m²): ½ρv², so 10 m/s of air is 61 Pa, 3 m/s is 5.5 Pa.
     pub pressure: Vec3,
-    /// How much gusts add and take, as a share of the pressure; default 0: a steady wind.
+    /// Strength of gusts as a share of the pressure. Default 0: a steady wind.
     pub gusts: f32,
-    /// Distance between gusts along the wind, metres; default 2.
+    /// Distance between gusts along the wind, metres. Default 2.
     pub gust_length: f32,
-    /// Time between gusts at one place, seconds; default 1.3.
+    /// Time between gusts at one place, seconds. Default 1.3.
     pub gust_period: f32,
-    /// Where it blows; default everywhere. Where the region fades, the pressure does.
+    /// Where it blows. Default everywhere. Where the region fades, the pressure fades.
     pub region: Region,
 }
 
@@ -35,22 +35,22 @@ impl Wind {
         Self { pressure, gusts: 0.0, gust_length: 2.0, gust_period: 1.3, region }
     }
 
-    /// The same with gusts of the given share.
+    /// The same wind with gusts of the given share.
     pub fn with_gusts(self, gusts: f32) -> Self {
         Self { gusts, ..self }
     }
 
-    /// The same, blowing in a region only.
+    /// The same wind, in a region only.
     pub fn within(self, region: Region) -> Self {
         Self { region, ..self }
     }
 
-    /// The pressure at a place and time, Pa: a pure function of both, so that nothing about gusts needs to be saved.
+    /// The pressure at a position and time, Pa: a pure function of both, so gusts have no state to save.
     pub fn at(&self, position: Vec3, time: f64) -> Vec3 {
         at_one_place(position, Gusts::of(self, time)) * self.region.share(position)
     }
 
-    /// Whether every number is finite and the gusts have a length and a period. An invalid wind does not blow.
+    /// Whether every number is finite, and gust length and period are positive. An invalid wind does nothing.
     pub fn is_valid(&self) -> bool {
         self.pressure.is_finite()
             && self.gusts.is_finite()
@@ -62,18 +62,18 @@ impl Wind {
     }
 }
 
-/// What winds are at each triangle in a step: `[x y z k]`, the pressure in Pa and `1/(6 ‖w‖)`, which [`apply`] needs. `k` is 0 where nothing blows.
+/// The winds at each triangle in a step: `[x y z k]`, the pressure in Pa and `1/(6 ‖w‖)`, which [`apply`] needs. `k` is 0 where there is no wind.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pressures {
     winds: Vec<Sampled>,
-    /// Of the winds that are not everywhere the same, one after the other on all triangles.
+    /// The values of the winds that are not uniform, one wind after another, for all triangles.
     each: Vec<Vec4>,
 }
 
 #[derive(Clone, Debug)]
 enum Sampled {
     Everywhere(Vec4),
-    /// In `each`.
+    /// A range of `each`.
     Each(Range<usize>),
 }
 
@@ -95,7 +95,7 @@ impl Pressures {
         })
     }
 
-    /// Whether any wind blows on a triangle.
+    /// Whether any wind blows on triangle `number`.
     pub(crate) fn blow_on(&self, number: usize) -> bool {
         self.winds().any(|wind| match wind {
             Pressure::Everywhere(w) => w.w != 0.0,
@@ -103,9 +103,9 @@ impl Pressures {
         })
     }
 
-    /// Adds what `wind` is at the time `time`, seconds; nothing for one that does not blow.
+    /// Adds `wind` at the time `time`, seconds; nothing if it is invalid or zero.
     ///
-    /// Gusts are looked up once a step, not once a substep: they take a good part of a second to pass.
+    /// Gusts are sampled once a step, not once a substep: they change only over a good part of a second.
     pub(crate) fn sample(
         &mut self,
         particles: &Particles,
@@ -131,7 +131,7 @@ impl Pressures {
     }
 }
 
-/// Adds the force of winds on each triangle: `‖½ (p1-p0)×(p2-p0) · w‖ · w/‖w‖`, a third to each corner; on separate ones alone, if they are asked for.
+/// Adds the force of winds on each triangle: `‖½ (p1-p0)×(p2-p0) · w‖ · w/‖w‖`, a third to each corner. With `separate` only on the separate triangles.
 pub(crate) fn apply(
     particles: &mut Particles,
     surfaces: &PackedSurfaces,
@@ -144,10 +144,10 @@ pub(crate) fn apply(
     }
 }
 
-/// A wind at the triangles of a list.
+/// A wind at each triangle of a list.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Pressure<'a> {
-    /// The same at all of them.
+    /// The same value at all of them.
     Everywhere(Vec4),
     Each(&'a [Vec4]),
 }
@@ -184,7 +184,7 @@ impl SurfaceForce for Pressure<'_> {
     #[inline(always)]
     fn third<L: Lanes>(&self, (w, k): (Vector<L>, L), area: Vector<L>, _: &Motion<L>) -> Vector<L> {
         let force = w * (area.dot(w).abs() * k);
-        // In the lee it is none, whatever the area is.
+        // Zero where there is no wind, even if the area is not finite.
         let blows = L::zero().lt(k);
         Vector::new(blows.and(force.x), blows.and(force.y), blows.and(force.z))
     }
@@ -195,7 +195,7 @@ fn splat<L: Lanes>(w: Vec4) -> [L; 4] {
     Vector::splat(w.truncate()).with(L::splat(w.w))
 }
 
-/// `None` where nothing blows.
+/// `None` if there is no wind at any of the eight.
 #[inline(always)]
 fn blowing<L: Lanes>((w, k): (Vector<L>, L)) -> Option<(Vector<L>, L)> {
     L::zero().lt(k).any().then_some((w, k))
@@ -211,10 +211,10 @@ kernel!(
         pressures: &mut Vec<Vec4>,
     ) {
         for eight in surfaces.chunks(LANES) {
-            // A triangle that names a row that is not there is left in the lee.
+            // A triangle with a missing row is left without wind.
             let mut middles = [Vec4::ZERO; LANES];
             for (middle, corners) in middles.iter_mut().zip(eight) {
-                // Not by `map`, which is not inlined in a kernel.
+                // Not with `map`, which is not inlined in a kernel.
                 let [a, b, c] = *corners;
                 let corners = [a as usize, b as usize, c as usize];
                 if corners.iter().all(|&i| i < particles.len()) {
@@ -239,24 +239,24 @@ kernel!(
 
 const THIRD: f32 = 1.0 / 3.0;
 
-/// The waves that a wind's gusts are made of, at one instant.
+/// The waves of a wind's gusts at one instant.
 ///
-/// Three run downwind and push, two more sway it sideways by as much, which is what keeps a flag from freezing edge-on to the wind. Their
-/// speeds and densities are in irrational ratios, as far as such numbers go, so that their sum does not repeat within a scene.
+/// Three travel downwind and modulate the pressure; two more sway it sideways by as much, which keeps a flag from settling edge-on to the wind. The ratios of
+/// their speeds and densities are far from simple fractions, so the sum does not repeat within a scene.
 struct Gusts {
     steady: Vec3,
-    /// Level unit vector across the wind, times the strength of the gusts, Pa.
+    /// Sway amplitude: a horizontal unit vector across the wind, times the strength of the gusts, Pa.
     sway: Vec3,
-    /// Unit vector along the wind, per gust length: 1/m.
+    /// Unit vector along the wind over the gust length, 1/m.
     along: Vec3,
-    /// Per metre of height, the same.
+    /// One over the gust length, for the height: 1/m.
     height: f32,
     gusts: f32,
-    /// How far each wave has run, turns in -1..1.
+    /// Phase of each wave, cycles in -1..1.
     run: [f32; 5],
 }
 
-/// How fast, how dense, how slanted with height, and how strong each wave is.
+/// Of each wave: speed, density, slant with height, strength.
 const WAVES: [[f32; 4]; 5] = [
     [1.0, 1.0, 0.21, 0.5],
     [1.71, 2.3, -0.4, 0.3],
@@ -280,7 +280,7 @@ impl Gusts {
         }
     }
 
-    /// One of the waves, at eight places that are so many turns along the wind and up.
+    /// One of the waves, at eight positions given in gust lengths along the wind and up.
     #[inline(always)]
     fn wave<L: Lanes>(&self, i: usize, place: L, height: L) -> L {
         let [_, density, slant, strength] = WAVES[i];
@@ -306,7 +306,7 @@ impl VectorField for Gusts {
     }
 }
 
-/// A unit vector across another one: horizontal, or along x where that one is vertical.
+/// A unit vector across `along`: horizontal, or along x where `along` is vertical.
 fn level_across(along: Vec3) -> Vec3 {
     along.cross(Vec3::Y).try_normalize().unwrap_or(Vec3::X)
 }
@@ -343,7 +343,7 @@ mod tests {
 
     #[test]
     fn a_closed_body_feels_twice_its_silhouette_since_both_sides_show() {
-        // The lectures take the magnitude, so the lee side of a closed body feels the wind as well: front and back each sum to the silhouette.
+        // The formula takes the magnitude, so the wind acts on the lee side of a closed body as well: front and back each sum to the silhouette.
         let corners: Vec<Vec3> = (0..8)
             .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32))
             .collect();

@@ -1,11 +1,11 @@
-//! The triangles that air acts on, packed by eights, and what adds the forces of a law on them to their corners.
+//! The triangles on which air acts, packed by eights, and the kernel that adds a force per triangle to its corners.
 //!
-//! To read the corners of a triangle and to accelerate them is most of the work of a wind. A grid of cloth has its cells in rows, two triangles each, and from cell to
-//! cell each corner is the next particle. Eight such cells are four runs of eight particles, which go into registers without a look at where each of them is, and
-//! whose two triangles share what is read. What is in no such row is gathered, in any order.
+//! Most of the cost of a wind is reading the corners of a triangle and adding to their accelerations. A cloth grid has its cells in rows, two triangles each,
+//! and from cell to cell each corner is the next particle. So eight such cells are four contiguous runs of eight particles, which load into registers without a
+//! gather, and the two triangles of a cell share what is loaded. All other triangles are gathered, in any order.
 //!
-//! A particle gets the forces of its own triangles in an order that follows from the order of those alone: first those of cells, then the others. So it does not
-//! matter to a cloth what else there is.
+//! A particle gets the forces of its own triangles in an order that depends only on the order of those: first those of cells, then the others. So the result
+//! for a cloth does not depend on what else is in the world.
 
 use core::ops::Range;
 
@@ -15,33 +15,33 @@ use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 use crate::particles::Particles;
 use crate::tracked::Tracked;
 
-/// Triangles of a list, packed for as long as that list and the number of particles stay the same. Scratch.
+/// The triangles of a list, packed; valid as long as that list and the number of particles stay the same. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PackedSurfaces {
     cells: Vec<CellRun>,
     gathered: Vec<GatheredTriangles>,
-    /// So many of both come first, and are of particles that move by themselves.
+    /// How many of `cells` and of `gathered` are separate; these come first. Separate triangles are those of particles that do not move as rigid states.
     separate: [usize; 2],
-    /// Which list it was, the number of particles, and which triangles are separate.
+    /// Revision of the packed list, and the number of particles.
     packed: Option<(u64, usize)>,
     ranges: Vec<Range<usize>>,
-    /// Numbers of those that are in no row of cells.
+    /// Indices of the triangles that are in no cell run.
     others: Vec<u32>,
-    /// Of each particle, the number of the stretch with one origin that it is in.
+    /// For each particle, the index of its stretch of consecutive particles with one origin.
     stretches: Vec<u32>,
 }
 
-/// Eight cells in a row: sixteen triangles of a list, the first of each cell of the corners 0, 1, 2, the second of 1, 2, 3.
+/// Eight cells in a row: sixteen triangles of a list. The first triangle of each cell has the corners 0, 1, 2, the second 1, 2, 3.
 #[derive(Clone, Copy, Debug)]
 struct CellRun {
     first: u32,
-    /// Rows of the first cell's corners; from cell to cell each is the next one.
+    /// Rows of the first cell's corners; from cell to cell each increases by one.
     corners: [u32; 4],
-    /// Whether corners of one may have different origins.
+    /// Whether corners of one cell may have different origins.
     apart: bool,
 }
 
-/// Up to eight triangles, in any places; where there are fewer, the first one once more.
+/// Up to eight arbitrary triangles; unused lanes repeat the first one.
 #[derive(Clone, Copy, Debug)]
 struct GatheredTriangles {
     numbers: [u32; LANES],
@@ -50,20 +50,20 @@ struct GatheredTriangles {
     apart: bool,
 }
 
-/// A law of forces on triangles. It must not matter to it which way round one is.
+/// A force on triangles. It must not depend on their winding.
 pub(super) trait SurfaceForce {
-    /// What the law needs of eight triangles besides their areas.
+    /// Per-triangle input for eight triangles, besides their areas.
     type Local<L: Lanes>: Copy;
-    /// Whether it asks how corners move.
+    /// Whether it needs the velocities of the corners.
     const ASKS_MOTION: bool;
 
-    /// That of eight triangles; `None` where there is no force on any.
+    /// The input for eight triangles; `None` if there is no force on any of them.
     fn at<L: Lanes>(&self, numbers: &[u32; LANES]) -> Option<Self::Local<L>>;
 
-    /// That of every second one of sixteen triangles, and of those between.
+    /// The inputs for the even and for the odd ones of sixteen triangles.
     fn at_pairs<L: Lanes>(&self, first: usize) -> [Option<Self::Local<L>>; 2];
 
-    /// A third of the force on eight triangles of twice such an area, N.
+    /// A third of the force on eight triangles, N, given twice their area vectors.
     fn third<L: Lanes>(
         &self,
         local: Self::Local<L>,
@@ -72,18 +72,17 @@ pub(super) trait SurfaceForce {
     ) -> Vector<L>;
 }
 
-/// How the three corners of eight triangles move.
+/// Motion of the three corners of eight triangles.
 #[derive(Clone, Copy)]
 pub(super) struct Motion<L> {
-    /// The sum of their velocities, m/s.
+    /// Sum of the velocities, m/s.
     pub(super) sum: Vector<L>,
-    /// How long ago those were measured, at the most, seconds.
+    /// The largest velocity lag of the corners, seconds; see [`Particles::lag`].
     pub(super) lag: L,
 }
 
 impl PackedSurfaces {
-    /// Packs the triangles of so many particles: first those in some ranges, which are separate, ascending, then the others. One that names a particle that
-    /// is not there is left out.
+    /// Packs the triangles: first those in the ranges of `separate`, ascending, then the others. A triangle with a missing particle is left out.
     pub(crate) fn pack(
         &mut self,
         surfaces: &Tracked<Vec<[u32; 3]>>,
@@ -97,7 +96,7 @@ impl PackedSurfaces {
             self.ranges.extend_from_slice(separate);
             self.cells.clear();
             self.gathered.clear();
-            // The list may have become shorter since it was said which are separate.
+            // The list may have become shorter since the ranges were computed.
             let len = surfaces.len();
             let there = || separate.iter().map(|range| range.start.min(len)..range.end.min(len));
             self.pack_ranges(surfaces, there(), origin.len());
@@ -110,7 +109,7 @@ impl PackedSurfaces {
         self.note_origins(origin);
     }
 
-    /// All triangles of a list, for tests.
+    /// Packs all triangles of a list, for tests.
     #[cfg(test)]
     pub(super) fn of(surfaces: &[[u32; 3]], particles: &Particles) -> Self {
         let mut packed = Self::default();
@@ -156,7 +155,7 @@ impl PackedSurfaces {
         }
     }
 
-    /// Notes which triangles may have corners with different origins: what constraints bind together has one.
+    /// Notes which triangles may have corners with different origins. Particles that constraints connect share one.
     fn note_origins(&mut self, origin: &[Vec3]) {
         let Self { cells, gathered, stretches, .. } = self;
         let (mut stretch, mut last) = (0, origin.first());
@@ -179,7 +178,7 @@ impl PackedSurfaces {
         }
     }
 
-    /// Adds the forces of a law on all of them, or on the separate ones alone; none while there are fewer particles than were packed.
+    /// Adds the force on all triangles, or only on the separate ones; does nothing while there are fewer particles than were packed.
     pub(super) fn accelerate(
         &self,
         particles: &mut Particles,
@@ -201,7 +200,7 @@ impl PackedSurfaces {
     }
 }
 
-/// The corners of the first of eight cells that some triangles begin with, if they do: those that it has alone first and last.
+/// The corners of the first of eight cells, if the triangles start with eight such cells: first and last the two that are not shared.
 fn cells(triangles: &[[u32; 3]]) -> Option<[u32; 4]> {
     let follows =
         |number: usize| triangles[number] == triangles[number - 2].map(|row| row.wrapping_add(1));
@@ -218,7 +217,7 @@ fn cells(triangles: &[[u32; 3]]) -> Option<[u32; 4]> {
     Some([alone(one)?, shared[0], shared[1], alone(other)?])
 }
 
-/// Adds the forces of a law on triangles to their corners.
+/// Adds the force on triangles to their corners.
 struct Accelerate<'a, F> {
     particles: &'a mut Particles,
     cells: &'a [CellRun],
@@ -309,7 +308,7 @@ impl GatheredTriangles {
         L::put_run(&mut more[0], 0, (third * own).with(L::zero()));
         L::put_run(&mut more[1], 0, (third * one).with(L::zero()));
         L::put_run(&mut more[2], 0, (third * other).with(L::zero()));
-        // One triangle after the other: several may share a corner, and which others are in an eight must not matter to that.
+        // One triangle after the other: several may share a corner, and the result must not depend on which others are in the same eight.
         for lane in 0..self.count {
             acceleration[a[lane] as usize] += more[0][lane];
             acceleration[b[lane] as usize] += more[1][lane];
@@ -319,14 +318,14 @@ impl GatheredTriangles {
 }
 
 impl<L: Lanes> Motion<L> {
-    /// Of one corner, by its velocities as they are packed.
+    /// Starts with one corner, from packed velocities.
     #[inline(always)]
     fn of(packed: [L; 4]) -> Self {
         let (sum, lag) = Vector::of(packed);
         Self { sum, lag }
     }
 
-    /// With one corner more.
+    /// Adds another corner.
     #[inline(always)]
     fn and(self, packed: [L; 4]) -> Self {
         let (velocity, lag) = Vector::of(packed);
@@ -349,7 +348,7 @@ fn run_rows(first: usize) -> [u32; LANES] {
     rows
 }
 
-/// What lies between some particles and others, as seen from the origins of both: between those origins, too.
+/// Differences between particles, corrected by the difference of their origins.
 #[inline(always)]
 fn shifted<L: Lanes>(
     between: Vector<L>,
@@ -374,8 +373,8 @@ mod tests {
     use crate::lanes::InstructionSet;
     use crate::particles::ParticleSeed;
 
-    /// A force that depends on everything that a law is given: along the area's normal or against it, whichever has it point up, with the number of the triangle and
-    /// how its corners move.
+    /// A force that depends on every input: along the area's normal or against it, whichever points up, with the index of the triangle and the motion of its
+    /// corners.
     struct Trial {
         numbered: bool,
     }
@@ -410,8 +409,8 @@ mod tests {
         }
     }
 
-    /// So many rows and columns of particles about a metre apart in no order, and two triangles for each cell, their corners turned round by so many places and
-    /// the second one's the other way.
+    /// A grid of particles about a metre apart, at irregular positions, and two triangles for each cell. The corners are rotated by `turned` places, and the
+    /// second triangle's the other way.
     fn grid(columns: u32, rows: u32, turned: usize) -> (Particles, Vec<[u32; 3]>) {
         let mut particles = Particles::default();
         let mut random = 7_u32;
@@ -439,7 +438,7 @@ mod tests {
         (particles, triangles)
     }
 
-    /// The sums of the forces' thirds, each by its inverse mass, in double precision.
+    /// The sums of a third of the forces, each times the inverse mass, in double precision.
     fn expected(
         particles: &Particles,
         triangles: impl Iterator<Item = (usize, [u32; 3])>,
@@ -511,7 +510,7 @@ mod tests {
     fn triangles_in_any_order_and_of_particles_with_other_origins_get_theirs() {
         let (mut particles, mut triangles) = grid(17, 4, 0);
         for i in 20..particles.len() {
-            // As seen from elsewhere, it is where it was.
+            // The world position does not change, only the origin.
             let shift = Vec3::new(64.0 * (i % 3) as f32, 0.0, -32.0 * (i % 2) as f32);
             particles.origin[i] += shift;
             particles.position[i] -= shift.extend(0.0);
@@ -523,7 +522,7 @@ mod tests {
             let found =
                 accelerated(&mut particles, &TRIAL, (&packed, false), InstructionSet::best());
             assert_near(&found, &expected, "apart");
-            // The same in disorder.
+            // The same triangles in another order.
             let len = triangles.len();
             triangles = (0..len).map(|number| triangles[number * 37 % len]).collect();
         }
@@ -544,13 +543,13 @@ mod tests {
         let best = InstructionSet::best();
         assert_near(&accelerated(&mut particles, &TRIAL, (&packed, false), best), &all, "all");
         assert_near(&accelerated(&mut particles, &TRIAL, (&packed, true), best), &some, "separate");
-        // Of a list that became shorter since then, what there is.
+        // After the list became shorter, the remaining triangles.
         triangles.truncate(20);
         packed.pack(&triangles.clone().into(), &separate, &particles.origin);
         let left = expected(&particles, triangles.iter().copied().enumerate());
         let found = accelerated(&mut particles, &TRIAL, (&packed, false), best);
         assert_near(&found, &left, "shorter");
-        // Of a world with fewer particles than were packed nothing is touched.
+        // In a world with fewer particles than were packed, nothing is written.
         let mut fewer = grid(19, 3, 0).0;
         let touched = accelerated(&mut fewer, &TRIAL, (&packed, false), best);
         assert!(touched.iter().all(|&a| a == Vec3::ZERO));
@@ -560,7 +559,7 @@ mod tests {
     fn it_does_not_matter_to_a_grid_what_else_there_is() {
         let (particles, triangles) = grid(13, 5, 0);
         let alone = PackedSurfaces::of(&triangles, &particles);
-        // Beside it, and before it in the lists, is another grid.
+        // Next to it, and before it in the lists, is another grid.
         let (mut both, mut listed) = grid(11, 3, 1);
         listed.push([0, 1, 2]);
         let rows = both.len() as u32;

@@ -1,32 +1,32 @@
-//! What a hull is: the particles that carry it, its skin, and the rim that is found once.
+//! The data of a hull: the particles that carry it, its skin, and its rim, which is computed once.
 
 use glam::Vec3;
 
 use crate::same_place::first_in_place;
 
-/// The skin of a solid that floats by its shape, and the particles that carry it.
+/// The surface mesh of a body that floats by its shape, and the particles that carry it.
 ///
-/// Its particles do not float as balls as well, whatever their radius. The skin should be closed, or open like a boat; corners of a triangle go
-/// counter-clockwise seen from outside, and a skin that is inside out as a whole is taken the right way.
+/// Its particles do not float as balls as well, whatever their radius. The skin should be closed, or open like a boat. Triangles are counter-clockwise seen
+/// from outside; a skin that is inside out as a whole is handled too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hull {
-    /// Rows of the carriers, in the order in which the skin was made for them. A program that moves particles to other rows writes here.
+    /// Rows of the carriers, in the order for which the skin was made. A program that moves particles to other rows has to update them.
     pub rows: Vec<u32>,
     triangles: Vec<[u32; 3]>,
     skin: Skin,
     rim: Vec<[u32; 2]>,
 }
 
-/// How the skin of a hull hangs on its carriers.
+/// How the skin of a hull is attached to its carriers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Skin {
-    /// The carriers are the corners of its triangles: boats of cloth, soft bodies, boxes with a particle at each corner.
+    /// The carriers are the corners of the triangles: for boats of cloth, soft bodies, boxes with a particle at each corner.
     Carriers,
-    /// Carried along by the rigid [`pose`](crate::pose::pose) of the carriers: boxes whose particles are inside, bones, detailed meshes.
+    /// The skin follows the rigid [`pose`](crate::pose::pose) of the carriers: for boxes with interior particles, bones, detailed meshes.
     Posed {
         /// Corners of the triangles in the rest frame, metres.
         vertices: Vec<Vec3>,
-        /// Where each carrier is in that frame, metres, in the order of [`Hull::rows`].
+        /// Position of each carrier in that frame, metres, in the order of [`Hull::rows`].
         rest: Vec<Vec3>,
     },
 }
@@ -37,13 +37,13 @@ pub enum HullFault {
     /// It has no triangle or no particle.
     #[error("it has no triangle, or no particle that carries it")]
     Empty,
-    /// A row that the simulation does not have.
+    /// A row does not exist in the simulation.
     #[error("one of its particles does not exist")]
     MissingParticle,
-    /// A triangle names a corner that is not there.
+    /// A triangle refers to a corner that does not exist.
     #[error("one of its triangles has a corner that does not exist")]
     MissingVertex,
-    /// The carriers are more or fewer than the skin was made for.
+    /// The number of carriers differs from that for which the skin was made.
     #[error("it has not one rest position for each particle that carries it")]
     Count,
     /// A vertex or a rest position is NaN or infinite.
@@ -52,12 +52,13 @@ pub enum HullFault {
 }
 
 impl Hull {
-    /// A hull of triangles, each naming three carriers (by their place in `rows`) or three vertices of a posed skin.
+    /// A hull of triangles, each with three carriers (as indices into `rows`) or three vertices of a posed skin.
     ///
-    /// Vertices at exactly the same place, as meshes have them where normals differ, are taken for one.
+    /// Vertices at exactly the same position, which meshes have where normals differ, are merged.
     ///
     /// # Errors
-    /// A triangle without corners, positions that are not finite, or a rest position too many or too few.
+    /// [`HullFault`]: no row or no triangle, a triangle with a corner that does not exist, positions that are not finite, or a number of rest positions that
+    /// differs from that of the rows.
     pub fn new(
         rows: Vec<u32>,
         mut triangles: Vec<[u32; 3]>,
@@ -106,12 +107,12 @@ impl Hull {
         }
     }
 
-    /// The triangles, by carrier or by vertex.
+    /// The triangles, as indices of carriers or of vertices.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// How it hangs on its carriers.
+    /// How the skin is attached to its carriers.
     pub fn skin(&self) -> &Skin {
         &self.skin
     }
@@ -121,13 +122,13 @@ impl Hull {
         !self.rim.is_empty()
     }
 
-    /// The edges of the rim, each in the direction that its triangle gives it.
+    /// The edges of the rim, each in the direction of its triangle.
     pub(super) fn rim(&self) -> &[[u32; 2]] {
         &self.rim
     }
 }
 
-/// The directed edges that no triangle runs along the other way.
+/// The directed edges without a triangle that has them in the opposite direction.
 fn rim_of(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let mut edges: Vec<([u32; 2], i32)> = triangles
         .iter()
@@ -139,7 +140,7 @@ fn rim_of(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     for same in edges.chunk_by(|x, y| x.0 == y.0) {
         let ([a, b], _) = same[0];
         let net: i32 = same.iter().map(|edge| edge.1).sum();
-        // An edge of no length, of a triangle with the same corner twice, is none.
+        // A triangle that repeats a corner has an edge of no length, which does not count.
         if a != b {
             let edge = if net > 0 { [a, b] } else { [b, a] };
             rim.extend((0..net.unsigned_abs()).map(|_| edge));

@@ -1,8 +1,8 @@
-//! Forces on hulls that do not move: against sums over small cells, closed forms, and what is broken.
+//! Forces on hulls that do not move, compared with sums over small cells and closed forms; and invalid input.
 
 use super::*;
 
-/// Knuth's linear congruence, 0 to 1.
+/// Knuth's linear congruential generator, 0 to 1.
 fn random(state: &mut u64) -> f32 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 40) as f32 / (1 << 24) as f32
@@ -16,7 +16,7 @@ fn the_force_on_a_box_is_that_of_its_submerged_volume_at_its_centroid_at_any_ang
         let mut draw = || random(&mut state) - 0.5;
         let axis = Vec3::new(draw(), draw(), draw() + 0.01);
         let (rotation, at) = (turned(6.0 * draw(), axis), Vec3::new(draw(), draw(), draw()));
-        // The submerged cells of the box, and their mean place.
+        // The submerged cells of the box, and their mean position.
         let (mut cells, mut first) = (0.0, DVec3::ZERO);
         let middle = |i: i32| (f64::from(i) + 0.5) / f64::from(N) - 0.5;
         for i in 0..N * N * N {
@@ -58,14 +58,14 @@ fn the_moment_at_a_small_heel_is_the_metacentric_height_times_the_weight() {
     }
 }
 
-/// An icosahedron whose triangles are cut into four `times` times, on the unit sphere.
+/// An icosahedron whose triangles are subdivided into four `times` times, on the unit sphere.
 fn sphere(times: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let t = (1.0 + 5.0_f32.sqrt()) / 2.0;
     let pairs = [(1.0, t), (-1.0, t), (1.0, -t), (-1.0, -t)];
     let mut vertices: Vec<Vec3> = pairs.iter().map(|&(a, b)| Vec3::new(a, b, 0.0)).collect();
     vertices.extend(pairs.iter().map(|&(a, b)| Vec3::new(0.0, a, b)));
     vertices.extend(pairs.iter().map(|&(a, b)| Vec3::new(b, 0.0, a)));
-    // Its faces: the triples at the length of an edge, 2, from each other.
+    // Its faces: the triples whose mutual distances are the edge length, 2.
     let near = |a: u32, b: u32| (vertices[a as usize] - vertices[b as usize]).length() < 2.1;
     let mut triangles = Vec::new();
     for a in 0..12 {
@@ -82,7 +82,7 @@ fn sphere(times: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     for _ in 0..times {
         let mut finer = Vec::new();
         for [a, b, c] in triangles {
-            // Each edge is halved twice: the hull welds what is at the same place.
+            // Each edge is split twice; the hull merges coincident vertices.
             let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(a, b)| {
                 vertices.push((vertices[a as usize] + vertices[b as usize]) * 0.5);
                 vertices.len() as u32 - 1
@@ -139,7 +139,7 @@ fn five_kilometres_away_the_forces_are_the_same() {
         let rotation = turned(0.5, Vec3::new(1.0, 2.0, 3.0));
         let place = |x: f32| {
             let mut world = Floating::new(Vec3::new(2.0, 1.0, 3.0), 3000.0, posed).world(0.5);
-            // By its digits: f32 alone has none for a thousandth of a metre there.
+            // Directly in local positions and origins: a world position in f32 cannot resolve a thousandth of a metre there.
             for i in 0..8 {
                 let r = (rotation * world.particles.position(i).as_dvec3()).as_vec3();
                 world.particles.position[i] = r.extend(world.particles.position[i].w);
@@ -166,7 +166,7 @@ fn what_is_inside_out_floats_as_well() {
 
 #[test]
 fn a_tilted_surface_lifts_along_its_normal_by_the_gravity_against_it() {
-    // As in a stream on a slope: hull and ball alike, the pressure gradient is across the surface.
+    // As in a stream on a slope: for hull and ball alike, the pressure gradient is perpendicular to the surface.
     let up = Vec3::new(0.6, 0.8, 0.0);
     let mut world = Floating::new(Vec3::ONE, 500.0, false).world(0.0);
     world.forces.fluids[0] = Fluid { up, level: 10.0, ..Fluid::water(0.0) };
@@ -194,7 +194,7 @@ fn degenerate_and_broken_triangles_feel_nothing_and_spoil_nothing() {
         let others = (0..8).filter(|&i| i != 3);
         assert!(others.clone().all(|i| world.particles.acceleration(i).is_finite()), "{posed}");
 
-        // Flat, collinear, and all at one point: the pose has nothing to hold on to.
+        // Flat, collinear and coincident: the pose is not determined.
         for flat in [Vec3::new(1.0, 0.0, 1.0), Vec3::X, Vec3::ZERO] {
             let mut world = good.world(0.5);
             for i in 0..8 {
@@ -205,7 +205,7 @@ fn degenerate_and_broken_triangles_feel_nothing_and_spoil_nothing() {
             assert!(world.particles.acceleration.iter().all(|a| a.is_finite()), "{posed} {flat}");
         }
 
-        // Pinned in part and as a whole.
+        // Partly pinned, then fully.
         let mut world = good.world(0.5);
         for i in 0..8 {
             world.particles.position[i].w = 0.0;
