@@ -1,7 +1,7 @@
-//! Articulated bodies (physics.md B3, C5): bones that are rigid, joined where they share particles, and limits of the angles between them.
+//! Articulated bodies (physics.md B3, C5): rigid bones, joined where they share particles, with limits on the angles between them.
 //!
-//! A chain, a door, a lamp, an animal. Two bones that share one particle turn about it in any way; two that share two turn about the line
-//! through them. What a joint allows beyond that is a [`Cone`] or a [`Hinge`] of angles, so an elbow knows forward from backward.
+//! A chain, a door, a lamp, an animal. Two bones that share one particle turn freely about it; two that share two particles turn about the line through them. A
+//! [`Cone`] or a [`Hinge`] limits the angles of a joint, so that an elbow bends one way only.
 
 mod joints;
 
@@ -16,59 +16,59 @@ use crate::constraints::{Constraint, ConstraintKind, Rigid};
 use crate::particles::ParticleSeed;
 use crate::settings::BodySettings;
 
-/// A body of bones to build. The default has none, and is refused.
+/// An articulated body to build. The default has no bones, and is refused.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ArticulatedSpec {
-    /// The bones; each after its parent.
+    /// The bones; a parent precedes its children.
     pub bones: Vec<Bone>,
-    /// Share of the velocity of every particle lost per second, 0 to 1; default 0.
+    /// Share of the velocity of every particle lost per second, 0 to 1. Default 0.
     pub drag: f32,
 }
 
-/// One bone, where it is when the body is built. All its joints are at rest there.
+/// A bone in its pose at build time, which is the rest pose of all its joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bone {
-    /// What its part is called; default `"bone"`.
+    /// Name of its part. Default `"bone"`.
     pub name: &'static str,
-    /// The number of the bone that it is joined to, a lower one than its own; default none.
+    /// Index of the bone to which it is joined, lower than its own. Default none.
     pub parent: Option<usize>,
-    /// Its near end, metres: where the joint is. Default the origin.
+    /// Its near end, metres, where the joint is. Default the origin.
     pub head: Vec3,
-    /// Its far end, metres. Default 1 m below.
+    /// Its far end, metres. Default 1 m below the origin.
     pub tail: Vec3,
-    /// How thick it is, metres, 1e-6 to 1e6; default 0.1. Its particles have half of that for their radius.
+    /// Thickness, metres, 1e-6 to 1e6. Default 0.1. The radius of its particles is half of it.
     pub width: f32,
-    /// Kilograms, 1e-9 to 1e12; default 1. Spread like that of a thin rod: a sixth at each end, the rest in the middle.
+    /// Mass, kg, 1e-9 to 1e12. Default 1. Distributed like that of a thin rod: a sixth at each end, the rest in the middle.
     pub mass: f32,
-    /// How it is joined to its parent; of no meaning without one. Default free to turn in any way.
+    /// How it is joined to its parent; ignored if it has none. Default a ball joint without limits.
     pub joint: Joint,
-    /// Whether it is held where it is, by infinite mass; default not. A joint of its is then a fixed point.
+    /// Whether its particles have infinite mass, which holds it in place. Default false. A joint on it is then a fixed point.
     pub pinned: bool,
 }
 
 /// How a bone is joined to its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joint {
-    /// At its head, about which it turns.
+    /// A ball joint at its head.
     Ball {
-        /// Largest angle between the bone and where it was built, seen from its parent, radians, 0 to π (any). Best below 80° if there is a
-        /// limit of twist, which has no meaning where the bone points along the arm that it is measured from, 90° to the side.
+        /// Largest angle between the bone and its direction at build time, in the frame of its parent, radians, 0 to π (no limit). Best below 80° if the twist
+        /// is limited too: the twist is measured from an arm 90° to the side, and is undefined where the bone points along that arm.
         cone: f32,
-        /// Largest twist about itself to either side, radians, 0 to π (any).
+        /// Largest twist about its own axis in either direction, radians, 0 to π (no limit).
         twist: f32,
     },
-    /// About an axis through its head.
+    /// A hinge about an axis through its head.
     Hinge {
-        /// Direction of the axis, of any length but zero. A positive angle turns the bone by the right hand about it.
+        /// Direction of the axis, of any length but zero. Positive angles follow the right-hand rule about it.
         axis: Vec3,
-        /// Smallest angle from where it was built, radians, -π to 0.
+        /// Smallest angle from the pose at build time, radians, -π to 0.
         min: f32,
-        /// Largest angle, radians, 0 to π. From -π to π is all the way round.
+        /// Largest angle, radians, 0 to π. From -π to π is no limit.
         max: f32,
     },
-    /// Not at all: parent and child are one rigid piece, with a part each.
+    /// No joint: parent and child are one rigid piece, with a part each.
     Fixed,
-    /// Loose: it has nothing to do with its parent.
+    /// Not connected to its parent.
     Free,
 }
 
@@ -87,28 +87,27 @@ impl Default for Bone {
     }
 }
 
-/// A ball without limits.
+/// A ball joint without limits.
 impl Default for Joint {
     fn default() -> Self {
         Self::Ball { cone: core::f32::consts::PI, twist: core::f32::consts::PI }
     }
 }
 
-/// Sweeps in a substep that it asks for: a blow is carried through a chain of bones one joint a sweep. With 12, the limits of five bones that
-/// are thrown about yield by some degrees at most.
+/// Maximum number of sweeps in a substep: an impact travels through a chain of bones by one joint a sweep. With 12, the limits of five bones that are thrown
+/// about are exceeded by a few degrees at most.
 pub(super) const SWEEPS: u32 = 12;
 
 /// A body of rigid bones.
 ///
-/// Each bone is a [`Rigid`] set of particles: its head, which its parent has as well, its tail, two in the middle at half its width to either
-/// side, and one beside each joint that it carries, a width to the side: the pin of the hinge, or the arm that twist is measured from. A child
-/// whose head is at its parent's tail shares that particle. Its limits are a [`Cone`](crate::constraints::Cone) and
-/// [`Hinge`](crate::constraints::Hinge)s.
+/// Each bone is a [`Rigid`] set of particles: its head, which belongs to its parent as well; its tail; two in the middle, half its width to either side; and
+/// one for each joint that it carries, a width to the side of the joint. The last is the pin of a hinge, or the arm from which twist is measured. A child whose
+/// head is at its parent's tail shares that particle. The limits are a [`Cone`](crate::constraints::Cone) and [`Hinge`](crate::constraints::Hinge)s.
 ///
-/// There is a part for each bone, in the order of the bones: centred on it, with y from the tail to the head. It asks for 12 sweeps.
+/// There is one part for each bone, in the same order: centred on the bone, with y from the tail to the head. The body asks for up to 12 sweeps.
 ///
 /// # Errors
-/// What [`RecipeFault`] lists.
+/// A [`RecipeFault`] if the spec has no bones, or a value is out of range.
 pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, RecipeFault> {
     ensure(!spec.bones.is_empty(), RecipeFault::NoBones)?;
     check_particles(0.0, spec.drag)?;
@@ -123,7 +122,7 @@ pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, RecipeFault> {
         ..Blueprint::default()
     };
     for (i, _) in (0..).zip(&skeleton.points).filter(|(_, point)| point.pinned) {
-        // All of them are there.
+        // The index is in range, so this does not fail.
         let _ = body.pin(i);
     }
     for members in &skeleton.pieces {
@@ -157,7 +156,7 @@ fn check(number: usize, bone: &Bone) -> Result<(), RecipeFault> {
     let parent = bone.parent.is_none_or(|parent| parent < number);
     ensure(parent, RecipeFault::BoneParent(number))?;
     ensure(LENGTHS.contains(&bone.width), RecipeFault::BoneWidth(number))?;
-    // A thousandth of a width is an angle that shows.
+    // Rounding of a thousandth of the width would be a visible angle.
     let tells = reach * f32::EPSILON <= 1e-3 * bone.width.min(length);
     ensure(LENGTHS.contains(&length) && tells, RecipeFault::BoneLength(number))?;
     ensure(MASSES.contains(&bone.mass), RecipeFault::BoneMass(number))?;
@@ -176,7 +175,7 @@ fn check(number: usize, bone: &Bone) -> Result<(), RecipeFault> {
     }
 }
 
-/// A particle before it is one.
+/// A particle of a bone while the skeleton is being built.
 struct BonePoint {
     position: Vec3,
     mass: f64,
@@ -191,7 +190,7 @@ impl BonePoint {
     }
 }
 
-/// A direction across another one: the coordinate axis that it is least along, made upright on it.
+/// A unit vector perpendicular to `along`: its cross product with the coordinate axis along which it is smallest.
 fn across(along: DVec3) -> DVec3 {
     let [x, y, z] = along.abs().to_array();
     let axis = if x <= y && x <= z {

@@ -1,5 +1,5 @@
-//! What a recipe hands over: particles, what holds them together, and how to draw them. Plain data, so that a game may add to
-//! it, move it or check it before it is built.
+//! The result of a recipe: particles, the constraints between them, and the data to draw them. Plain data, so that a game may add to it, move it or check it
+//! before it is built.
 
 use glam::{Mat3, Quat, Vec3};
 
@@ -8,90 +8,89 @@ use crate::constraints::{Constraint, ConstraintFault, Distance, DistanceFault};
 use crate::particles::{ParticleFault, ParticleSeed};
 use crate::settings::BodySettings;
 
-/// Particles and what holds them together, in the body's own coordinates (metres). Indices count from 0 within the blueprint.
+/// Particles and the constraints between them, in the body's own coordinates (metres). Indices count from 0 within the blueprint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Blueprint {
-    /// The particles; a pinned one has infinite mass.
+    /// The particles; a pinned particle has infinite mass.
     pub particles: Vec<ParticleSeed>,
-    /// Of particles that were [pinned](Self::pin) the mass that each has when it is let go, kg; by their numbers, ascending.
+    /// For each [pinned](Self::pin) particle, its index and the mass that it has when it is released, kg; sorted by index.
     pub free_masses: Vec<(u32, f32)>,
     /// Distances to keep between pairs of particles.
     pub distances: Vec<Distance>,
-    /// Whatever else must hold between them; rows are numbers of this blueprint's particles.
+    /// All other constraints; their rows are particle indices of this blueprint.
     pub constraints: Vec<Constraint>,
-    /// Triangles of particles, counter-clockwise from outside, on which wind presses.
+    /// Triangles of particles, counter-clockwise from outside, on which wind acts.
     pub triangles: Vec<[u32; 3]>,
-    /// For a mesh that follows the particles: which particle each vertex follows. Empty where there is none.
+    /// For a mesh that follows the particles: the particle that each vertex follows. Empty if there is no mesh.
     pub vertices: Vec<u32>,
-    /// Rigid parts whose pose is to be read back; empty for a body that is all cloth.
+    /// Rigid parts whose pose is read back; empty for a body such as cloth.
     pub parts: Vec<Part>,
-    /// What it asks of the solver. Boxes ask to be corrected along the start of the step, which keeps their spin.
+    /// Solver settings of the body. Boxes use [`GradientAt::StepStart`](crate::constraints::GradientAt::StepStart), which keeps their spin.
     pub settings: BodySettings,
 }
 
-/// A rigid part of a body: the particles that carry it, and where they sit in the part's own frame.
+/// A rigid part of a body: the particles that carry it, and their positions in the part's own frame.
 ///
-/// Its transform is the rotation and translation that best maps `rest` onto the particles (physics.md E1). A part of two
-/// particles is a rod: it says where it points, but not how far it is turned about itself.
+/// Its transform is the rotation and translation that best maps `rest` onto the particles (physics.md E1). A part of two particles is a rod: its direction is
+/// determined, but not its rotation about itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Part {
-    /// What it is called: `"torso"`, `"left forearm"`.
+    /// Its name, such as `"torso"` or `"left forearm"`.
     pub name: &'static str,
-    /// Particles of the blueprint.
+    /// Indices of its particles in the blueprint.
     pub particles: Vec<u32>,
     /// Their positions in the part's own frame, metres; as many as `particles`.
     pub rest: Vec<Vec3>,
-    /// Size of the part along its own axes, metres, for whoever draws it centred on the origin of its frame. A capsule has
-    /// the diameter `size.x` and the whole length `size.y`, caps included.
+    /// Size of the part along its own axes, metres, for drawing it centred on the origin of its frame. A capsule has the diameter `size.x` and the total length
+    /// `size.y`, caps included.
     pub size: Vec3,
-    /// What it collides as, in its own frame, where it takes part in contacts; `None` for one that collides by its particles alone.
+    /// Collision shape, in its own frame; `None` for a part that collides by its particles alone.
     pub shape: Option<Shape>,
 }
 
-/// What is wrong with a blueprint. Numbers count from 0.
+/// What is wrong with a blueprint. Indices count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BlueprintFault {
-    /// A particle that cannot be simulated.
+    /// A particle cannot be simulated.
     #[error("its particle {index} cannot be simulated: {fault}")]
     Particle {
-        /// Which one.
+        /// Index of the particle.
         index: usize,
-        /// Why.
+        /// The reason.
         fault: ParticleFault,
     },
-    /// A distance that cannot be kept.
+    /// A distance cannot be kept.
     #[error("its distance {index} cannot be kept: {fault}")]
     Distance {
-        /// Which one.
+        /// Index of the distance.
         index: usize,
-        /// Why.
+        /// The reason.
         fault: DistanceFault,
     },
-    /// A constraint that cannot be enforced.
+    /// A constraint cannot be enforced.
     #[error("its constraint {index} cannot be enforced: {fault}")]
     Constraint {
-        /// Which one.
+        /// Index of the constraint.
         index: usize,
-        /// Why.
+        /// The reason.
         fault: ConstraintFault,
     },
-    /// A triangle with a corner that is no particle, or the same one twice.
+    /// A triangle has a corner that is no particle, or the same particle twice.
     #[error("its triangle {0} does not have three particles for corners")]
     Triangle(usize),
-    /// A vertex that follows a particle that is not there.
+    /// A vertex follows a particle that does not exist.
     #[error("its vertex {0} follows a particle that does not exist")]
     Vertex(usize),
-    /// A part with a particle that is not there, without a rest position for each, or of no finite size.
+    /// A part has a particle that does not exist, does not have one rest position for each particle, or has a number that is not finite.
     #[error("its part {0} does not match the particles")]
     Part(usize),
-    /// [`Blueprint::pin`] was asked for a particle that is not there.
+    /// [`Blueprint::pin`] was called with a particle that does not exist.
     #[error("it has no particle {0}")]
     NoSuchParticle(u32),
 }
 
 impl Blueprint {
-    /// The first thing that is wrong with it, in the order of the fields. What a recipe returns is in order; check what was
-    /// changed by hand.
+    /// Returns the first fault, in the order of the fields. The result of a recipe is valid; call this after changes by hand.
     pub fn validate(&self) -> Result<(), BlueprintFault> {
         let count = self.particles.len();
         let exists = |particle: &u32| (*particle as usize) < count;
@@ -130,13 +129,13 @@ impl Blueprint {
         }
     }
 
-    /// Sum of the masses in kilograms; pinned particles, whose mass is infinite, are left out.
+    /// Sum of the finite masses, kg; pinned particles, whose mass is infinite, are left out.
     pub fn total_mass(&self) -> f32 {
         let finite = self.particles.iter().filter(|p| p.mass.is_finite());
         finite.map(|p| f64::from(p.mass)).sum::<f64>() as f32
     }
 
-    /// Holds a particle where it is, by giving it infinite mass, and notes the one that it had. Refuses a particle that is not there.
+    /// Pins a particle by giving it infinite mass, and records its former mass in [`free_masses`](Self::free_masses). Fails if the particle does not exist.
     pub fn pin(&mut self, particle: u32) -> Result<(), BlueprintFault> {
         match self.particles.get_mut(particle as usize) {
             Some(seed) => {
@@ -151,17 +150,17 @@ impl Blueprint {
         }
     }
 
-    /// Mass of a particle that is pinned, when it is let go, kg; `None` for one that was not pinned by [`pin`](Self::pin).
+    /// Mass of a pinned particle when it is released, kg; `None` if it was not pinned by [`pin`](Self::pin).
     pub fn free_mass(&self, particle: u32) -> Option<f32> {
         let place = self.free_masses.binary_search_by_key(&particle, |&(other, _)| other);
         place.ok().map(|place| self.free_masses[place].1)
     }
 
-    /// The same body turned about its origin and then moved by `translation` (metres): positions and velocities turn,
-    /// positions move; lengths, masses and parts' own frames stay.
+    /// The same body rotated about its origin and then moved by `translation` (metres). Positions and velocities are rotated, positions are moved; lengths,
+    /// masses and the parts' own frames do not change.
     ///
-    /// `rotation` need not be normalised; one that cannot be (zero, NaN) turns nothing. A translation that is not finite
-    /// gives a blueprint that [`validate`](Self::validate) refuses.
+    /// `rotation` need not be normalised; one that cannot be (zero, NaN) counts as the identity. With a translation that is not finite the result does not pass
+    /// [`validate`](Self::validate).
     pub fn transformed(&self, rotation: Quat, translation: Vec3) -> Self {
         let turn = rotation_matrix(rotation);
         let mut placed = self.clone();
@@ -172,7 +171,7 @@ impl Blueprint {
         placed
     }
 
-    /// Particles at these places, metres, which share a mass, kg, evenly and are tied each to each.
+    /// Particles at these positions, metres, that share a mass, kg, evenly and are all connected by rods.
     pub(super) fn tied(places: &[Vec3], mass: f32, radius: f32, drag: f32) -> Self {
         let count = places.len() as u32;
         let seed = |&place: &Vec3| {
@@ -186,19 +185,19 @@ impl Blueprint {
         body
     }
 
-    /// Adds a hard rod between two particles that are there, as long as they are apart.
+    /// Adds a hard rod between two existing particles, with their distance as rest length.
     pub(super) fn rod(&mut self, a: u32, b: u32) {
         let ends = [a, b].map(|i| self.particles[i as usize].position);
         self.distances.push(Distance::new(a, b, gap(ends[0], ends[1])));
     }
 }
 
-/// The distance of two points, rounded once: a rest length.
+/// The distance of two points, computed in f64 and rounded once; used as a rest length.
 pub(super) fn gap(a: Vec3, b: Vec3) -> f32 {
     (a.as_dvec3() - b.as_dvec3()).length() as f32
 }
 
-/// Normalised here, term by term, because glam's own order of terms differs from one processor to the next.
+/// Normalised here, term by term, because the order of terms in glam differs between processors.
 fn rotation_matrix(q: Quat) -> Mat3 {
     let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
     if length.is_finite() && length > 0.0 {
@@ -209,14 +208,15 @@ fn rotation_matrix(q: Quat) -> Mat3 {
     }
 }
 
-/// Checks that every recipe's tests make.
+/// Checks that every recipe's tests share.
 #[cfg(test)]
 pub(super) mod checks {
     use super::Blueprint;
     use crate::constraints::Bound;
     use std::collections::BTreeSet;
 
-    /// Valid; no pair is tied twice the same way; none is tied at length 0; and all ties are kept, to 1e-6 of their length.
+    /// Asserts that the blueprint is valid, no pair has two distances of the same bound, no rest length is 0, and all distances are kept to 1e-6 of their
+    /// length.
     pub(crate) fn assert_at_rest(blueprint: &Blueprint) {
         assert_eq!(blueprint.validate(), Ok(()));
         let mut seen = BTreeSet::new();

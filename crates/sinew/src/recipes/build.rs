@@ -1,4 +1,4 @@
-//! A blueprint becomes part of a simulation: for whoever uses this crate without an engine.
+//! Adds a blueprint to a simulation, for use of this crate without an engine.
 
 use core::ops::Range;
 
@@ -8,11 +8,11 @@ use crate::constraints::{Constraint, Distance};
 use crate::simulation::Simulation;
 
 impl Blueprint {
-    /// Adds the particles, constraints and triangles to a simulation, as a body if it asks the solver for anything, and returns the rows of the
-    /// particles, in the order of the blueprint.
+    /// Adds the particles, constraints and triangles to a simulation and returns the rows of the particles, in the order of the blueprint. If the blueprint has
+    /// solver settings of its own, the particles form a body with them.
     ///
     /// # Errors
-    /// A blueprint that is not in [order](Self::validate) is refused and nothing changes.
+    /// A [`BlueprintFault`] if the blueprint is not [valid](Self::validate); the simulation is then unchanged.
     ///
     /// ```
     /// use sinew::{Simulation, recipes::{RopeSpec, rope}};
@@ -26,10 +26,10 @@ impl Blueprint {
         self.add(simulation, self.settings != Default::default())
     }
 
-    /// The same as a body that takes part in contacts: its parts collide by their shapes, and its other particles as balls of their radius.
+    /// The same, as a body that takes part in contacts: its parts collide by their shapes, and its other particles as balls of their radius.
     ///
     /// # Errors
-    /// A blueprint that is not in [order](Self::validate) is refused and nothing changes.
+    /// A [`BlueprintFault`] if the blueprint is not [valid](Self::validate); the simulation is then unchanged.
     pub fn build_colliding(
         &self,
         simulation: &mut Simulation,

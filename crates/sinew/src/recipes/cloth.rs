@@ -1,5 +1,5 @@
-//! Cloth as a regular grid: a flag, a curtain, a trampoline, a sail (physics.md B3). Rows of equal cells are also what the
-//! solver is quickest with, so prefer this to a mesh wherever cloth is a rectangle.
+//! Cloth as a regular grid: a flag, a curtain, a trampoline, a sail (physics.md B3). Rows of equal cells are also fastest for the solver, so for a rectangle
+//! prefer this to a mesh.
 
 use glam::Vec3;
 
@@ -9,44 +9,44 @@ use super::limits::{LENGTHS, MOST_PARTICLES, is_compliance};
 use crate::constraints::Distance;
 use crate::particles::ParticleSeed;
 
-/// What cloth is made of: shared by grids and meshes. The default is plain-woven cotton.
+/// Material of cloth, shared by grids and meshes. The default is plain-woven cotton.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClothMaterial {
-    /// Mass of a square metre, kg/m², 1e-6 to 1e6; default 0.2 (a bed sheet 0.15, denim 0.4, silk 0.06).
+    /// Mass per area, kg/m², 1e-6 to 1e6. Default 0.2 (a bed sheet 0.15, denim 0.4, silk 0.06).
     pub density: f32,
-    /// Compliance of the threads, along them and in shear, m/N, not negative; default 0: cloth does not stretch.
+    /// Compliance of the threads, along them and in shear, m/N, 0 or more. Default 0: cloth does not stretch.
     pub stretch_compliance: f32,
-    /// Compliance of the ties across each fold, m/N, not negative; `None`: cloth that bends freely, with no such ties.
+    /// Compliance of the bending distances across each fold, m/N, 0 or more; `None` for cloth that bends freely, without such distances.
     ///
-    /// Default 1. With particles a distance `s` apart, a fold by the angle `θ` costs `s²θ⁴/32α`; cloth of bending rigidity
-    /// `B` (N·m) costs `½Bθ²`. They agree at a fold of 1 rad for `α = s²/16B`. In cells of 5 cm, 1 m/N is `B = 1.6e-4` (a
-    /// stiff cotton); in cells of 1 cm, 6e-6 (a silk; Kawabata's tests of fabrics find 2e-6 to 1e-4).
+    /// Default 1. With particles a distance `s` apart, a fold by the angle `θ` costs `s²θ⁴/32α`; cloth of bending rigidity `B` (N·m) costs `½Bθ²`. They agree
+    /// at a fold of 1 rad for `α = s²/16B`. In cells of 5 cm, 1 m/N is `B = 1.6e-4` (a stiff cotton); in cells of 1 cm, 6e-6 (a silk; Kawabata's tests of
+    /// fabrics find 2e-6 to 1e-4).
     pub bend_compliance: Option<f32>,
-    /// Radius of every particle, metres, not negative; default 0.005. Contacts keep the cloth that far off.
+    /// Radius of every particle, metres, 0 or more. Default 0.005. Contacts keep the cloth this far from other surfaces.
     pub radius: f32,
-    /// Share of the velocity lost per second, 0 to 1; default 0. Air is better modelled as wind.
+    /// Share of the velocity lost per second, 0 to 1. Default 0. Air is better modelled as wind.
     pub drag: f32,
-    /// Vertices of a mesh closer than this are one particle, metres, not negative; default 1e-5: what rounding in a file
-    /// makes of a coordinate of 100 m. A grid has no use for it.
+    /// Vertices of a mesh closer than this become one particle, metres, 0 or more. Default 1e-5: the rounding of a coordinate of 100 m in a file. A grid
+    /// ignores it.
     pub weld_tolerance: f32,
 }
 
-/// A rectangle of cloth. The default is 1 m × 1 m in 20 × 20 cells.
+/// A rectangle of cloth to build. The default is 1 m × 1 m in 20 × 20 cells.
 ///
-/// It hangs in the xy plane about the origin: columns run from left (-x) to right, rows from the top (+y) down.
+/// It hangs in the xy plane, centred on the origin: columns run from left (-x) to right, rows from the top (+y) down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClothSpec {
-    /// Length along x, metres, 1e-6 to 1e6; default 1.
+    /// Length along x, metres, 1e-6 to 1e6. Default 1.
     pub width: f32,
-    /// Length along y, metres, 1e-6 to 1e6; default 1.
+    /// Length along y, metres, 1e-6 to 1e6. Default 1.
     pub height: f32,
-    /// Cells from left to right, at least 1; default 20. One particle more than that a row.
+    /// Cells from left to right, at least 1. Default 20. A row has one more particle than that.
     pub columns: u32,
-    /// Cells from top to bottom, at least 1; default 20. One row of particles more than that.
+    /// Cells from top to bottom, at least 1. Default 20. There is one more row of particles than that.
     pub rows: u32,
-    /// Whether each cell has both its diagonals, against shear; default yes.
+    /// Whether each cell has both its diagonals, against shear. Default true.
     pub shear: bool,
-    /// What it is made of.
+    /// The material.
     pub material: ClothMaterial,
 }
 
@@ -76,12 +76,11 @@ impl Default for ClothSpec {
     }
 }
 
-/// A rectangle of cloth out of rows of particles: the top row first, each from left to right.
+/// Builds a rectangle of cloth from rows of particles: the top row first, each from left to right.
 ///
-/// Distances come class by class, each class row by row and all of one length: along rows, along columns, the diagonals
-/// down to the right, the diagonals down to the left, and the bending ties past one particle along rows and along columns.
-/// A particle has the mass of the quarters of cells around it. Two triangles a cell, counter-clockwise seen from +z; vertex
-/// `i` of a mesh with the same numbering follows particle `i`.
+/// Distances are grouped into families, each row by row and of one rest length: along rows, along columns, the diagonals down to the right, the diagonals down
+/// to the left, and the bending distances to the second next particle along rows and along columns. A particle has the mass of the quarters of cells around it.
+/// There are two triangles a cell, counter-clockwise seen from +z. Vertex `i` of a mesh with the same numbering follows particle `i`.
 pub fn cloth_grid(spec: &ClothSpec) -> Result<Blueprint, RecipeFault> {
     check(spec)?;
     let (columns, rows) = (spec.columns, spec.rows);
@@ -124,8 +123,8 @@ pub fn cloth_grid(spec: &ClothSpec) -> Result<Blueprint, RecipeFault> {
     Ok(body)
 }
 
-/// Texture coordinates of [`cloth_grid`]'s particles, for a mesh of the same numbering: (0, 0) at the top left, (1, 1) at the
-/// bottom right. Refuses what [`cloth_grid`] refuses.
+/// Texture coordinates of [`cloth_grid`]'s particles, for a mesh of the same numbering: (0, 0) at the top left, (1, 1) at the bottom right. Fails for the same
+/// specs as [`cloth_grid`].
 pub fn grid_uvs(spec: &ClothSpec) -> Result<Vec<[f32; 2]>, RecipeFault> {
     check(spec)?;
     let share = |i: u32, of: u32| (f64::from(i) / f64::from(of)) as f32;
@@ -134,7 +133,7 @@ pub fn grid_uvs(spec: &ClothSpec) -> Result<Vec<[f32; 2]>, RecipeFault> {
 }
 
 impl ClothSpec {
-    /// The particle at a column and a row, both from 0 to the number of cells; beyond, the last one there is.
+    /// The particle at a column and a row, both from 0 to the number of cells; larger values are clamped.
     pub fn index(&self, column: u32, row: u32) -> u32 {
         let above = row.min(self.rows).saturating_mul(self.columns.saturating_add(1));
         above.saturating_add(column.min(self.columns))
@@ -149,7 +148,7 @@ impl ClothSpec {
 }
 
 impl ClothMaterial {
-    /// The first thing that is wrong with it.
+    /// Returns the first fault.
     pub(super) fn check(&self) -> Result<(), RecipeFault> {
         ensure((1e-6..=1e6).contains(&self.density), RecipeFault::Density)?;
         ensure(is_compliance(self.stretch_compliance), RecipeFault::Compliance)?;
@@ -158,7 +157,7 @@ impl ClothMaterial {
         check_particles(self.radius, self.drag)
     }
 
-    /// A particle of this material, kg.
+    /// A particle of this material; `mass` in kg.
     pub(super) fn seed(&self, position: Vec3, mass: f64) -> ParticleSeed {
         let seed = ParticleSeed::at(position).with_mass(mass as f32);
         seed.with_radius(self.radius).with_drag(self.drag)

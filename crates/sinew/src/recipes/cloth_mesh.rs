@@ -1,4 +1,4 @@
-//! Cloth in any shape: a mesh goes in, as a modelling program exports it, and its vertices follow the particles.
+//! Cloth of any shape, from a mesh as exported by a modelling program, whose vertices follow the particles.
 
 use glam::Vec3;
 
@@ -8,15 +8,15 @@ use super::fault::RecipeFault;
 use super::mesh::{Closed, Edges, Piece, close, sort};
 use crate::constraints::Distance;
 
-/// Cloth from a triangle list: a particle at each welded vertex ([`weld`](super::weld)), a distance along each edge, and, unless the
-/// material bends freely, a compliant distance between the two corners opposite each inner edge.
+/// Builds cloth from a triangle list: a particle at each welded vertex ([`weld`](super::weld)), a distance along each edge, and, unless the material bends
+/// freely, a compliant distance between the two corners opposite each inner edge.
 ///
-/// A particle has a third of the mass of each triangle around it. Particles are numbered as [`Weld`](super::Weld) says, not as the
-/// vertices are: [`Blueprint::vertices`] names the particle of each vertex of the mesh, so to pin a vertex, pin that one.
+/// A particle has a third of the mass of each triangle around it. Particles are numbered as in [`Weld`](super::Weld), not as the vertices are:
+/// [`Blueprint::vertices`] holds the particle of each vertex of the mesh, so to pin a vertex, pin that particle.
 ///
-/// Distances along edges come first, then those across folds; a pair that is tied already (the opposite corners in a
-/// tetrahedron are themselves an edge) is not tied again. Either are sorted by their lower and then their higher particle;
-/// in a mesh that is a grid those along rows come first, then those across rows, and then along either diagonal.
+/// Distances along edges come first, then those across folds. A pair that is connected already (the opposite corners in a tetrahedron are themselves an edge)
+/// gets no second distance. Both groups are sorted by their lower and then their higher particle; in a mesh that is a grid, those along rows come first, then
+/// those across rows, and then those along either diagonal.
 pub fn cloth_from_mesh(
     positions: &[Vec3],
     indices: &[u32],
@@ -31,20 +31,20 @@ pub fn cloth_from_mesh(
         let rest = gap(positions[a as usize], positions[b as usize]);
         Distance::new(a, b, rest).with_compliance(compliance)
     };
-    // As many folds as edges, or somewhat fewer.
+    // There are about as many folds as edges, or somewhat fewer.
     let mut distances = Vec::with_capacity(2 * edges.list.len());
     let steps = |w| [1, w, w + 1, w - 1];
     let thread = |edge| distances.push(tie(edge, material.stretch_compliance));
     by_family(&edges.list, |edge| edge.ends, &pieces, steps, thread);
     if let Some(compliance) = material.bend_compliance {
-        // Of a cell the other diagonal; of two cells two along, level or not, and two down, straight or not.
+        // The other diagonal of a cell; two cells along a row, level or not; and two down a column, straight or not.
         let steps = |w: u32| [w - 1, w + 1, 2, w + 2, w.abs_diff(2), 2 * w, 2 * w + 1, 2 * w - 1];
         let fold = |pair| distances.push(tie(pair, compliance));
         by_family(&folds(&edges, positions.len()), |pair| *pair, &pieces, steps, fold);
     }
     let body = Blueprint { particles, distances, triangles, vertices, ..Blueprint::default() };
     let lengths = body.distances.iter().map(|d| d.rest);
-    // Lengths are squared and masses inverted in `f32` at every sweep: both it and its inverse have to be ordinary numbers.
+    // Lengths are squared and masses inverted in `f32` in every sweep, so these and their inverses must be normal numbers.
     let ordinary = lengths.map(|rest| rest * rest).chain(body.particles.iter().map(|p| p.mass));
     if ordinary.into_iter().all(|x| (f32::MIN_POSITIVE..=1.0 / f32::MIN_POSITIVE).contains(&x)) {
         Ok(body)
@@ -53,7 +53,7 @@ pub fn cloth_from_mesh(
     }
 }
 
-/// A third of each triangle's mass to each of its corners, kg.
+/// Distributes a third of each triangle's mass to each of its corners, kg.
 fn masses(positions: &[Vec3], triangles: &[[u32; 3]], density: f32) -> Vec<f64> {
     let mut masses = vec![0.0; positions.len()];
     for t in triangles {
@@ -66,7 +66,7 @@ fn masses(positions: &[Vec3], triangles: &[[u32; 3]], density: f32) -> Vec<f64> 
     masses
 }
 
-/// The opposite corners of all bends, sorted, each pair once, and none that is an edge.
+/// The opposite corners of all bends, sorted, each pair once, without pairs that are edges.
 fn folds(edges: &Edges, particles: usize) -> Vec<[u32; 2]> {
     let mut pairs = Vec::with_capacity(edges.list.len());
     pairs.extend(edges.bends().map(|bend| bend.opposite));
@@ -80,8 +80,8 @@ fn folds(edges: &Edges, particles: usize) -> Vec<[u32; 2]> {
     pairs
 }
 
-/// Hands over sorted pairs, piece by piece; those of a grid, of which one end is always one of some steps from the other, step by step, so that
-/// those that run in step come together. `steps` are those in rows of so many particles.
+/// Passes sorted pairs to `take`, piece by piece. In a grid the two ends of every pair differ by one of a few steps, and pairs are grouped by step, so that
+/// pairs with consecutive ends follow each other. `steps` gives the steps for a row of that many particles.
 fn by_family<T, const N: usize>(
     pairs: &[T],
     ends: impl Fn(&T) -> [u32; 2],
@@ -101,7 +101,7 @@ fn by_family<T, const N: usize>(
         let steps = steps(columns);
         let mut left = own.len();
         for (i, step) in steps.iter().enumerate() {
-            // Some are the same in narrow grids.
+            // In narrow grids some steps are equal.
             if left > 0 && !steps[..i].contains(step) {
                 for pair in own.iter().map(&ends).filter(|[a, b]| b - a == *step) {
                     take(pair);
@@ -119,7 +119,7 @@ mod tests {
     use super::super::{ClothSpec, MeshFault, cloth_grid};
     use super::*;
 
-    /// A grid as a drawn mesh: each triangle with vertices of its own.
+    /// A grid as a mesh for rendering: each triangle with vertices of its own.
     fn torn_apart(spec: &ClothSpec) -> (Vec<Vec3>, Vec<u32>) {
         let grid = cloth_grid(spec).unwrap();
         let corners = grid.triangles.iter().flatten();

@@ -1,20 +1,20 @@
-//! How much a closed mesh holds, where its middle is and how it resists being turned: exactly, for any shape that has an inside.
+//! Volume, barycentre and inertia of a closed mesh: exact, for any shape that has an interior.
 //!
 //! # The integrals
 //!
-//! Choose any point `o`. Each triangle `a b c` makes a tetrahedron with it, counted positive where the triangle turns its back to `o` and negative
-//! where it turns its face; what lies outside of a closed mesh is counted as often one way as the other, and what lies inside once. So an integral
-//! over the inside is a sum over triangles. For one tetrahedron, with `a`, `b`, `c` measured from `o`,
+//! Choose any point `o`. Each triangle `a b c` forms a tetrahedron with it, counted positive where the outside of the triangle faces away from `o` and negative
+//! otherwise. Points outside a closed mesh are then counted equally often with either sign, and points inside once. So an integral over the interior is a sum
+//! over triangles. For one tetrahedron, with `a`, `b`, `c` relative to `o`,
 //!
 //! ```text
 //! V = a · (b × c) / 6        ∫ x dV = V s / 4        ∫ x xᵀ dV = V (a aᵀ + b bᵀ + c cᵀ + s sᵀ) / 20        s = a + b + c
 //! ```
 //!
-//! The last: a point of the tetrahedron is `x = Σ λᵢ vᵢ` over its four corners with `λ` uniform on the simplex, for which the mean of
-//! `λᵢ²` is 1/10 and that of `λᵢ λⱼ` is 1/20; so the mean of `x xᵀ` is `(Σ vᵢ vᵢᵀ + (Σ v)(Σ v)ᵀ) / 20`, and the fourth corner is zero.
-//! About the mean `c` it is `∫ (x - c)(x - c)ᵀ dV = ∫ x xᵀ dV - V c cᵀ`.
+//! The last one: a point of the tetrahedron is `x = Σ λᵢ vᵢ` over its four corners with `λ` uniform on the simplex, for which the mean of `λᵢ²` is 1/10 and
+//! that of `λᵢ λⱼ` is 1/20; so the mean of `x xᵀ` is `(Σ vᵢ vᵢᵀ + (Σ v)(Σ v)ᵀ) / 20`, where the fourth corner is zero. About the mean `c` it is `∫ (x - c)(x -
+//! c)ᵀ dV = ∫ x xᵀ dV - V c cᵀ`.
 //!
-//! `o` is the middle of the bounding box, so that a mesh far from zero loses nothing in the subtraction. All in `f64`.
+//! `o` is the centre of the bounding box, so that a mesh far from the origin loses no precision in the subtraction. All in `f64`.
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
@@ -23,50 +23,51 @@ use crate::collide::{Shape, ShapeKind};
 use crate::convex_hull::convex_hull;
 use crate::same_place::first_in_place;
 
-/// Volume, barycentre and second moments of what a closed mesh encloses, at uniform density.
+/// Volume, barycentre and second moments of the interior of a closed mesh, at uniform density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassProperties {
-    /// What it holds, m³, positive.
+    /// Enclosed volume, m³, positive.
     pub volume: f64,
-    /// Where its middle is, metres, in the coordinates of the mesh.
+    /// Barycentre, metres, in the coordinates of the mesh.
     pub barycentre: DVec3,
-    /// The mean of `x xᵀ` over the inside, with `x` from the barycentre, m²: symmetric, positive. Times the mass, these are the second moments.
+    /// Mean of `x xᵀ` over the interior, with `x` relative to the barycentre, m²: symmetric, positive definite. Multiplied by the mass, these are the second
+    /// moments.
     pub spread: DMat3,
 }
 
 /// Why a mesh has no mass properties.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MassFault {
-    /// No vertices, or no triangles.
+    /// There are no vertices, or no triangles.
     #[error("its mesh has no vertices or no triangles")]
     Empty,
-    /// A vertex with a coordinate that is NaN or infinite.
+    /// A vertex has a coordinate that is NaN or infinite.
     #[error("vertex {0} of its mesh is not at a finite position")]
     NotFinite(usize),
-    /// A triangle with a corner that is no vertex.
+    /// A triangle has a corner that is no vertex.
     #[error("triangle {0} of its mesh has a corner that is no vertex")]
     NoSuchVertex(usize),
-    /// Between these two vertices there are not as many triangles one way round as the other: a hole, or a triangle that is turned round.
+    /// The edge between these two vertices does not have equally many triangles in both directions: there is a hole, or a flipped triangle.
     #[error("its mesh is open, or turned round in part, between the vertices {0} and {1}")]
     Open(u32, u32),
-    /// Closed, but with its triangles facing inward.
+    /// The mesh is closed, but its triangles face inward.
     #[error("its mesh is inside out")]
     InsideOut,
-    /// It encloses nothing, or is thinner than a millionth of its length; or it crosses itself such that its mass is no one's.
+    /// It encloses nothing, is thinner than a millionth of its length, or intersects itself such that the moments are not those of any body.
     #[error("its mesh encloses no volume")]
     Flat,
 }
 
-/// Thickness squared over length squared below which a solid is flat: a millionth of its length, where `f32` vertices say nothing more.
+/// Smallest ratio of thickness squared to length squared of a solid: at a thickness of a millionth of the length, `f32` vertices carry no information.
 const FLAT: f64 = 1e-12;
-/// A volume below this share of the tetrahedra that it is the sum of is what rounding left.
+/// Relative round-off threshold: a volume below this share of the sum of its tetrahedra's magnitudes is round-off.
 const CANCELLED: f64 = 1e-12;
 
 impl MassProperties {
-    /// Those of a collider's shape; `None` of what has no inside or cannot move: a half space, a mesh, a height field.
+    /// Mass properties of a collision shape; `None` if it has no interior or cannot move: a half space, a mesh, a height field.
     ///
-    /// The mean of the squares along the axes of a ball is `r²/5`, of a box `a²/12`, of a cylinder along y `h²/12` and `r²/4` across. A capsule is a
-    /// cylinder and two halves of a ball. Those are `l/2 + t` from the middle, where `t` has the mean `3r/8` and its square the mean `r²/5`.
+    /// The mean squares along the axes are `r²/5` for a ball, `a²/12` for a box, and for a cylinder along y `h²/12` along it and `r²/4` across. A capsule is a
+    /// cylinder and two half balls. A point of a half ball is `l/2 + t` from the centre, where the mean of `t` is `3r/8` and that of its square `r²/5`.
     pub fn of_shape(shape: &Shape) -> Option<Self> {
         let ball = |r: f64| core::f64::consts::PI * 4.0 / 3.0 * r * r * r;
         let tube = |r: f64, h: f64| core::f64::consts::PI * r * r * h;
@@ -103,11 +104,11 @@ impl MassProperties {
         Some(Self { volume, barycentre: DVec3::ZERO, spread })
     }
 
-    /// The mass properties of a closed mesh of triangles, counter-clockwise from outside. It need not be convex, nor in one piece, and may
-    /// have cavities whose triangles face into them. Vertices in the same place count as one, so seams of texture coordinates do no harm.
+    /// Mass properties of a closed mesh of triangles, counter-clockwise from outside. It need not be convex or connected, and may have cavities, whose
+    /// triangles face into them. Vertices at the same position count as one, so texture seams are no problem.
     ///
     /// # Errors
-    /// What [`MassFault`] lists.
+    /// A [`MassFault`] if the mesh is invalid, open, inside out or flat.
     pub fn of_mesh(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, MassFault> {
         check(positions, triangles)?;
         let [low, high] = bounds(positions.iter().copied()).map(Vec3::as_dvec3);
@@ -144,12 +145,12 @@ impl MassProperties {
         ((DMat3::from_diagonal(DVec3::splat(trace)) - s) * f64::from(mass)).as_mat3()
     }
 
-    /// The mean squares along the principal axes, m², and those axes, one a column: each a unit vector, in the order and sense in
-    /// which they are nearest to x, y and z.
+    /// Mean squares along the principal axes, m², and the axes, one in each column: unit vectors, in the order and with the signs that are nearest to x, y and
+    /// z.
     ///
-    /// A shape that is the same along several axes (a cube) has no axes of its own: it gets those of the mesh.
+    /// A shape with equal moments about several axes (a cube) has no unique axes and gets those of the mesh.
     pub fn principal(&self) -> (DVec3, DMat3) {
-        // What f32 vertices make of a zero, or of two equal numbers, would choose axes at random.
+        // Rounding of f32 vertices, in a moment that should be zero or in two that should be equal, would select arbitrary axes.
         let mut rows = self.spread.to_cols_array_2d();
         for i in 0..3 {
             for j in 0..3 {
@@ -169,7 +170,7 @@ impl MassProperties {
     }
 }
 
-/// A mean of `x y` below this share of the root mean squares of `x` and `y` counts as zero: some roundings of `f32`.
+/// A mean of `x y` below this share of the product of the root mean squares of `x` and `y` counts as zero: a few roundings of `f32`.
 const UNEVEN: f64 = 3e-7;
 
 /// `a aᵀ`.
@@ -177,7 +178,7 @@ fn outer(a: DVec3) -> DMat3 {
     DMat3::from_cols(a * a.x, a * a.y, a * a.z)
 }
 
-/// Which of three orthogonal vectors is most along x, which of the other two most along y, and the last.
+/// Index of the vector that is most along x, of the one of the other two that is most along y, and of the last one.
 fn nearest_order(axes: &[[f64; 3]; 3]) -> [usize; 3] {
     let longer =
         |k: usize, a: usize, b: usize| if axes[b][k].abs() > axes[a][k].abs() { b } else { a };
@@ -187,7 +188,7 @@ fn nearest_order(axes: &[[f64; 3]; 3]) -> [usize; 3] {
     [x, y, p + q - y]
 }
 
-/// Everything that can be wrong before there is anything to integrate.
+/// Checks the input before the integration.
 fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MassFault> {
     if positions.is_empty() || triangles.is_empty() {
         return Err(MassFault::Empty);
@@ -200,7 +201,7 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MassFault> {
         return Err(MassFault::NoSuchVertex(number));
     }
     let same = first_in_place(positions);
-    // Every side of a triangle as its edge and whether it goes up or down. A closed surface goes each edge as often up as down.
+    // Every side of a triangle as its edge and a direction, +1 or -1. In a closed surface the directions of each edge sum to zero.
     let mut sides = Vec::with_capacity(3 * triangles.len());
     for t in triangles {
         let t = t.map(|i| same[i as usize]);

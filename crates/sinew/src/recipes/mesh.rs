@@ -1,5 +1,5 @@
-//! From the triangles of a picture to the triangles of a body. A mesh that is made to be drawn holds several vertices where
-//! its surface has one point, wherever texture coordinates or normals jump; built as it is, it would burst at those seams.
+//! Converts a render mesh to the triangles of a body. A render mesh has several vertices at one point of its surface wherever texture coordinates or normals
+//! are discontinuous; without welding, the body would tear at those seams.
 
 mod edges;
 mod grid;
@@ -13,70 +13,70 @@ pub(super) use self::edges::{Edges, sort};
 use super::limits::MOST_PARTICLES;
 use super::nearest::{NearestSearch, bounds};
 
-/// A mesh with its seams closed: what [`weld`] returns, in the order that suits the solver.
+/// A mesh with its seams closed: the result of [`weld`], in an order that suits the solver.
 ///
-/// Particles are numbered piece by piece, such that those that are tied have numbers near each other. A piece that is a grid, whose cells are cut
-/// in two along either diagonal, is numbered row by row, and comes out the same to the bit however the mesh was shuffled. Another one keeps the
-/// order of its vertices if that is a good one.
+/// Particles are numbered piece by piece, such that connected particles have close numbers. A piece that is a grid (cells cut in two along either diagonal) is
+/// numbered row by row, and the result is bitwise the same however the mesh was shuffled. Any other piece keeps the order of its vertices if that order is
+/// good.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Weld {
-    /// Where each particle is, metres: the first vertex of those that it stands for.
+    /// Position of each particle, metres: that of the first of its vertices.
     pub positions: Vec<Vec3>,
-    /// The triangles of the mesh, between particles, wound as they were, each from its lowest corner on, sorted; degenerate and repeated ones
-    /// are gone.
+    /// The triangles of the mesh, as particle indices, with their original winding, each rotated to start at its lowest corner, sorted; without degenerate and
+    /// repeated ones.
     pub triangles: Vec<[u32; 3]>,
-    /// Which particle each vertex of the mesh follows. A vertex without a proper triangle follows the nearest particle.
+    /// The particle that each vertex of the mesh follows. A vertex that is in no valid triangle follows the nearest particle.
     pub vertices: Vec<u32>,
     /// Every edge of a triangle once, as `[lower, higher]`, sorted.
     pub edges: Vec<[u32; 2]>,
-    /// Every edge between exactly two triangles, sorted by edge. Where three or more meet, there is no saying what is opposite.
+    /// Every edge between exactly two triangles, sorted by edge. Where three or more triangles meet, opposite corners are not defined.
     pub bends: Vec<Fold>,
-    /// The pieces that no edge connects with each other, in the order of the first vertices in the mesh.
+    /// The connected pieces, in the order of their first vertices in the mesh.
     pub pieces: Vec<Piece>,
 }
 
-/// Particles that edges connect.
+/// A connected piece of a mesh.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Piece {
     /// Its particles.
     pub particles: Range<u32>,
-    /// If it is a grid, how many of them a row has: the longer side. `None` for any other shape.
+    /// For a grid, the number of particles in a row, which is along the longer side. `None` for any other shape.
     pub columns: Option<u32>,
 }
 
-/// Two triangles that share an edge: what bends when they fold.
+/// Two triangles that share an edge, and may fold about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Fold {
     /// The edge that they share, `[lower, higher]`.
     pub edge: [u32; 2],
-    /// The corner of each that is not on the edge, `[lower, higher]`.
+    /// For each triangle the corner that is not on the edge, `[lower, higher]`.
     pub opposite: [u32; 2],
 }
 
 /// Why a mesh is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshFault {
-    /// No vertices, or no triangles.
+    /// There are no vertices, or no triangles.
     #[error("its mesh has no vertices or no triangles")]
     Empty,
-    /// A number of indices that is no multiple of three.
+    /// The number of indices is not a multiple of three.
     #[error("its mesh is not made of triangles: it has {0} indices")]
     NotTriangles(usize),
-    /// More vertices than there may be particles.
+    /// There are more vertices than the maximum number of particles.
     #[error("its mesh has more than 16777216 vertices")]
     TooMany,
-    /// A vertex with a coordinate that is NaN or infinite.
+    /// A vertex has a coordinate that is NaN or infinite.
     #[error("vertex {0} of its mesh is not at a finite position")]
     NotFinite(usize),
-    /// An index without a vertex.
+    /// An index is beyond the last vertex.
     #[error("its mesh names vertex {index}, but has {vertices}")]
     IndexOutOfRange {
         /// The index.
         index: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertices: usize,
     },
-    /// NaN, infinite or negative.
+    /// The tolerance is NaN, infinite or negative.
     #[error("the tolerance for welding its mesh is not a finite length")]
     Tolerance,
     /// No triangle has an area, or none is larger than the tolerance.
@@ -86,15 +86,15 @@ pub enum MeshFault {
 
 /// Closes the seams of a triangle list: vertices within `tolerance` metres become one particle.
 ///
-/// - Vertices are taken in order; each joins the nearest earlier one that stands for itself and is within the tolerance. So
-///   no particle ends up within the tolerance of another, and a fine mesh does not collapse along a chain of near vertices.
-///   As long as a seam's vertices are closer together than the tolerance and all others farther apart than twice that, the
-///   order of the vertices changes nothing but the numbers. A tolerance of 0 merges only equal positions.
-/// - Triangles that lose a corner to this, or that are thinner than a millionth of their longest edge (what rounding makes
-///   of a straight line), are dropped; so are repetitions of a triangle, either way round, as two-sided meshes have them.
+/// - Vertices are processed in order; each joins the nearest earlier vertex that has a particle of its own and is within the tolerance. So no particle is
+///   within the tolerance of another, and a fine mesh does not collapse along a chain of near vertices. As long as the vertices of a seam are closer together
+///   than the tolerance and all others farther apart than twice that, the order of the vertices affects only the numbering. A tolerance of 0 merges only equal
+///   positions.
+/// - Triangles that lose a corner by this, or that are thinner than a millionth of their longest edge (what rounding makes of collinear points), are dropped;
+///   so are repetitions of a triangle in either winding, which two-sided meshes have.
 /// - Vertices that no remaining triangle uses make no particles.
 ///
-/// O(n log n) in the number of vertices and triangles. Refuses what [`MeshFault`] lists.
+/// O(n log n) in the number of vertices and triangles. Fails with a [`MeshFault`].
 pub fn weld(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<Weld, MeshFault> {
     let Closed { positions, triangles, vertices, edges, pieces } =
         close(positions, indices, tolerance)?;
@@ -102,7 +102,7 @@ pub fn weld(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<Weld,
     Ok(Weld { positions, triangles, vertices, edges, bends, pieces })
 }
 
-/// A [`Weld`], with its edges as they were found: large meshes are cheaper so.
+/// A [`Weld`] with its full edge data, which is cheaper to reuse for large meshes.
 pub(super) struct Closed {
     pub(super) positions: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
@@ -111,7 +111,7 @@ pub(super) struct Closed {
     pub(super) pieces: Vec<Piece>,
 }
 
-/// What [`weld`] does.
+/// Implementation of [`weld`].
 pub(super) fn close(
     positions: &[Vec3],
     indices: &[u32],
@@ -147,7 +147,7 @@ pub(super) fn close(
     })
 }
 
-/// No vertex, no particle.
+/// Marks a missing vertex or particle.
 const NONE: u32 = u32::MAX;
 
 fn check(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<(), MeshFault> {
@@ -173,17 +173,17 @@ fn check(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<(), Mesh
     Ok(())
 }
 
-/// For each used vertex the one that stands for it, itself or an earlier one; `NONE` for the others.
+/// For each used vertex its representative, itself or an earlier vertex; `NONE` for unused ones.
 ///
-/// A grid of cells, hashed into some times as many chains as there are vertices; a chain that two cells share costs time and changes
-/// nothing. A cell is 8 tolerances wide: rarely must a second one be searched, and yet it does not hold many points that are
-/// more than the tolerance apart. Never so small that a cell's number would not be exact in an `f64`.
+/// Uses a hash grid with several times as many chains as vertices; a chain shared by two cells costs time but does not affect the result. A cell is 8
+/// tolerances wide: a second cell rarely has to be searched, and a cell does not hold many points that are farther apart than the tolerance. The size is
+/// bounded below so that cell numbers are exact in `f64`.
 fn leaders(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
     let [low, high] = bounds(positions.iter().copied()).map(Vec3::as_dvec3);
     let reach = f64::from(tolerance);
     let size = (8.0 * reach).max((high - low).max_element() / (1_u64 << 50) as f64);
     let scale = if size > 0.0 { 1.0 / size } else { 0.0 };
-    // Rounded down, as all is positive. Half a cell aside, or a flat mesh would lie where cells meet.
+    // Truncation rounds down, because all values are positive. Offset by half a cell, so that a flat mesh does not lie on a cell boundary.
     let cell = |p: DVec3| ((p - low) * scale + 1.5).to_array().map(|x| x as i64);
     let mut heads = vec![NONE; 4 * positions.len().next_power_of_two()];
     let mut next = vec![NONE; positions.len()];
@@ -215,7 +215,7 @@ fn leaders(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
     leaders
 }
 
-/// The chain of a cell, of a power of two of chains: each coordinate stirred by the finaliser of `SplitMix64`.
+/// The chain of a cell; the number of chains is a power of two. Each coordinate is mixed by the finaliser of `SplitMix64`.
 fn chain(cell: [i64; 3], chains: usize) -> usize {
     let stir = |hash: u64, x: i64| {
         let z = (hash ^ x as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -224,19 +224,19 @@ fn chain(cell: [i64; 3], chains: usize) -> usize {
     cell.into_iter().fold(0, stir) as usize & (chains - 1)
 }
 
-/// The nearer of two candidates, or the earlier of two that are equally near.
+/// The nearer of two candidates; the earlier one if they are equally near.
 fn nearer(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
     if b < a { b } else { a }
 }
 
-/// All cells from one corner to another.
+/// All cells between two corners.
 fn block(from: [i64; 3], to: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     let row = move |x, y| (from[2]..=to[2]).map(move |z| [x, y, z]);
     let plane = move |x| (from[1]..=to[1]).flat_map(move |y| row(x, y));
     (from[0]..=to[0]).flat_map(plane)
 }
 
-/// Whether a triangle has three corners that are not on one line.
+/// Whether the corners of a triangle are distinct and not collinear.
 fn has_area(positions: &[Vec3], t: [u32; 3]) -> bool {
     let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
     let longest =
@@ -260,7 +260,7 @@ fn number(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
     numbers
 }
 
-/// Gives particles the numbers of their places in `order`, and puts the triangles into order by those. Returns those places.
+/// Renumbers particles to their places in `order`, and sorts the triangles by the new numbers. Returns the places.
 fn renumber(order: &[u32], particles: &mut [u32], triangles: &mut Vec<[u32; 3]>) -> Vec<u32> {
     let mut places = vec![NONE; order.len()];
     for (place, &old) in (0..).zip(order) {
@@ -283,7 +283,7 @@ fn renumber(order: &[u32], particles: &mut [u32], triangles: &mut Vec<[u32; 3]>)
     places
 }
 
-/// The particle of each vertex: its leader's, or else the nearest.
+/// The particle of each vertex: that of its representative, or else the nearest.
 fn followed(positions: &[Vec3], kept: &[Vec3], leaders: &[u32], particles: &[u32]) -> Vec<u32> {
     let mut nearest = None;
     let particle = |(&leader, &position): (&u32, &Vec3)| match particles.get(leader as usize) {

@@ -1,13 +1,13 @@
-//! Recipes: a shape goes in, particles and constraints come out. No engine is needed: [`Blueprint::build`] puts the result
-//! into a [`Simulation`](crate::Simulation), and a plugin may spawn it as entities instead.
+//! Recipes turn a shape into particles and constraints. No engine is needed: [`Blueprint::build`] adds the result to a [`Simulation`](crate::Simulation), and a
+//! plugin may spawn it as entities instead.
 //!
-//! Every recipe takes a `...Spec` with defaults, refuses what it cannot build with a [`RecipeFault`], and returns a
-//! [`Blueprint`] in the body's own coordinates. The same spec gives the same bits on every machine: sums and lengths are
-//! taken in `f64` with plain arithmetic, sines in `libm`, and nothing is ordered by a hash.
+//! Every recipe takes a `...Spec` with defaults, refuses what it cannot build with a [`RecipeFault`], and returns a [`Blueprint`] in the body's own
+//! coordinates. The same spec gives the same bits on every machine: sums and lengths are computed in `f64` with plain arithmetic, sines with `libm`, and no
+//! order depends on a hash.
 //!
-//! All that is measured is measured in those coordinates, before the body is placed ([`Blueprint::transformed`]): equal bodies are held by equal
-//! bits wherever they stand, and the solver can take them side by side. A spec that names points (the ends of a rope, bones) had better name them
-//! in coordinates that are the same for all such bodies; points that are rounded in the world are not equally far apart.
+//! All lengths are measured in those coordinates, before the body is placed ([`Blueprint::transformed`]). So equal bodies have bitwise equal constraints
+//! wherever they are, and the solver can process them as instances, side by side. A spec that contains points (the ends of a rope, bones) should give them in
+//! coordinates that are the same for all such bodies; the distances of points that are rounded in world space differ.
 
 mod articulated;
 mod blueprint;

@@ -1,14 +1,14 @@
-//! Which of many points is nearest: a k-d tree, so that a mesh with tens of thousands of stray vertices stays quick.
+//! Nearest-point queries by a k-d tree, so that a mesh with tens of thousands of stray vertices is still processed quickly.
 
 use glam::{DVec3, Vec3};
 
-/// Points sorted so that the middle one of every slice splits it in two across its widest axis.
+/// Points sorted so that the middle one of every slice splits it in two along its widest axis.
 pub(super) struct NearestSearch<'a> {
     points: &'a [Vec3],
-    /// The box around all points.
+    /// Bounding box of all points.
     bounds: [Vec3; 2],
     order: Vec<u32>,
-    /// The axis that the point at the same place in `order` splits.
+    /// For each place in `order`, the axis along which its point splits.
     axes: Vec<u8>,
 }
 
@@ -25,7 +25,7 @@ impl<'a> NearestSearch<'a> {
         tree
     }
 
-    /// Number of the nearest point; of several equally near, the first. 0 if there are no points.
+    /// Index of the nearest point; the first of equally near ones. 0 if there are no points.
     pub(super) fn find(&self, target: Vec3) -> u32 {
         let mut best = (f64::INFINITY, 0);
         let [low, high] = self.bounds;
@@ -34,7 +34,7 @@ impl<'a> NearestSearch<'a> {
         best.1
     }
 
-    /// Looks through a slice of `order`, whose points are all at least as far as `outside` from the target on each axis.
+    /// Searches a slice of `order` whose points are at least as far from the target as `outside` on each axis.
     fn search(
         &self,
         target: DVec3,

@@ -1,8 +1,8 @@
-//! A human figure that falls as one: particles at the joints, rods for bones, and inequalities that keep it from folding up.
+//! A human figure that falls as a ragdoll: particles at the joints, rods for bones, and inequalities that limit its pose.
 //!
-//! The trunk is two rigid frames with depth, thorax and pelvis, which meet in the waist. Arms and legs hang on it by ball joints, within cones
-//! and limits of twist. Elbow and knee are hinges: both bones hold on to the two ends of a pin, and the signed angle about it keeps them from
-//! bending backward. It stands upright with its arms hanging, elbows and knees a little bent the way they bend.
+//! The trunk is two rigid frames with depth, thorax and pelvis, joined at the waist. Arms and legs are attached by ball joints with cone and twist limits.
+//! Elbows and knees are hinges: both bones are connected to the two ends of a pin, and the signed angle about it keeps them from bending backward. The figure
+//! stands upright with its arms hanging, elbows and knees slightly bent in their natural direction.
 
 mod anatomy;
 
@@ -20,17 +20,17 @@ use crate::settings::BodySettings;
 /// A ragdoll to build. The default is an adult of 1.75 m and 75 kg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RagdollSpec {
-    /// From the soles to the top of the head, metres, 1e-6 to 1e6; default 1.75. All lengths and radii go with it.
+    /// From the soles to the top of the head, metres, 1e-6 to 1e6. Default 1.75. All lengths and radii scale with it.
     pub height: f32,
-    /// Mass of the whole figure, kg, 1e-9 to 1e12; default 75.
+    /// Total mass, kg, 1e-9 to 1e12. Default 75.
     pub mass: f32,
-    /// Friction in its joints, 1/s, 0 to 1000; default 0.5: how fast what its limbs do against each other dies away
-    /// ([`BodySettings::damping`]). Without any, a head that hangs over an edge swings for minutes.
+    /// Joint friction, 1/s, 0 to 1000. Default 0.5: the rate at which motion of the limbs relative to each other decays ([`BodySettings::damping`]). Without
+    /// it, a head that hangs over an edge swings for minutes.
     pub damping: f32,
 }
 
-/// The particles of a ragdoll, in the order of [`Blueprint::particles`]. Its own left is towards +x. A pin is the outer end
-/// of the axis of an elbow or a knee; the other end is the joint itself.
+/// The particles of a ragdoll, in the order of [`Blueprint::particles`]. The figure's left is towards +x. A pin is the outer end of the axis of an elbow or a
+/// knee; the other end is the joint itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u32)]
 #[allow(missing_docs, reason = "the names say it")]
@@ -66,12 +66,12 @@ impl Default for RagdollSpec {
 }
 
 impl RagdollParticle {
-    /// Its number in the blueprint.
+    /// Its index in the blueprint.
     pub const fn index(self) -> u32 {
         self as u32
     }
 
-    /// The same joint on the other side; those in the middle are their own.
+    /// The same joint on the other side; a joint in the middle is its own mirror image.
     pub fn mirrored(self) -> Self {
         match self.index() {
             i @ 5..=10 => FIGURE[i as usize + 6].particle,
@@ -83,22 +83,20 @@ impl RagdollParticle {
     }
 }
 
-/// How far its joints may be off for a substep to be good enough, as a share of its height in a second: of an adult and in 600 substeps a second
-/// half a millimetre. A body that lies about is swept once or twice then, instead of four times, and its bones are as long as they would be.
+/// Accepted error of a joint, as a share of the height, per second: half a millimetre for an adult at 600 substeps a second. With it a body at rest is swept
+/// once or twice instead of four times, and its bones keep their length as well.
 const TOLERANCE: f32 = 0.18;
 
-/// Sweeps that a substep may take. Who lands on the head has seventy kilograms above five: with 12 sweeps the neck gives way by 2.5 % of its
-/// length for a moment, with 24 by 1.2 %, with 40 by 0.6 %. Few substeps are that hard: on the average, those of a fall take two sweeps either way.
+/// Maximum number of sweeps in a substep. In a fall onto the head, seventy kilograms are above five: with 12 sweeps the neck is shortened by 2.5 % of its
+/// length for a moment, with 24 by 1.2 %, with 40 by 0.6 %. Few substeps are that demanding: the average during a fall is two sweeps in each case.
 const SWEEPS: u32 = 40;
 
-/// A human figure of 22 particles ([`RagdollParticle`]) in 11 parts, standing with its soles at y = 0 below the origin of its
-/// coordinates, and facing +z.
+/// A human figure of 22 particles ([`RagdollParticle`]) in 11 parts, standing with its soles at y = 0 below the origin of its coordinates, and facing +z.
 ///
-/// Each particle's radius is the thickness of the body there, so that it comes to rest on the ground as thick as it is drawn. Parts are called
-/// `"head"`, `"torso"`, `"pelvis"`, `"left upper arm"`, `"left forearm"`, `"left thigh"`, `"left shin"` and the same on the right. A limb's part is
-/// centred on its bone, with y from the far joint to the near one; the others are upright when the figure stands. It asks for up to 40 sweeps, until
-/// nothing is off by more than 0.0003 of its height (at 600 substeps a second; [in proportion](BodySettings#tolerance-as-a-speed)); its joints yield
-/// by a few degrees at most when it lands.
+/// Each particle's radius is the thickness of the body there, so that the figure rests on the ground as it is drawn. Parts are named `"head"`, `"torso"`,
+/// `"pelvis"`, `"left upper arm"`, `"left forearm"`, `"left thigh"`, `"left shin"` and the same on the right. A limb's part is centred on its bone, with y from
+/// the far joint to the near one; the others are upright when the figure stands. The body asks for up to 40 sweeps, until no error exceeds 0.0003 of its height
+/// (at 600 substeps a second; [in proportion](BodySettings#tolerance-as-a-speed)). Its joint limits are exceeded by a few degrees at most when it lands.
 pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RecipeFault> {
     ensure(LENGTHS.contains(&spec.height), RecipeFault::Size)?;
     check_mass(spec.mass)?;
@@ -129,14 +127,14 @@ pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RecipeFault> {
     }
     for (limit, mirror) in LIMITS.iter().flat_map(|limit| [(limit, false), (limit, true)]) {
         let limit = limited(limit, mirror);
-        // Those of the middle are their own mirror image.
+        // Limits in the middle are their own mirror image.
         body.constraints.extend(limit.filter(|limit| !body.constraints.contains(limit)));
     }
     body.parts = PARTS.iter().map(|part| shaped(part, &body, spec.height)).collect();
     Ok(body)
 }
 
-/// Pairs of the table, each followed by its mirror image unless that is the pair itself.
+/// The pairs of the table, each followed by its mirror image unless that is the same pair.
 fn both_sides(
     pairs: &[[RagdollParticle; 2]],
 ) -> impl Iterator<Item = [RagdollParticle; 2]> + use<'_> {
@@ -154,7 +152,7 @@ fn limited(limit: &Limit, mirror: bool) -> Option<Constraint> {
     let turn = |rows: [RagdollParticle; 4], below: f64, above: f64, from: Option<f64>| {
         let rows = rows.map(side);
         let now = || f64::from(Hinge::rest(rows.map(at)).min);
-        // A mirror image turns the other way.
+        // The mirror image turns the other way.
         let (below, above) = if mirror { (above, below) } else { (below, above) };
         let middle = from.unwrap_or_else(now);
         let kind = Hinge::between(
@@ -165,7 +163,7 @@ fn limited(limit: &Limit, mirror: bool) -> Option<Constraint> {
     };
     Some(match *limit {
         Limit::Cone { frame, joint, moved, around, degrees } => {
-            // Of a frame in the middle the mirror image has the same order, or its cross product would point the other way.
+            // For a frame in the middle the mirror image keeps the order of the particles; otherwise its cross product would be reversed.
             let [o, x, y] = if frame[0] == side(frame[0]) { frame } else { frame.map(side) };
             let (joint, moved) = (side(joint), side(moved));
             let around = if mirror { DVec3::new(-around.x, around.y, around.z) } else { around };

@@ -1,4 +1,4 @@
-//! Ropes: a chain of particles, each tied to the next (physics.md B3). Also a pendulum (one segment), a bridge, a leash.
+//! Ropes: a chain of particles, each connected to the next (physics.md B3). Also a pendulum (one segment), a bridge, a leash.
 
 use glam::{DVec3, Vec3};
 
@@ -11,32 +11,30 @@ use crate::particles::ParticleSeed;
 /// A rope to build. The default hangs 1 m down from the origin: 20 segments, 0.1 kg, 1 cm radius, nothing pinned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RopeSpec {
-    /// Where it starts, metres, up to 1e6 on each axis; default the origin. Particle 0 is there.
+    /// Position of the start and of particle 0, metres, up to 1e6 on each axis. Default the origin.
     pub from: Vec3,
-    /// Where it ends, metres, elsewhere; default 1 m below the origin. The last particle is there.
+    /// Position of the end and of the last particle, metres; must differ from `from`. Default 1 m below the origin.
     pub to: Vec3,
-    /// How many pieces it has, 1 to 16 777 215; default 20. One particle more than that is made.
+    /// Number of segments, 1 to 16 777 215. Default 20. The rope has one more particle than that.
     pub segments: u32,
-    /// Mass of the whole rope, kg, 1e-9 to 1e12; default 0.1. A piece's mass is shared by its two ends, so that the two
-    /// particles at the rope's ends have half of what the others have: that is a uniform rope, with its centre in the
-    /// middle, and what hangs below any particle weighs what it should. (`mass/(n+1)` each would make the ends too heavy.)
+    /// Mass of the whole rope, kg, 1e-9 to 1e12. Default 0.1. A segment's mass is shared by its two ends, so the two end particles have half the mass of the
+    /// others: that is a uniform rope, with its centre of mass in the middle, and the load below any particle is right. (`mass/(n+1)` each would make the ends
+    /// too heavy.)
     pub mass: f32,
-    /// Radius of every particle, metres, not negative; default 0.01.
+    /// Radius of every particle, metres, 0 or more. Default 0.01.
     pub radius: f32,
-    /// How much longer it is than the gap between its ends, as a share of the gap, 0 to 100; default 0. A slack rope starts
-    /// as an arc that sags towards -y (a vertical one towards +x), all pieces already at their length: it starts without a
-    /// jolt.
+    /// Extra length, as a share of the gap between the ends, 0 to 100. Default 0. A slack rope starts as an arc that sags towards -y (a vertical one towards
+    /// +x), with all segments at their rest length, so it starts without a jolt.
     pub slack: f32,
-    /// Which way each piece keeps its length; default both. [`Bound::AtMost`] lets it crumple as thread does.
+    /// Bound on the length of each segment. Default [`Bound::Equal`]. [`Bound::AtMost`] lets the rope crumple as thread does.
     pub bound: Bound,
-    /// Compliance of each piece, m/N, not negative; default 0: it does not stretch. In a rope of `n` pieces, `1/(n·compliance)`
-    /// is its stiffness in N/m.
+    /// Compliance of each segment, m/N, 0 or more. Default 0: it does not stretch. A rope of `n` segments has the stiffness `1/(n·compliance)`, N/m.
     pub compliance: f32,
-    /// Share of the velocity lost per second, 0 to 1; default 0.
+    /// Share of the velocity lost per second, 0 to 1. Default 0.
     pub drag: f32,
-    /// Whether particle 0 is held where it is; default not.
+    /// Whether particle 0 is pinned. Default false.
     pub pin_start: bool,
-    /// Whether the last particle is held where it is; default not.
+    /// Whether the last particle is pinned. Default false.
     pub pin_end: bool,
 }
 
@@ -58,7 +56,7 @@ impl Default for RopeSpec {
     }
 }
 
-/// A rope: `segments + 1` particles from start to end, and as many distances as segments, in the same order.
+/// Builds a rope: `segments + 1` particles from start to end, and as many distances as segments, in the same order.
 pub fn rope(spec: &RopeSpec) -> Result<Blueprint, RecipeFault> {
     check(spec)?;
     let (from, to) = (spec.from.as_dvec3(), spec.to.as_dvec3());
@@ -84,7 +82,7 @@ pub fn rope(spec: &RopeSpec) -> Result<Blueprint, RecipeFault> {
     };
     for (end, pinned) in [(0, spec.pin_start), (spec.segments, spec.pin_end)] {
         if pinned {
-            // Both ends are there.
+            // Both ends exist, so this does not fail.
             let _ = body.pin(end);
         }
     }
@@ -105,11 +103,11 @@ fn check(spec: &RopeSpec) -> Result<(), RecipeFault> {
     check_particles(spec.radius, spec.drag)
 }
 
-/// The particles' positions, start to end: on a circle through both ends, at equal angles, so that the chords between
-/// neighbours are equal; on the straight line if there is no slack.
+/// The particles' positions, start to end: on a circle through both ends, at equal angles, so that the chords between neighbours are equal; on the straight
+/// line if there is no slack.
 ///
-/// With the half angle `β` of the arc, its radius is `R = D/(2 sin β)` and point `θ` in `[-β, β]` lies at `R sin θ` along the
-/// rope and `R (cos θ - cos β) = 2R sin((β+θ)/2) sin((β-θ)/2)` below it; the product does not cancel when the sag is small.
+/// With the half angle `β` of the arc, its radius is `R = D/(2 sin β)`. The point at `θ` in `[-β, β]` is at `R sin θ` along the rope and `R (cos θ - cos β) =
+/// 2R sin((β+θ)/2) sin((β-θ)/2)` below it; the product form has no cancellation when the sag is small.
 fn line(spec: &RopeSpec, from: DVec3, to: DVec3) -> impl Iterator<Item = Vec3> {
     let (n, gap) = (f64::from(spec.segments), (to - from).length());
     let along = (to - from) / gap;
@@ -132,16 +130,15 @@ fn line(spec: &RopeSpec, from: DVec3, to: DVec3) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Downward, square to the rope; +x for a rope within 0.06° of vertical, where downward says nothing.
+/// The direction downward and perpendicular to the rope; +x for a rope within 0.06° of vertical, where downward is undefined.
 fn sag_direction(along: DVec3) -> DVec3 {
     let square = |v: DVec3| v - along * v.dot(along);
     let down = square(DVec3::NEG_Y);
     if down.length() > 1e-3 { down.normalize() } else { square(DVec3::X).normalize() }
 }
 
-/// Half the angle of the arc whose `n` equal chords are together `1 + slack` times as long as the gap between its ends:
-/// `n sin(β/n)/sin β = 1 + slack`. The left side climbs from 1 at 0 to infinity at π, so halving finds it: 60 times, to the
-/// last bit of an `f64`.
+/// Half the angle of the arc whose `n` equal chords have a total length of `1 + slack` times the gap between its ends: `n sin(β/n)/sin β = 1 + slack`. The left
+/// side increases from 1 at 0 to infinity at π, so it is solved by bisection: 60 steps, to the last bit of an `f64`.
 fn half_angle(n: f64, slack: f64) -> f64 {
     let (mut low, mut high) = (0.0, std::f64::consts::PI);
     for _ in 0..60 {

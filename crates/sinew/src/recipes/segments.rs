@@ -1,4 +1,4 @@
-//! Bodies that collide by their segments: each rod between two particles becomes a part, a capsule, so that nothing passes between the two.
+//! Bodies that collide by their segments: each rod between two particles becomes a part with a capsule shape, so that nothing passes between the particles.
 
 use glam::Vec3;
 
@@ -7,28 +7,28 @@ use crate::collide::Shape;
 use crate::constraints::{Bound, Distance};
 
 impl Blueprint {
-    /// The same body, colliding by its segments: between each two particles that a distance ties together ([`Bound::Equal`] or [`Bound::AtMost`]) it
-    /// gets a part, `"segment"`, whose shape is a capsule from one to the other, as thick as the thinner one's [radius](crate::ParticleSeed::radius).
-    /// The particles then touch nothing by themselves.
+    /// The same body, colliding by its segments. For each pair of particles connected by a distance ([`Bound::Equal`] or [`Bound::AtMost`]) it gets a part
+    /// named `"segment"`, whose shape is a capsule from one particle to the other, with the smaller [radius](crate::ParticleSeed::radius) of the two. The
+    /// particles then have no contacts of their own.
     ///
-    /// It is for ropes whose particles are further apart than they are thick, where something thin may come between two of them: posts and rails,
-    /// edges of boxes, other ropes, knots. Friction of segments also remembers where it holds, which that of single particles does not. It costs half
-    /// as much again as particles do for ropes that lie side by side, and some five times as much in a tangle.
+    /// Use it for ropes whose particles are farther apart than they are thick, where something thin may come between two of them: posts and rails, edges of
+    /// boxes, other ropes, knots. Friction of segments also has friction anchors (static friction from step to step), which that of single particles has not.
+    /// It costs half as much again as particles for ropes that lie side by side, and some five times as much in a tangle.
     ///
-    /// Left out are distances whose particles are both in a part already that has a shape, and those with a particle of radius 0. In a body that
-    /// touches itself, segments do not touch their neighbours, nor those that they overlap in the rest shape
-    /// ([`BodyCollider::segment`](crate::collide::BodyCollider::segment)). A segment keeps its length where a soft distance stretches, and where one
-    /// that is [`Bound::AtMost`] folds up.
+    /// Distances are skipped if both particles are already in a part with a shape, or if a particle has radius 0. In a body that collides with itself, segments
+    /// do not collide with their neighbours, nor with those that they overlap in the rest shape
+    /// ([`BodyCollider::segment`](crate::collide::BodyCollider::segment)). A segment keeps its length where a soft distance stretches, and where one with
+    /// [`Bound::AtMost`] folds up.
     ///
-    /// Contacts and rods take turns, once a substep: a heavy load draws a light rope into what holds it up. With ten substeps a rope bears at each
-    /// end some five times the mass of one of its particles where it lies across another rope, and ten times where it lies on a post of its own
-    /// thickness; with forty it is twenty-five and a hundred times. With more than that they may pass through each other:
-    /// take more substeps, or heavier and fewer particles.
+    /// Contacts and rods are solved in turns, once a substep, so a heavy load pulls a light rope into its support. With ten substeps a rope carries at each end
+    /// some five times the mass of one of its particles where it lies across another rope, and ten times where it lies on a post of its own thickness; with
+    /// forty it is twenty-five and a hundred times. With heavier loads the two may pass through each other: use more substeps, or heavier and fewer particles.
     ///
-    /// What is tied to an end of the rope is to be tied by more than both are thick there, or to be on [`Layers`](crate::Layers) that the rope does
-    /// not mind: a tie that is shorter fights with the contact, and that brings in energy.
+    /// An object that is attached to an end of the rope needs a distance longer than the sum of both thicknesses there, or [`Layers`](crate::Layers) that
+    /// exclude contacts with the rope. A shorter distance works against the contact, which adds energy.
     ///
-    /// [`build_colliding`](Self::build_colliding) makes solids of the parts. Whoever removes a distance from the simulation removes its solid, too.
+    /// [`build_colliding`](Self::build_colliding) makes body colliders of the parts. If a game removes a distance from the simulation, it also has to remove
+    /// the body collider of that segment.
     ///
     /// ```
     /// use sinew::{BodyContacts, Simulation, recipes::{RopeSpec, rope}};
@@ -46,7 +46,7 @@ impl Blueprint {
         self
     }
 
-    /// The part along a distance; `None` if it is to have none.
+    /// The part along a distance; `None` if the distance is skipped.
     fn segment(&self, distance: &Distance) -> Option<Part> {
         let &Distance { a, b, rest: length, bound, .. } = distance;
         let within = |part: &&Part| {

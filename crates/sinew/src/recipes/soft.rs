@@ -1,7 +1,7 @@
-//! Soft bodies (physics.md B3, C7): a closed skin that its volume keeps full, and a lattice of tetrahedra that is soft all through.
+//! Soft bodies (physics.md B3, C7): a closed skin kept full by its volume, and a lattice of tetrahedra that is soft throughout.
 //!
-//! Both take the stiffness of the material, not of a single tie, and work out from it what each tie has to be; so a body that is cut finer
-//! is not a softer one.
+//! Both specs take the stiffness of the material, not of a single constraint, and derive each constraint's compliance from it; so a finer mesh does not make a
+//! softer body.
 
 mod lattice;
 
@@ -19,30 +19,31 @@ use super::solid::Bulk;
 use crate::constraints::{self, Constraint, ConstraintKind, Distance, Softness, Volume};
 use crate::particles::ParticleSeed;
 
-/// A skin that is kept full: a ball, a cushion, a balloon. The default weighs 1 kg and stretches like a balloon.
+/// A skin kept full by its volume: a ball, a cushion, a balloon. The default has 1 kg and stretches like a balloon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoftMeshSpec {
-    /// How much of it there is: mass, or density of what it encloses. Spread over its surface by area; default 1 kg.
+    /// Its mass, or the density of the enclosed volume; the mass is distributed over the surface by area. Default 1 kg.
     pub bulk: Bulk,
-    /// Stiffness of the skin against being stretched, N/m: Young's modulus times thickness, 1e-6 to 1e9; default 100 (0.1 mm of rubber).
+    /// Stretching stiffness of the skin, N/m: Young's modulus times thickness, 1e-6 to 1e9. Default 100 (0.1 mm of rubber).
     pub stretch: f32,
-    /// Stiffness of the skin against being bent, N·m, not negative; default 0.01. Zero: it bends freely.
+    /// Bending stiffness of the skin, N·m, 0 or more. Default 0.01. Zero: it bends freely.
     pub bend: f32,
-    /// Damping ratio of every tie of the skin, 0 (it swings on) to 10; default 0.1.
+    /// Damping ratio of every constraint of the skin, 0 (undamped) to 10. Default 0.1.
     pub damping: f32,
-    /// The volume that it is kept at, as a multiple of the mesh's own, 0.01 to 100; default 1. More than that puts the skin under tension.
+    /// Rest volume, as a multiple of the mesh's own, 0.01 to 100. Default 1. Above that the skin is under tension.
     ///
-    /// A tight skin begins to turn by itself, slowly: springs that pull against each other one after the other leave a little torque in every
-    /// substep, the square of how far one pulls in that. A ball of 1 kg at 1.3 times its volume has 0.04 J of it after 2 s with a skin of 100 N/m,
-    /// and 6 J with one of 1000 N/m, unless it lies on something, has drag, or is solved in [`Order::Jacobi`](crate::Order::Jacobi).
+    /// A skin under tension slowly starts to spin by itself: springs that act against each other are solved one after the other, which leaves a small torque in
+    /// every substep, proportional to the square of a spring's displacement in it. A ball of 1 kg at 1.3 times its volume has 0.04 J of spin after 2 s with a
+    /// skin of 100 N/m, and 6 J with one of 1000 N/m, unless it is in contact with something, has drag, or is solved in
+    /// [`Order::Jacobi`](crate::Order::Jacobi).
     pub pressure: f32,
-    /// How hard the volume is kept; default hard. A soft one lets itself be squashed.
+    /// Stiffness of the volume constraint. Default hard. With a soft one the body can be squashed.
     pub softness: Softness,
-    /// Radius of every particle, metres, not negative; default 0.005.
+    /// Radius of every particle, metres, 0 or more. Default 0.005.
     pub radius: f32,
-    /// Share of the velocity lost per second, 0 to 1; default 0.
+    /// Share of the velocity lost per second, 0 to 1. Default 0.
     pub drag: f32,
-    /// Vertices of the mesh closer than this are one particle, metres, not negative; default 1e-5.
+    /// Vertices of the mesh closer than this become one particle, metres, 0 or more. Default 1e-5.
     pub weld_tolerance: f32,
 }
 
@@ -62,23 +63,22 @@ impl Default for SoftMeshSpec {
     }
 }
 
-/// A soft body out of a closed triangle list, counter-clockwise from outside: a particle at each welded vertex ([`weld`](super::weld)), a
-/// distance along each edge, bending across each edge, and one volume.
+/// Builds a soft body from a closed triangle list, counter-clockwise from outside: a particle at each welded vertex ([`weld`](super::weld)), a distance along
+/// each edge, bending across each edge, and one volume.
 ///
-/// [`Blueprint::vertices`] names the particle of each vertex of the mesh, [`Blueprint::triangles`] are for the wind.
+/// [`Blueprint::vertices`] holds the particle of each vertex of the mesh; [`Blueprint::triangles`] are for the wind.
 ///
-/// The volume and the skin that pulls against it are put right in turns: at the default sweeps and substeps the volume of a ball that is dropped is off by 0.2 % at the worst, as with twice the
-/// sweeps, by 0.5 % with half of them and by 1.3 % with one.
+/// The volume and the skin that pulls against it are solved in turns. At the default sweeps and substeps the volume of a dropped ball is off by 0.2 % at worst,
+/// as with twice the sweeps, by 0.5 % with half of them and by 1.3 % with one.
 ///
 /// # The skin
 ///
-/// A sheet of springs has the stiffness `Y` (N/m) of a sheet of material if each spring stands for the material around it: along an edge of
-/// length `l` with the triangles `A₀` and `A₁` at its sides, `k = Y (A₀ + A₁)/l²`. That is exact for equilateral triangles, whose springs of
-/// `k = √3/2 Y` are an isotropic sheet with Poisson's ratio 1/3, and near it elsewhere (Van Gelder, *Approximate simulation of elastic membranes
-/// by triangulated spring meshes*, 1998).
+/// A sheet of springs has the stiffness `Y` (N/m) of a sheet of material if each spring represents the material around it: along an edge of length `l` between
+/// the triangles `A₀` and `A₁`, `k = Y (A₀ + A₁)/l²`. That is exact for equilateral triangles, whose springs of `k = √3/2 Y` form an isotropic sheet with
+/// Poisson's ratio 1/3, and a good approximation elsewhere (Van Gelder, *Approximate simulation of elastic membranes by triangulated spring meshes*, 1998).
 ///
 /// # Errors
-/// What [`RecipeFault`] lists: an open, flat or inverted mesh is [`RecipeFault::Inside`].
+/// A [`RecipeFault`] if a value is out of range or the mesh is unsuitable; [`RecipeFault::Inside`] for an open, flat or inverted mesh.
 pub fn soft_mesh(
     spec: &SoftMeshSpec,
     positions: &[Vec3],
@@ -91,7 +91,7 @@ pub fn soft_mesh(
     let mass = spec.bulk.mass_of(volume)?;
     let areas: Vec<f64> = triangles.iter().map(|t| area(&positions, t)).collect();
     let mut masses = vec![0.0; positions.len()];
-    // Closed and not flat, so there is an area.
+    // The mesh is closed and not flat, so the total area is positive.
     let per_area = mass / areas.iter().sum::<f64>();
     for (t, area) in triangles.iter().zip(&areas) {
         t.iter().for_each(|&i| masses[i as usize] += per_area * area / 3.0);
@@ -133,16 +133,16 @@ fn check(spec: &SoftMeshSpec) -> Result<(), RecipeFault> {
     check_particles(spec.radius, spec.drag)
 }
 
-/// Damping ratios that a soft body accepts.
+/// Range of damping ratios for a soft body.
 const DAMPING_RATIOS: RangeInclusive<f32> = 0.0..=10.0;
 
-/// m².
+/// Area of a triangle, m².
 fn area(positions: &[Vec3], t: &[u32; 3]) -> f64 {
     let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
     (b - a).cross(c - a).length() * 0.5
 }
 
-/// The area of the triangles at each edge, m². The edges are sorted.
+/// Total area of the triangles at each edge, m². The edges are sorted.
 fn around(edges: &[[u32; 2]], triangles: &[[u32; 3]], areas: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; edges.len()];
     for (&[a, b, c], area) in triangles.iter().zip(areas) {
@@ -155,7 +155,7 @@ fn around(edges: &[[u32; 2]], triangles: &[[u32; 3]], areas: &[f64]) -> Vec<f64>
     sums
 }
 
-/// What resists bending across an edge.
+/// The bending constraint across an edge.
 fn fold(
     spec: &SoftMeshSpec,
     bend: &Fold,
@@ -171,13 +171,13 @@ fn fold(
     Some(Constraint::new(rows, ConstraintKind::Bend(kind.with_softness(softness))))
 }
 
-/// A compliance with the damping that is `ratio` of critical: `β = 2ζ√(kμ)` with `k = 1/α` and the mass `μ = 1/Σ w‖∇C‖²` that a tie feels.
+/// A compliance with damping of `ratio` times critical: `β = 2ζ√(kμ)` with `k = 1/α` and the effective mass `μ = 1/Σ w‖∇C‖²`.
 fn damped(compliance: f64, inverse_mass: f64, ratio: f32) -> Softness {
     let damping = 2.0 * f64::from(ratio) / (compliance * inverse_mass).sqrt();
     Softness::Compliant { compliance: compliance as f32, damping: damping as f32 }
 }
 
-/// The body, if all its numbers are ordinary ones: lengths are squared and masses inverted in `f32` at every sweep.
+/// Returns the body if all its numbers are normal: lengths are squared and masses inverted in `f32` in every sweep.
 fn sound(body: Blueprint) -> Result<Blueprint, RecipeFault> {
     let corners = || body.particles.iter().map(|p| p.position);
     let low = corners().fold(DVec3::INFINITY, |a, b| a.min(b.as_dvec3()));

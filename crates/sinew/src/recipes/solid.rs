@@ -1,18 +1,18 @@
-//! Any solid out of four or eight particles that weigh and turn exactly as it does (physics.md B2): equimomental particles.
+//! Any solid as four or eight particles with exactly its mass and inertia (physics.md B2): equimomental particles.
 //!
 //! # Why so few are enough
 //!
-//! How a rigid body moves under forces depends on ten numbers: its mass, its barycentre and its six second moments `M S`, where `S` is the mean of
-//! `x xᵀ` over the solid, `x` from the barycentre ([`MassProperties`]). Along its principal axes `S` is diagonal, with `s₁`, `s₂`, `s₃`. Particles of
+//! The motion of a rigid body under forces depends on ten numbers: its mass, its barycentre and its six second moments `M S`, where `S` is the mean of `x xᵀ`
+//! over the solid, with `x` relative to the barycentre ([`MassProperties`]). Along its principal axes `S` is diagonal, with `s₁`, `s₂`, `s₃`. Particles of
 //! equal mass `M/n` at `(±√s₁, ±√s₂, ±√s₃)` from the barycentre have
 //!
 //! - the mass `M`, being `n` times `M/n`;
-//! - the second moment `n · M/n · s₁ = M s₁` along the first axis, and so on: each is as far out as the root mean square of the solid;
-//! - the barycentre and no mixed moments, if over all particles the signs, and the products of two signs, sum up to zero.
+//! - the second moment `n · M/n · s₁ = M s₁` along the first axis, and so on: each is at the root mean square distance of the solid;
+//! - the same barycentre and no mixed moments, if over all particles the signs, and the products of two signs, sum to zero.
 //!
-//! All **eight** choices of signs do that, and so do the **four** with an even number of minus signs, which are every other corner of the same box:
-//! `+++ +-- -+- --+`. Each column sums up to zero, and the products of the first two are `+ - - +`. Fewer than four cannot span a volume. A solid
-//! box has `s₁ = a²/12`: its particles are at `½a/√3`, those of [`BoxLayout::Equimomental`](super::BoxLayout).
+//! All **eight** choices of signs satisfy that, and so do the **four** with an even number of minus signs, which are every other corner of the same box: `+++
+//! +-- -+- --+`. Each column sums to zero, and the products of the first two are `+ - - +`. Fewer than four particles cannot span a volume. A solid box has `s₁
+//! = a²/12`: its particles are at `½a/√3`, those of [`BoxLayout::Equimomental`](super::BoxLayout).
 
 use glam::Vec3;
 
@@ -24,49 +24,50 @@ use super::nearest::bounds;
 use crate::collide::Shape;
 use crate::convex_hull::convex_hull;
 
-/// A solid to build. The default is empty, and refused: it has no shape.
+/// A solid to build. The default has an empty shape, and is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidSpec {
-    /// What it looks like.
+    /// The shape.
     pub shape: SolidShape,
-    /// How much of it there is; default 1 kg.
+    /// Mass or density. Default 1 kg.
     pub bulk: Bulk,
-    /// Which particles stand for it; default eight.
+    /// Number and arrangement of the particles. Default eight.
     pub layout: SolidLayout,
-    /// Radius of every particle, metres, not negative; default 0. The particles are inside the solid, about half way out.
+    /// Radius of every particle, metres, 0 or more. Default 0. The particles are inside the solid, about half way out.
     pub radius: f32,
-    /// Share of the velocity lost per second, 0 to 1; default 0.
+    /// Share of the velocity lost per second, 0 to 1. Default 0.
     pub drag: f32,
 }
 
-/// The shape of a solid, in metres, in coordinates that become the body's own frame: what is drawn with the extracted transform is
-/// the mesh as it was given, wherever its zero is.
+/// The shape of a solid, in metres. Its coordinates become the body's own frame, so the mesh can be drawn unchanged with the extracted transform, wherever its
+/// origin is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SolidShape {
-    /// A closed surface, counter-clockwise from outside; see [`MassProperties::of_mesh`] for what may pass for one.
+    /// A closed surface, counter-clockwise from outside; see [`MassProperties::of_mesh`] for the requirements.
     Mesh {
         /// Corners of the triangles, metres.
         vertices: Vec<Vec3>,
         /// Triangles between the vertices.
         triangles: Vec<[u32; 3]>,
     },
-    /// The [convex hull](convex_hull) of points, metres: for a mesh that is not closed, or a collider without dents.
+    /// The [convex hull](convex_hull) of points, metres: for a mesh that is not closed, or a convex collider.
     Hull(Vec<Vec3>),
-    /// A sphere, a capsule, a box, a cylinder or a hull as colliders are: it weighs, turns and collides as exactly that. A ball of this kind rolls.
+    /// A collision shape with an interior: a sphere, a capsule, a box, a cylinder or a hull. Mass, inertia and collision are exactly those of the shape. A ball
+    /// of this kind rolls.
     Collider(Shape),
 }
 
-/// How much of a solid there is.
+/// The amount of material of a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bulk {
     /// Its mass, kg, 1e-9 to 1e12.
     Mass(f32),
-    /// Its density, kg/m³ (water has 1000), such that the mass comes out between 1e-9 and 1e12 kg.
+    /// Its density, kg/m³ (water has 1000), such that the mass is between 1e-9 and 1e12 kg.
     Density(f32),
 }
 
 impl Bulk {
-    /// The mass of a body of so many cubic metres, kg.
+    /// The mass of a body of `volume` m³, kg.
     pub(super) fn mass_of(self, volume: f64) -> Result<f64, RecipeFault> {
         let mass = match self {
             Self::Mass(mass) => f64::from(mass),
@@ -77,15 +78,15 @@ impl Bulk {
     }
 }
 
-/// Which particles stand for a solid.
+/// The particles that represent a solid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SolidLayout {
-    /// Eight, at the corners of a box along the principal axes, all 28 pairs tied. The default: what the solver shakes off spreads best.
+    /// Eight, at the corners of a box along the principal axes, with all 28 pairs connected. The default: it spreads the solver's corrections best.
     ///
     /// Particle `i` is on the positive side of the axes nearest to x, y and z where bit 0, 1 and 2 of `i` is set.
     #[default]
     Eight,
-    /// Four, at every other corner of that box, all 6 pairs tied: the same mass, barycentre and inertia with less than a quarter of the work.
+    /// Four, at every other corner of that box, with all 6 pairs connected: the same mass, barycentre and inertia with less than a quarter of the work.
     Four,
 }
 
@@ -102,10 +103,10 @@ impl Default for SolidSpec {
 }
 
 impl SolidShape {
-    /// What the shape encloses.
+    /// Mass properties of the interior of the shape.
     ///
     /// # Errors
-    /// [`RecipeFault::Inside`] and [`RecipeFault::Hull`].
+    /// [`RecipeFault::Inside`] for an unsuitable mesh, [`RecipeFault::Hull`] for points without a hull, [`RecipeFault::Shape`] for a shape without an interior.
     pub fn mass_properties(&self) -> Result<MassProperties, RecipeFault> {
         Ok(match self {
             Self::Mesh { vertices, triangles } => MassProperties::of_mesh(vertices, triangles)?,
@@ -114,7 +115,7 @@ impl SolidShape {
         })
     }
 
-    /// The corners of its bounding box, metres.
+    /// The corners of the bounding box, metres.
     fn bounds(&self) -> [Vec3; 2] {
         match self {
             Self::Mesh { vertices: points, .. } | Self::Hull(points) => {
@@ -124,7 +125,7 @@ impl SolidShape {
         }
     }
 
-    /// What it collides by. Without dents: two hulls can be told apart quickly, whatever they look like.
+    /// The collision shape. A mesh collides by its convex hull, because contacts between two hulls are fast.
     fn collider(&self) -> Option<Shape> {
         match self {
             Self::Mesh { vertices: points, .. } | Self::Hull(points) => Shape::hull(points).ok(),
@@ -133,12 +134,12 @@ impl SolidShape {
     }
 }
 
-/// A solid of any shape and uniform density: 4 or 8 particles, each tied to each, one part called `"solid"`.
+/// Builds a solid of any shape and uniform density: 4 or 8 particles, all pairs connected, one part named `"solid"`.
 ///
-/// The part's size is that of the shape's bounding box. There are no triangles: the particles are inside, where no wind blows.
+/// The size of the part is that of the shape's bounding box. There are no triangles: the particles are inside, where no wind acts.
 ///
 /// # Errors
-/// What [`RecipeFault`] lists.
+/// A [`RecipeFault`] if a value is out of range or the shape is unsuitable.
 pub fn solid(spec: &SolidSpec) -> Result<Blueprint, RecipeFault> {
     check_particles(spec.radius, spec.drag)?;
     let properties = spec.shape.mass_properties()?;
@@ -155,7 +156,7 @@ pub fn solid(spec: &SolidSpec) -> Result<Blueprint, RecipeFault> {
     Ok(body)
 }
 
-/// Where the particles are in the coordinates of the mesh.
+/// Positions of the particles in the coordinates of the mesh.
 fn places(properties: &MassProperties, layout: SolidLayout) -> Vec<Vec3> {
     let (squares, axes) = properties.principal();
     let reach = squares.map(f64::sqrt);
@@ -172,7 +173,7 @@ fn places(properties: &MassProperties, layout: SolidLayout) -> Vec<Vec3> {
     }
 }
 
-/// Whether the particles, as they were rounded, are still where they should be, to a hundredth of the shortest way between two.
+/// Whether the rounded positions are accurate to a hundredth of the shortest distance between two particles.
 fn told_apart(rest: &[Vec3], properties: &MassProperties) -> bool {
     let shortest = 2.0 * properties.principal().0.min_element().sqrt();
     let farthest = rest.iter().fold(0.0, |far: f32, r| far.max(r.abs().max_element()));

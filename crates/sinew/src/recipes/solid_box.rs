@@ -1,5 +1,4 @@
-//! Boxes out of particles that are all tied to each other (physics.md B1, B2): the plainest rigid compound. Falling, turning
-//! and tumbling come from the particles; nothing here knows of rotation.
+//! Boxes of fully connected particles (physics.md B1, B2): the simplest rigid compound. All rotation results from the particles; there is no rotation state.
 
 use glam::{DVec3, Vec3};
 
@@ -12,28 +11,27 @@ use crate::constraints::GradientAt;
 /// A box to build. The default is a cube of 1 m and 1 kg, with its particles at the corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxSpec {
-    /// Lengths of its edges along x, y and z, metres, 1e-6 to 1e6; default 1 each. In 2D, z is only what is drawn, from 0 on.
+    /// Lengths of its edges along x, y and z, metres, 1e-6 to 1e6. Default 1 each. In 2D, z is only for drawing, 0 or more.
     pub size: Vec3,
-    /// Mass of the whole box, kg, 1e-9 to 1e12; default 1.
+    /// Mass of the whole box, kg, 1e-9 to 1e12. Default 1.
     pub mass: f32,
-    /// Where in the box its particles sit; default at the corners.
+    /// Where in the box its particles are. Default at the corners.
     pub layout: BoxLayout,
-    /// Radius of every particle, metres, not negative; default 0. At the corners, it stands out beyond the box.
+    /// Radius of every particle, metres, 0 or more. Default 0. At the corners, it extends beyond the box.
     pub radius: f32,
-    /// Share of the velocity lost per second, 0 to 1; default 0.
+    /// Share of the velocity lost per second, 0 to 1. Default 0.
     pub drag: f32,
 }
 
-/// Where the particles of a box sit.
+/// Where the particles of a box are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BoxLayout {
-    /// At its corners, so that contacts, wind and the picture agree. The price: the moments of inertia are 3 times those of
-    /// a solid box, because all its mass is as far out as can be. It turns more sluggishly; it falls, slides and flips over
-    /// the same axes all the same.
+    /// At its corners, so that contacts, wind and rendering agree. The price: the moments of inertia are 3 times those of a solid box, because all mass is as
+    /// far out as possible. It rotates more sluggishly; it falls, slides, and flips over the same axes as a solid box.
     #[default]
     Corners,
-    /// At `1/√3` of the way from its centre to its corners: mass, centre and inertia are exactly those of the solid box,
-    /// `m/12·(b² + c²)`. Contacts of the particles happen inside the box, and it has no triangles for the wind.
+    /// At `1/√3` of the way from its centre to its corners: mass, centre and inertia are exactly those of the solid box, `m/12·(b² + c²)`. Contacts of the
+    /// particles are inside the box, and it has no triangles for the wind.
     Equimomental,
 }
 
@@ -43,7 +41,7 @@ impl Default for BoxSpec {
     }
 }
 
-/// A solid box about the origin: 8 particles, all 28 pairs tied, one part called `"box"`.
+/// A solid box centred on the origin: 8 particles, all 28 pairs connected, one part named `"box"`.
 ///
 /// Particle `i` is on the positive side of x, y and z where bit 0, 1 and 2 of `i` is set.
 pub fn box_3d(spec: &BoxSpec) -> Result<Blueprint, RecipeFault> {
@@ -55,8 +53,8 @@ pub fn box_3d(spec: &BoxSpec) -> Result<Blueprint, RecipeFault> {
     Ok(body)
 }
 
-/// A rectangle in the xy plane about the origin: 4 particles, all 6 pairs tied, one part called `"box"`, numbered as in
-/// [`box_3d`]. Its two triangles face +z. Equimomental, it turns in its plane as a solid plate does: `m/12·(a² + b²)`.
+/// A rectangle in the xy plane, centred on the origin: 4 particles, all 6 pairs connected, one part named `"box"`, numbered as in [`box_3d`]. Its two triangles
+/// face +z. With the equimomental layout its in-plane inertia is that of a solid plate, `m/12·(a² + b²)`.
 pub fn box_2d(spec: &BoxSpec) -> Result<Blueprint, RecipeFault> {
     check(spec, &spec.size.to_array()[..2])?;
     ensure((0.0..=*LENGTHS.end()).contains(&spec.size.z), RecipeFault::Size)?;
@@ -77,7 +75,7 @@ fn check(spec: &BoxSpec, edges: &[f32]) -> Result<(), RecipeFault> {
     check_particles(spec.radius, spec.drag)
 }
 
-/// The first `count` corners of a box of `size`, tied each to each.
+/// The first `count` corners of a box of `size`, all pairs connected.
 fn tied(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
     let reach = match spec.layout {
         BoxLayout::Corners => 0.5,
@@ -87,10 +85,10 @@ fn tied(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
     let corner = |i| (DVec3::new(side(i, 0), side(i, 1), side(i, 2)) * size.as_dvec3()).as_vec3();
     let rest: Vec<Vec3> = (0..count).map(corner).collect();
     let mut body = Blueprint::tied(&rest, spec.mass, spec.radius, spec.drag);
-    // Rods bleed the spin of what they hold unless they act along where they were. Hitting the ground takes more sweeps that way.
+    // Rods lose spin unless their gradient is taken at the start of the substep, and an impact on the ground then takes more sweeps.
     body.settings.gradient_at = Some(GradientAt::StepStart);
     body.settings.max_sweeps = Some(8);
-    // A rectangle is as deep as its shorter edge for what it collides with, where it is not drawn deeper.
+    // The collision shape of a rectangle is as deep as its shorter edge, unless it is drawn deeper.
     let flat = if size.z > 0.0 { 0.0 } else { size.x.min(size.y) };
     let shape = Shape::cuboid(spec.size.with_z(spec.size.z.max(flat))).ok();
     let particles = (0..count).collect();

@@ -1,5 +1,5 @@
-//! Equal bodies are equal to the bit, wherever they stand: a recipe measures what it builds in the body's own coordinates, before that is placed.
-//! The solver puts such bodies side by side into the lanes of a processor.
+//! Equal bodies are bitwise equal wherever they are: a recipe measures lengths in the body's own coordinates, before the body is placed. The solver puts such
+//! bodies side by side into SIMD lanes.
 
 use glam::{Quat, UVec3, Vec3};
 

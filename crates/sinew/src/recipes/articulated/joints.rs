@@ -1,4 +1,4 @@
-//! Which particles the bones are made of, which of them they share, and which limits bind those.
+//! The particles of the bones, which of them are shared, and the joint limits between them.
 
 use core::f32::consts::PI;
 
@@ -10,29 +10,29 @@ use crate::constraints::{Cone, Constraint, ConstraintKind, Hinge};
 /// The particles of a body of bones.
 pub(super) struct Skeleton {
     pub(super) points: Vec<BonePoint>,
-    /// The particles of each bone: head, tail, middle, middle, and those beside the joints that it carries.
+    /// The particles of each bone: head, tail, two in the middle, and those beside the joints that it carries.
     pub(super) members: Vec<Vec<u32>>,
-    /// The particles of each rigid piece; those of bones that are fixed to others are with those, and theirs are empty.
+    /// The particles of each rigid piece. A bone that is fixed to another one is included in that one's piece, and its own list is empty.
     pub(super) pieces: Vec<Vec<u32>>,
-    /// The particle beside the joint of each bone; the head where there is none.
+    /// The particle beside the joint of each bone; its head where there is none.
     sides: Vec<u32>,
 }
 
-/// A bone's own axes: y from the tail to the head, x across.
+/// A bone's own axes: y from the tail to the head, x sideways.
 pub(super) struct BoneAxes {
     middle: DVec3,
     axes: [DVec3; 3],
 }
 
-/// Places in a bone's list.
+/// Indices in a bone's list of particles.
 const HEAD: usize = 0;
 const TAIL: usize = 1;
 const MIDDLE: usize = 2;
-/// Shares of a bone's mass: what makes a thin rod of the ends and the middle (Simpson's rule), and something for each joint.
+/// Shares of a bone's mass: ends and middle of a thin rod (Simpson's rule), and a share for each joint. Normalised by their sum.
 const END: f64 = 1.0 / 6.0;
 const HALF_MIDDLE: f64 = 1.0 / 3.0;
 const BESIDE: f64 = 1.0 / 12.0;
-/// A head this near to its parent's tail, as a share of the parent's width, is there.
+/// A head within this distance of its parent's tail, as a share of the parent's width, coincides with it.
 const SAME_PLACE: f32 = 0.05;
 
 impl Skeleton {
@@ -47,7 +47,7 @@ impl Skeleton {
         made
     }
 
-    /// Adds the particles of a bone, and to its parent those that both have.
+    /// Adds the particles of a bone, and the shared ones to its parent.
     fn add(&mut self, bones: &[Bone], bone: &Bone) {
         let parent = bone.parent.filter(|_| bone.joint != Joint::Free);
         let frame = BoneAxes::of(bone);
@@ -98,7 +98,7 @@ impl Skeleton {
         self.points.len() as u32 - 1
     }
 
-    /// Shares out the masses.
+    /// Distributes the masses.
     fn weigh(&mut self, bones: &[Bone]) {
         for (bone, members) in bones.iter().zip(&self.members) {
             let share = |k: usize| match k {
@@ -116,7 +116,7 @@ impl Skeleton {
         }
     }
 
-    /// Puts bones that are fixed to each other together.
+    /// Merges bones that are fixed to each other into one piece.
     fn gather(&mut self, bones: &[Bone]) {
         let mut owner: Vec<usize> = Vec::new();
         for (number, bone) in bones.iter().enumerate() {
@@ -162,8 +162,8 @@ impl Skeleton {
         limits
     }
 
-    /// A bone within a cone about where it is, in the frame of three particles of its parent: its head, and two that are far from that and from
-    /// being in line with it.
+    /// Limits a bone to a cone about its direction at build time, in the frame of three particles of its parent: the head, and two that are far from it and far
+    /// from collinear.
     fn cone(&self, parent: &[u32], own: &[u32], max: f32) -> Option<Constraint> {
         let at = |i: u32| self.points[i as usize].position;
         let head = own[HEAD];
@@ -175,7 +175,7 @@ impl Skeleton {
         Some(Constraint::new([head, x, y, own[TAIL]], ConstraintKind::Cone(cone)))
     }
 
-    /// An angle about the line of the second and third particle, between limits that count from what it is now.
+    /// Limits the angle about the line through the second and third particle. `min` and `max` are relative to the present angle.
     fn turn(&self, rows: [u32; 4], min: f32, max: f32) -> Option<Constraint> {
         let now = Hinge::rest(rows.map(|i| self.points[i as usize].position)).min;
         let kind = ConstraintKind::Hinge(Hinge::between(now + min, now + max));
@@ -183,7 +183,7 @@ impl Skeleton {
         distinct.then(|| Constraint::new(rows, kind))
     }
 
-    /// The particle that is farthest from the line through two others; the first of equal ones.
+    /// The particle farthest from the line through two others; the first of equally far ones.
     fn farthest(&self, from: u32, to: u32, members: &[u32]) -> u32 {
         let at = |i: u32| self.points[i as usize].position.as_dvec3();
         let line = (at(to) - at(from)).normalize_or_zero();
@@ -195,7 +195,7 @@ impl Skeleton {
 }
 
 impl BoneAxes {
-    /// Of a hinge, x goes along as much of the axis as is across the bone.
+    /// For a hinge, x is along the component of the axis that is perpendicular to the bone.
     pub(super) fn of(bone: &Bone) -> Self {
         let (head, tail) = (bone.head.as_dvec3(), bone.tail.as_dvec3());
         let y = (head - tail).normalize_or_zero();
@@ -205,12 +205,12 @@ impl BoneAxes {
             }
             _ => DVec3::ZERO,
         };
-        // A tenth of the axis at least, or it says nothing.
+        // If less than a tenth of the axis is left, it does not define a direction.
         let x = if wanted.length() > 0.1 { wanted.normalize_or_zero() } else { across(y) };
         Self { middle: (head + tail) * 0.5, axes: [x, y, x.cross(y)] }
     }
 
-    /// Where a point is along the axes, from the middle of the bone, metres.
+    /// Coordinates of a point in the bone's axes, from the middle of the bone, metres.
     pub(super) fn local(&self, place: Vec3) -> Vec3 {
         let from = place.as_dvec3() - self.middle;
         let [x, y, z] = self.axes.map(|axis| axis.dot(from));

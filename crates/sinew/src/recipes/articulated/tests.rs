@@ -1,4 +1,4 @@
-//! Joints turn where they may and nowhere else, however hard they are hit.
+//! Joints turn within their limits and no farther, however hard they are hit.
 
 use core::f32::consts::PI;
 
@@ -19,7 +19,7 @@ fn build(bones: Vec<Bone>) -> (Blueprint, Simulation) {
     (body, world)
 }
 
-/// By how much the worst of all limits of angles is exceeded, degrees; the error of rigid pieces is not one.
+/// How far the worst of all angle limits is exceeded, degrees; errors of rigid pieces are not counted.
 fn excess(world: &Simulation) -> f32 {
     let one = |c: &Constraint| {
         if !matches!(c.kind, ConstraintKind::Cone(_) | ConstraintKind::Hinge(_)) {
@@ -32,7 +32,7 @@ fn excess(world: &Simulation) -> f32 {
     world.constraints().iter().map(one).fold(0.0, f32::max)
 }
 
-/// How much the particles of the parts are out of their shape, as a share of the shortest bone's length.
+/// Largest deformation of a part, as a share of the length of the shortest bone.
 fn bent(body: &Blueprint, world: &Simulation) -> f32 {
     let mut worst = 0.0_f32;
     for part in &body.parts {
@@ -51,7 +51,7 @@ fn post() -> Bone {
     Bone { name: "post", head: Vec3::Y, tail: Vec3::ZERO, pinned: true, ..Bone::default() }
 }
 
-/// A post and what hangs on its foot.
+/// A post, and a bone joined to its foot.
 fn hung(joint: Joint) -> Vec<Bone> {
     vec![post(), Bone { parent: Some(0), joint, ..Bone::default() }]
 }
@@ -96,7 +96,7 @@ fn bones_weigh_what_they_should_and_share_the_particles_of_their_joints() {
         body.parts[a].particles.iter().filter(|i| body.parts[b].particles.contains(i)).count()
     };
     assert_eq!([shared(0, 1), shared(1, 2), shared(0, 3)], [2, 1, 0]);
-    // Two pieces of rods and a toe, one that is loose, and the hinge.
+    // Two merged pieces and a toe, one bone without a joint, and the hinge.
     assert_eq!(body.constraints.len(), 4);
     assert!(bent(&body, &world) < 1e-6 && excess(&world) < 1e-3);
     for part in &body.parts {
@@ -115,7 +115,7 @@ fn a_door_swings_between_its_stops_and_not_beyond() {
     let (mut low, mut high, mut worst, mut fell) = (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
     for tick in 0..600 {
         if tick % 150 == 0 {
-            // By the right hand about y, x goes to -z.
+            // By the right-hand rule about y, x turns towards -z.
             let push = if tick % 300 == 0 { Vec3::NEG_Z } else { Vec3::Z };
             world.particles.add_impulse(tail, push * 2.0);
         }
@@ -184,7 +184,7 @@ fn a_cone_and_a_twist_are_held_against_gravity_and_blows() {
 }
 
 fn leg(pinned: bool) -> Vec<Bone> {
-    // It may go 10° ahead, to gather speed, and bends backward, towards -z: by the right hand about x, what hangs (-y) goes to -z.
+    // It may bend 10° forward, to gather speed, and bends backward, towards -z: by the right-hand rule about x, a hanging bone (-y) turns towards -z.
     let knee = Joint::Hinge { axis: Vec3::X, min: degrees(-10.0), max: degrees(150.0) };
     vec![
         Bone {
@@ -247,7 +247,7 @@ fn whatever_is_done_to_them_bones_stay_finite_and_come_together_again() {
     }
     let (body, mut world) = build(bones);
     world.boundaries.planes.push(Plane::ground(-1.0));
-    // So that what was hit does not fly on spinning.
+    // So that a bone that was hit stops spinning.
     world.forces.drag = 0.9;
     let mut worst = 0.0_f32;
     for tick in 0..600_u32 {

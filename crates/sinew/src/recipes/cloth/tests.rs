@@ -1,4 +1,4 @@
-//! What a grid of cloth must be.
+//! Tests of the cloth grid.
 
 use super::super::blueprint::checks::assert_at_rest;
 use super::*;

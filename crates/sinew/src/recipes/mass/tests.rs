@@ -1,16 +1,16 @@
-//! Mass properties against closed forms, and what is refused.
+//! Mass properties compared with closed forms, and invalid meshes.
 
 use super::*;
 use crate::convex_hull::convex_hull;
 use glam::{DQuat, Quat};
 
-/// How far apart two symmetric matrices are, relative to the trace of the second.
+/// Largest difference of two symmetric matrices, relative to the trace of the second.
 fn off(a: DMat3, b: DMat3) -> f64 {
     let trace = b.x_axis.x + b.y_axis.y + b.z_axis.z;
     (a - b).to_cols_array().into_iter().fold(0.0, |worst: f64, x| worst.max(x.abs())) / trace
 }
 
-/// Checks a mesh as it is, and turned and moved, against its volume, barycentre and spread.
+/// Checks volume, barycentre and spread of a mesh, as given and rotated and moved.
 fn assert_is(points: &[Vec3], triangles: &[[u32; 3]], volume: f64, mean: DVec3, spread: DMat3) {
     let turn = DQuat::from_xyzw(0.1, -0.5, 0.3, 0.8).normalize();
     let r = DMat3::from_quat(turn);
@@ -66,13 +66,13 @@ fn a_cone_out_of_sixteen_sides_is_as_the_pyramid_over_its_base() {
     let mut points: Vec<Vec3> = (0..sides).map(rim).collect();
     points.push(Vec3::Z * 2.0);
     let area = 0.5 * f64::from(sides) * radius * radius * libm::sin(step);
-    // Of a regular polygon the mean of x² is R² (2 + cos(2π/n)) / 12; of a pyramid over it, 3/5 of that.
+    // For a regular polygon the mean of x² is R² (2 + cos(2π/n)) / 12; for a pyramid over it, 3/5 of that.
     let across = 0.6 * radius * radius * (2.0 + libm::cos(step)) / 12.0;
     let spread = DMat3::from_diagonal(DVec3::new(across, across, 3.0 * height * height / 80.0));
     assert_is(&points, &hull(&points), area * height / 3.0, DVec3::Z * (height / 4.0), spread);
 }
 
-/// A prism 1 m high over a polygon in the xy plane, cut into triangles.
+/// A prism 1 m high over a polygon in the xy plane, triangulated.
 pub(crate) fn prism(polygon: &[[f32; 2]], caps: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let n = polygon.len() as u32;
     let level = |z: f32| polygon.iter().map(move |&[x, y]| Vec3::new(x, y, z));
@@ -85,7 +85,7 @@ pub(crate) fn prism(polygon: &[[f32; 2]], caps: &[[u32; 3]]) -> (Vec<Vec3>, Vec<
     (level(0.0).chain(level(1.0)).collect(), triangles)
 }
 
-/// An L: a foot of 2 × 1 and on its left a leg of 1 × 2.
+/// An L-shaped prism: a foot of 2 × 1 and a leg of 1 × 2 on its left.
 pub(crate) fn letter() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
     prism(&outline, &[[0, 1, 2], [0, 2, 3], [0, 3, 5], [3, 4, 5]])
@@ -134,7 +134,7 @@ fn a_cavity_and_a_second_piece_count_as_they_should() {
 fn vertices_that_are_split_along_a_seam_close_it_all_the_same() {
     let (points, triangles) = letter();
     let split: Vec<Vec3> = triangles.iter().flatten().map(|&i| points[i as usize] * -1.0).collect();
-    // Mirrored, so turned round; and with zeros of both signs.
+    // Mirrored, so the winding is reversed; and with zeros of both signs.
     let triangles: Vec<[u32; 3]> =
         (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 2, 3 * i + 1]).collect();
     assert!((MassProperties::of_mesh(&split, &triangles).unwrap().volume - 4.0).abs() < 1e-12);

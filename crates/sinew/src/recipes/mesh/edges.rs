@@ -1,4 +1,4 @@
-//! Which triangles meet at which edge: what bends, what is a border, and who is whose neighbour.
+//! The edges of a mesh and the triangles at each of them: folds, borders and neighbours.
 
 use super::{Fold, NONE};
 use crate::union_find::UnionFind;
@@ -6,26 +6,26 @@ use crate::union_find::UnionFind;
 /// All edges of some triangles, sorted.
 pub(in crate::recipes) struct Edges {
     pub(in crate::recipes) list: Vec<Edge>,
-    /// Where the edges begin whose lower end is a particle, and where those of the last one end.
+    /// For each particle, where in `list` the edges begin whose lower end it is; then the end of the list.
     starts: Vec<u32>,
 }
 
-/// An edge, and what is at its sides.
+/// An edge, and the triangles at it.
 #[derive(Clone, Copy, Default)]
 pub(in crate::recipes) struct Edge {
-    /// The lower particle, the higher one.
+    /// Its particles, the lower one first.
     pub(in crate::recipes) ends: [u32; 2],
-    /// The corners opposite, the lower one first; `NONE` where there is no second triangle. Of more than two, the first two.
+    /// The opposite corners, the lower one first; `NONE` if there is no second triangle. If there are more than two triangles, those of the first two.
     pub(super) opposite: [u32; 2],
-    /// How many triangles have it.
+    /// Number of triangles that have this edge.
     pub(super) triangles: u32,
 }
 
 impl Edges {
-    /// Of triangles between so many particles. Of several triangles with the same corners, whichever way round, only the first is kept.
+    /// The edges of triangles between this many particles. Of several triangles with the same corners, in either winding, only the first is kept.
     ///
-    /// The sides of the triangles are dealt out to their lower ends, so that only a handful have to be sorted at a time: by the higher end, the
-    /// corner opposite and the triangle.
+    /// The sides of the triangles are bucketed by their lower end, so that only a handful have to be sorted at a time: by the higher end, the opposite corner
+    /// and the triangle.
     pub(super) fn of(triangles: &mut Vec<[u32; 3]>, particles: usize) -> Self {
         let lowers = |&[a, b, c]: &[u32; 3]| [a.min(b), b.min(c), c.min(a)];
         let starts = dealt(particles, triangles.iter().flat_map(lowers));
@@ -44,13 +44,13 @@ impl Edges {
             let higher = t[k].max(t[(k + 1) % 3]);
             (join(higher, t[(k + 2) % 3]), number / 3)
         };
-        // A closed mesh has three edges to two triangles, an open one somewhat more.
+        // A closed mesh has three edges for every two triangles, an open one somewhat more.
         let mut list = Vec::with_capacity(triangles.len() * 7 / 4);
         let (mut repeated, mut sides) = (Vec::new(), Vec::new());
         for (lower, span) in (0..).zip(starts.windows(2)) {
             sides.clear();
             sides.extend(dealt_out[span[0] as usize..span[1] as usize].iter().map(side));
-            // Of equal sides the one of the first triangle comes first.
+            // Among equal sides that of the earlier triangle comes first.
             sides.sort_unstable();
             sides.dedup_by(|later, first| {
                 let same = later.0 == first.0;
@@ -71,7 +71,7 @@ impl Edges {
         Self { starts: dealt(particles, list.iter().map(|edge| edge.ends[0])), list }
     }
 
-    /// The same edges between particles of other numbers.
+    /// The same edges after renumbering the particles.
     pub(super) fn renumbered(mut self, places: &[u32]) -> Self {
         if places.iter().zip(0..).all(|(&place, old)| place == old) {
             return self;
@@ -87,7 +87,7 @@ impl Edges {
         Self { starts: dealt(places.len(), self.list.iter().map(|edge| edge.ends[0])), ..self }
     }
 
-    /// The edges whose lower end is a particle.
+    /// The edges whose lower end is `particle`.
     pub(super) fn of_lower(&self, particle: u32) -> &[Edge] {
         let [from, to] = [0, 1].map(|i| self.starts[particle as usize + i] as usize);
         &self.list[from..to]
@@ -99,7 +99,7 @@ impl Edges {
         own.binary_search_by_key(&a.max(b), |edge| edge.ends[1]).ok().map(|found| &own[found])
     }
 
-    /// The connected pieces: the particles of each, ascending, in the order of their first ones.
+    /// The connected pieces: the particles of each, ascending, in the order of their first particles.
     pub(super) fn pieces(&self, particles: usize) -> Vec<Vec<u32>> {
         let mut connected = UnionFind::default();
         connected.reset(particles);
@@ -127,7 +127,7 @@ impl Edges {
 }
 
 impl Edge {
-    /// The corner opposite, in the triangle that does not have `corner` there; `None` at a border.
+    /// The opposite corner in the triangle whose opposite corner is not `corner`; `None` at a border.
     pub(super) fn across(&self, corner: u32) -> Option<u32> {
         let [low, high] = self.opposite;
         let other = if low == corner { high } else { low };
@@ -135,19 +135,19 @@ impl Edge {
     }
 }
 
-/// The particles next to each particle.
+/// The neighbours of each particle.
 pub(super) struct Neighbours {
     list: Vec<u32>,
     starts: Vec<u32>,
 }
 
 impl Neighbours {
-    /// Along pairs of particles, sorted: then so are the neighbours of each.
+    /// Built from sorted pairs of particles, which makes the neighbours of each particle sorted too.
     pub(super) fn of(pairs: impl Iterator<Item = [u32; 2]> + Clone, particles: usize) -> Self {
         let starts = dealt(particles, pairs.clone().flatten());
         let mut next = starts.clone();
         let mut list = vec![0; starts[particles] as usize];
-        // Those below first, by the order of the lower ends, and then those above.
+        // The lower neighbours first, in the order of the lower ends, and then the higher ones.
         for [a, b] in pairs.clone() {
             list[next[b as usize] as usize] = a;
             next[b as usize] += 1;
@@ -159,14 +159,14 @@ impl Neighbours {
         Self { list, starts }
     }
 
-    /// Ascending.
+    /// The neighbours of `particle`, ascending.
     pub(super) fn around(&self, particle: u32) -> &[u32] {
         let [from, to] = [0, 1].map(|i| self.starts[particle as usize + i] as usize);
         &self.list[from..to]
     }
 }
 
-/// Sorts items of which a handful each belong to one particle, and by a key among those: dealt out to the particles first, which takes a fraction
+/// Sorts items by particle, then by a key. There are only a handful of items for each particle, so they are bucketed by particle first, which takes a fraction
 /// of the time of sorting them all.
 pub(in crate::recipes) fn sort<T: Copy>(
     items: &mut Vec<T>,
@@ -176,7 +176,7 @@ pub(in crate::recipes) fn sort<T: Copy>(
 ) {
     let starts = dealt(particles, items.iter().map(&particle));
     let mut next = starts.clone();
-    // Keys, and which items have them: equal ones stay in order, and sorting is compiled once and not for each kind of item.
+    // Sorts keys with item numbers: equal keys stay in order, and the sort is compiled once instead of for each item type.
     let mut order = vec![(0, 0); items.len()];
     for (number, item) in (0..).zip(items.iter()) {
         let place = &mut next[particle(item) as usize];
@@ -187,19 +187,19 @@ pub(in crate::recipes) fn sort<T: Copy>(
     *items = order.iter().map(|&(_, number)| items[number as usize]).collect();
 }
 
-/// Sorts each of the stretches between two starts.
+/// Sorts each of the spans between two starts.
 fn sort_spans(order: &mut [(u64, u32)], starts: &[u32]) {
     for span in starts.windows(2) {
         order[span[0] as usize..span[1] as usize].sort_unstable();
     }
 }
 
-/// Two numbers as one, the first one above.
+/// Packs two numbers into one, the first in the upper half.
 pub(super) fn join(high: u32, low: u32) -> u64 {
     u64::from(high) << 32 | u64::from(low)
 }
 
-/// Where the items of each particle begin if they are dealt out in turn, and where those of the last one end.
+/// Bucket offsets: where the items of each particle begin when they are bucketed by particle, and the end of the last bucket.
 fn dealt(particles: usize, items: impl Iterator<Item = u32>) -> Vec<u32> {
     let mut starts = vec![0; particles + 1];
     items.for_each(|item| starts[item as usize + 1] += 1);
@@ -211,7 +211,7 @@ fn dealt(particles: usize, items: impl Iterator<Item = u32>) -> Vec<u32> {
     starts
 }
 
-/// Takes out the triangles with these numbers; each may be there several times.
+/// Removes the triangles with these numbers, which may contain duplicates.
 fn without(triangles: &mut Vec<[u32; 3]>, mut numbers: Vec<u32>) {
     if numbers.is_empty() {
         return;

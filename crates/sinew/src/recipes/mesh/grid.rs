@@ -1,12 +1,12 @@
-//! A mesh that is a rectangle of cells, each cut in two along either diagonal, known as such by its triangles alone: whatever order they and
-//! its vertices are in, and however it is bent, stretched or sheared.
+//! Detects a mesh that is a rectangular grid of cells, each cut in two along either diagonal. It is detected from the triangles alone: whatever the order of
+//! triangles and vertices, and however it is bent, stretched or sheared.
 //!
-//! # How it is found
+//! # Detection
 //!
-//! A grid of `W × H` particles is a disc: one border, of `B = 2(W + H) - 4` edges. With `W·H` particles, the sides are the roots of
-//! `x² - (B/2 + 2) x + W·H`. Its corners are on the border, as far apart as the sides are long, and have no more than two triangles; only a
-//! few places on the border will do, and mostly one. From a corner the first row and the first column are known: they are the border.
-//! Then cell after cell, the triangle below the upper side `ab` of a cell says what the cell is:
+//! A grid of `W × H` particles is a disc with one border of `B = 2(W + H) - 4` edges. With `W·H` particles, the sides are the roots of `x² - (B/2 + 2) x +
+//! W·H`. Its corners are on the border, as far apart as the sides are long, and have at most two triangles; so only a few positions on the border are
+//! candidates, mostly one. From a corner the first row and the first column are known: they are the border. Then, cell after cell, the triangle below the upper
+//! side `ab` of a cell determines the cell:
 //!
 //! ```text
 //! a──b      its third corner is c, which is known: the diagonal is bc, and d is across it
@@ -14,8 +14,7 @@
 //! c──d      or else it is d: the diagonal is ad, and what is across it must be c
 //! ```
 //!
-//! If no particle comes twice and there are as many triangles as the cells need, it is a grid: two cells have no triangle in common, so all
-//! were used.
+//! If no particle occurs twice and there are as many triangles as the cells need, the mesh is a grid: no two cells share a triangle, so all were used.
 
 use core::cmp::Ordering;
 
@@ -30,7 +29,7 @@ pub(super) struct Finder<'a> {
     edges: &'a Edges,
     /// The neighbours of each particle along the border.
     border: Vec<[u32; 2]>,
-    /// The try in which each particle was last put into a row; counts from 1.
+    /// The attempt in which each particle was last put into a row; counts from 1.
     put: Vec<u32>,
     tries: u32,
 }
@@ -38,15 +37,15 @@ pub(super) struct Finder<'a> {
 /// The particles of a grid, row by row.
 pub(super) struct ParticleGrid {
     pub(super) order: Vec<u32>,
-    /// How many a row has.
+    /// Number of particles in a row.
     pub(super) columns: u32,
 }
 
-/// One way to lay a grid onto a border.
+/// A candidate placement of the grid's corners on the border.
 struct Corners {
-    /// The sum of the cosines of the angles at the four: the squarer, the less.
+    /// Sum of the cosines of the four corner angles: the closer to right angles, the smaller.
     bluntness: f64,
-    /// Where on the border the first row begins, and whether it goes on backwards.
+    /// Where on the border the first row begins, and whether it runs backwards along the border.
     first: usize,
     backwards: bool,
 }
@@ -65,17 +64,17 @@ impl<'a> Finder<'a> {
 
     /// The rows of a connected piece, if it is a grid.
     ///
-    /// A row runs along the longer side: what the solver does without gathering is a run of ties between one row and the next, or along a
-    /// row, and these runs are as long as the rows. It begins at the corner that comes first, the highest one, of equally high ones that with
-    /// the lowest x, then z; if it is square, it goes towards the neighbour that comes first. So shuffling a mesh changes nothing, and
-    /// a square that hangs in the xy plane is numbered as [`cloth_grid`](crate::recipes::cloth_grid) numbers it.
+    /// A row runs along the longer side: the solver processes runs of distances along a row, or between one row and the next, without a gather, and these runs
+    /// are as long as the rows. The first row starts at the corner that comes first: the highest, and among equally high ones that with the lowest x, then z.
+    /// In a square it runs towards the neighbour that comes first. So shuffling a mesh changes nothing, and a square in the xy plane is numbered as by
+    /// [`cloth_grid`](crate::recipes::cloth_grid).
     pub(super) fn find(&mut self, piece: &[u32]) -> Option<ParticleGrid> {
         let border = self.walk_border(piece)?;
         let sides = self.sides(piece, border.len())?;
         let mut ways = self.ways(&border, sides);
         let [columns, rows] = sides;
-        // The squarest is mostly right. A border of corners only, as of a fan, would do in many ways, but no search shall take longer than
-        // some walks over the whole piece.
+        // The most rectangular candidate is right in most cases. In a mesh where all of the border consists of possible corners, such as a fan, there are many
+        // candidates; the search is limited to a few passes over the whole piece.
         ways.sort_by(|a, b| {
             let place = |way: &Corners| self.positions[border[way.first] as usize];
             a.bluntness.total_cmp(&b.bluntness).then_with(|| compare(place(a), place(b)))
@@ -96,7 +95,7 @@ impl<'a> Finder<'a> {
         })
     }
 
-    /// The particles of the border in turn, if there is one and only one.
+    /// The particles of the border in order, if there is exactly one border.
     fn walk_border(&mut self, piece: &[u32]) -> Option<Vec<u32>> {
         let mut length = 0;
         for edge in piece.iter().flat_map(|&v| self.edges.of_lower(v)) {
@@ -124,7 +123,7 @@ impl<'a> Finder<'a> {
         (walked.len() == length && here == begin).then_some(walked)
     }
 
-    /// How many particles it has along its longer and its shorter side, if it is a grid.
+    /// Number of particles along the longer and the shorter side, if the piece is a grid.
     fn sides(&self, piece: &[u32], border: usize) -> Option<[usize; 2]> {
         let sum = border / 2 + 2;
         let rest = (sum * sum).checked_sub(4 * piece.len())?;
@@ -140,11 +139,11 @@ impl<'a> Finder<'a> {
         fits.then_some([long, short])
     }
 
-    /// All ways to lay a grid of these sides onto a border, but for turning and mirroring it.
+    /// All placements of a grid with these sides on a border, up to rotation and reflection.
     fn ways(&self, border: &[u32], [columns, rows]: [usize; 2]) -> Vec<Corners> {
         let length = border.len();
         let at = |place: usize| border[place % length];
-        // At a corner is one cell, so there are one or two triangles and no more than three edges.
+        // A corner belongs to one cell, so it has one or two triangles and at most three edges.
         let blunt: Vec<bool> = (0..length)
             .map(|k| {
                 let [before, here, after] = [k + length - 1, k, k + 1].map(at);
@@ -162,7 +161,7 @@ impl<'a> Finder<'a> {
         possible.map(|four| self.way(border, four, columns == rows)).collect()
     }
 
-    /// From which of the four corners, and which way. From the second and the fourth, a longer side lies behind.
+    /// Chooses the starting corner and the direction. From the second and the fourth corner, the longer side is behind.
     fn way(&self, border: &[u32], corners: [usize; 4], square: bool) -> Corners {
         let length = border.len();
         let place = |k: usize| self.positions[border[k % length] as usize];
@@ -188,7 +187,7 @@ impl<'a> Finder<'a> {
         Corners { bluntness: (a + c) + (b + d), first, backwards }
     }
 
-    /// Walks all cells, row by row; `None` if one does not fit. `along` is the border from the first corner on.
+    /// Visits all cells, row by row; `None` if one does not fit. `along` gives the border from the first corner on.
     fn fill(
         &mut self,
         [columns, rows]: [usize; 2],
@@ -198,7 +197,7 @@ impl<'a> Finder<'a> {
         self.tries += 1;
         let length = 2 * (columns + rows) - 4;
         let mut order = Vec::with_capacity(columns * rows);
-        // What is above each upper side of the cells of a row.
+        // For each upper side of the cells of a row, the corner of the triangle above it.
         let mut above = vec![NONE; columns - 1];
         order.extend((0..columns).map(&along));
         order.iter().for_each(|&v| self.put[v as usize] = self.tries);
@@ -224,7 +223,7 @@ impl<'a> Finder<'a> {
         Some(order)
     }
 
-    /// Puts a particle into a row, unless it is in one already.
+    /// Appends a particle to a row; `None` if it is in one already.
     fn put(&mut self, order: &mut Vec<u32>, particle: u32) -> Option<()> {
         let put = &mut self.put[particle as usize];
         if *put == self.tries {
@@ -236,7 +235,7 @@ impl<'a> Finder<'a> {
     }
 }
 
-/// From top to bottom, from left to right, from back to front.
+/// Order of corners: from top to bottom, from left to right, from back to front.
 fn compare(a: Vec3, b: Vec3) -> Ordering {
     let by = |a: f32, b: f32| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
     by(b.y, a.y).then(by(a.x, b.x)).then(by(a.z, b.z))

@@ -1,8 +1,8 @@
-//! The order of the particles, by who is tied to whom: what is near in the mesh is near in memory, and what can be solved row by row is in rows.
+//! Orders the particles by their connections: what is near in the mesh is near in memory, and grids are in rows.
 //!
-//! The solver is quickest where ties run in step, from `a` to `b`, from `a + 1` to `b + 1` and so on: it reads both ends without gathering. Beyond
-//! that it wants both ends of a tie close by, in the cache as in number, so that a stretch of the rows is a patch of the body. How far apart the
-//! ends of any tie are, at most, is the bandwidth.
+//! The solver is fastest where distances are in step, from `a` to `b`, from `a + 1` to `b + 1` and so on: it loads both ends without a gather. Otherwise both
+//! ends of a distance should be close in number, for the cache and so that a range of rows is a connected patch of the body. The bandwidth of an order is the
+//! largest difference between the ends of any edge.
 
 use glam::Vec3;
 
@@ -10,10 +10,10 @@ use super::edges::{Edges, Neighbours};
 use super::grid::{Finder, ParticleGrid};
 use super::{NONE, Piece};
 
-/// The particles in their new order, by their old numbers, and the pieces of it.
+/// The particles in their new order, given by their old numbers, and the pieces.
 ///
-/// Each connected piece by itself, in the order of their first particles: a grid row by row ([`grid`](super::grid)); another one breadth first from
-/// its edge, or as it was if that is as good. Linear in the number of triangles, but for the sorting of neighbours.
+/// Connected pieces follow each other in the order of their first particles. A grid is ordered row by row ([`grid`](super::grid)); any other piece breadth
+/// first from a peripheral particle, or in its old order if that is as good. Linear in the number of triangles, but for the sorting of neighbours.
 pub(super) fn ordered(positions: &[Vec3], edges: &Edges) -> (Vec<u32>, Vec<Piece>) {
     let mut grids = Finder::new(positions, edges);
     let mut search = None;
@@ -41,14 +41,14 @@ pub(super) fn ordered(positions: &[Vec3], edges: &Edges) -> (Vec<u32>, Vec<Piece
 struct BreadthFirst<'a> {
     edges: &'a Edges,
     neighbours: Neighbours,
-    /// The search in which each particle was last seen; counts from 1.
+    /// The search in which each particle was last visited; counts from 1.
     seen: Vec<u32>,
     searches: u32,
-    /// The place of each particle in the order that is being looked at.
+    /// The place of each particle in the order that is being measured.
     places: Vec<u32>,
 }
 
-/// How often the way from edge to edge is sought to be longer. It is mostly after two.
+/// Maximum number of attempts to find a longer path from periphery to periphery. Two are enough in most cases.
 const TRIES: u32 = 6;
 
 impl<'a> BreadthFirst<'a> {
@@ -63,7 +63,7 @@ impl<'a> BreadthFirst<'a> {
         }
     }
 
-    /// The connected piece of a particle, level by level, how many levels there are, and where the last one begins.
+    /// The connected piece of a particle in breadth-first order, the number of levels, and where the last level begins.
     fn levels(&mut self, from: u32) -> (Vec<u32>, usize, usize) {
         self.searches += 1;
         self.seen[from as usize] = self.searches;
@@ -85,8 +85,8 @@ impl<'a> BreadthFirst<'a> {
         }
     }
 
-    /// A connected piece in an order of short ties. It comes, and may stay, in its old order: that of who made the mesh, often in rings or rows.
-    /// It stays if it has the smaller bandwidth, or more ties that run in step and no more than twice the bandwidth.
+    /// Orders a connected piece for a small bandwidth. The old order is that of the mesh's author, often in rings or rows. It is kept if it has the smaller
+    /// bandwidth, or if it has more edges in step and at most twice the bandwidth.
     fn short_ties(&mut self, piece: Vec<u32>) -> Vec<u32> {
         let breadth_first = self.breadth_first(&piece);
         let [old, new] = [&piece, &breadth_first].map(|order| self.measure(order));
@@ -95,8 +95,8 @@ impl<'a> BreadthFirst<'a> {
         if stays { piece } else { breadth_first }
     }
 
-    /// The order of Cuthill and `McKee` (*Reducing the bandwidth of sparse symmetric matrices*, 1969): breadth first from a particle at the very
-    /// edge, of each particle's new neighbours those with the fewest neighbours first, then as they were.
+    /// The order of Cuthill and `McKee` (*Reducing the bandwidth of sparse symmetric matrices*, 1969): breadth first from a peripheral particle; the new
+    /// neighbours of each particle are sorted by their number of neighbours, fewest first, then by their old order.
     fn breadth_first(&mut self, piece: &[u32]) -> Vec<u32> {
         let begin = self.edge_of(piece);
         self.searches += 1;
@@ -118,8 +118,8 @@ impl<'a> BreadthFirst<'a> {
         order
     }
 
-    /// A particle from which it is far to the other end (George and Liu, *An implementation of a pseudoperipheral node finder*, 1979): from the
-    /// farthest one on and on, as long as that is farther.
+    /// A particle at the periphery (George and Liu, *An implementation of a pseudoperipheral node finder*, 1979): repeatedly goes to a farthest particle, as
+    /// long as the distance grows.
     fn edge_of(&mut self, piece: &[u32]) -> u32 {
         let fewest = |list: &[u32], own: &Self| list.iter().copied().min_by_key(|&v| own.degree(v));
         let mut best = fewest(piece, self).unwrap_or_default();
@@ -156,10 +156,10 @@ impl<'a> BreadthFirst<'a> {
     }
 }
 
-/// What an order is good for.
+/// Quality measures of an order.
 struct Measure {
-    /// How far apart the ends of a tie are at most.
+    /// Largest difference between the ends of an edge.
     bandwidth: u32,
-    /// How many ties there are whose ends' successors are tied, too.
+    /// Number of edges whose ends' successors are also connected by an edge.
     in_step: u32,
 }

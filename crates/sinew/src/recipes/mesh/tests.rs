@@ -1,10 +1,10 @@
-//! What welding must do with whole meshes, with broken ones and with noise.
+//! Welding of whole meshes, of invalid ones and of noise.
 
 use std::collections::BTreeSet;
 
 use super::*;
 
-/// Small repeatable noise.
+/// Deterministic pseudo-random numbers.
 struct Noise(u32);
 
 impl Noise {
@@ -14,7 +14,7 @@ impl Noise {
     }
 }
 
-/// A cube of 1 m as it is drawn: 4 vertices a face, 24 in all.
+/// A cube of 1 m as a render mesh: 4 vertices a face, 24 in all.
 fn drawn_cube() -> (Vec<Vec3>, Vec<u32>) {
     let (mut positions, mut indices) = (Vec::new(), Vec::new());
     for axis in 0..3 {

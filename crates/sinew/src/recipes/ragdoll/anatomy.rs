@@ -1,14 +1,14 @@
-//! The human figure in numbers. Lengths are shares of the height, masses shares of the whole mass.
+//! The human figure in numbers. Lengths are shares of the height, masses shares of the total mass.
 //!
-//! Heights, breadths and lengths: Drillis & Contini, *Body Segment Parameters* (1966), as drawn in Winter, *Biomechanics and
-//! Motor Control of Human Movement*, fig. 4.1: chin 0.870, shoulder 0.818, hip 0.530, knee 0.285 and ankle 0.039 above the
-//! ground; half the shoulder breadth 0.129, hip breadth 0.191, upper arm 0.186, forearm 0.146, hand 0.108. The neck, sternum,
-//! waist, pelvis and face particles, the pins and all depths and thicknesses are ours, chosen for a figure that looks the part.
+//! Heights, breadths and lengths: Drillis & Contini, *Body Segment Parameters* (1966), as drawn in Winter, *Biomechanics and Motor Control of Human Movement*,
+//! fig. 4.1: chin 0.870, shoulder 0.818, hip 0.530, knee 0.285 and ankle 0.039 above the ground; half the shoulder breadth 0.129, hip breadth 0.191, upper arm
+//! 0.186, forearm 0.146, hand 0.108. The neck, sternum, waist, pelvis and face particles, the pins and all depths and thicknesses are not from the literature
+//! but chosen for a plausible figure.
 //!
-//! Masses: Winter, table 4.1 (after Dempster 1955): head and neck 0.081, thorax 0.216, abdomen 0.139, pelvis 0.142; each
-//! upper arm 0.028, forearm 0.016, hand 0.006, thigh 0.100, shank 0.0465, foot 0.0145. A limb's mass goes to the two ends of
-//! its bone so that its centre of mass stays where that table has it: at 0.436 (upper arm), 0.430 (forearm) and 0.433
-//! (thigh, shank) of its length from the near end. The hand is at its own centre, a forearm and half a hand from the elbow.
+//! Masses: Winter, table 4.1 (after Dempster 1955): head and neck 0.081, thorax 0.216, abdomen 0.139, pelvis 0.142; each upper arm 0.028, forearm 0.016, hand
+//! 0.006, thigh 0.100, shank 0.0465, foot 0.0145. A limb's mass is split between the two ends of its bone so that its centre of mass is where that table has
+//! it: at 0.436 (upper arm), 0.430 (forearm) and 0.433 (thigh, shank) of its length from the near end. The hand is at its own centre, a forearm and half a hand
+//! from the elbow.
 
 use glam::DVec3;
 
@@ -25,7 +25,7 @@ pub(super) struct FigureParticle {
 
 /// A limit of a joint, in degrees.
 pub(super) enum Limit {
-    /// What leads from `joint` to `moved` stays within an angle of a direction that is fixed in the frame of three particles.
+    /// The direction from `joint` to `moved` stays within an angle of a direction that is fixed in the frame of three particles.
     Cone {
         frame: [RagdollParticle; 3],
         joint: RagdollParticle,
@@ -33,29 +33,29 @@ pub(super) enum Limit {
         around: DVec3,
         degrees: f64,
     },
-    /// The angle about the axis of the second and third particle from the first to the fourth, from so many degrees below to so many above
-    /// what it is in the standing figure.
+    /// Limits the angle about the axis of the second and third particle, from the first to the fourth particle, relative to the standing figure: `below` and
+    /// `above` are degrees to either side.
     Turn { rows: [RagdollParticle; 4], below: f64, above: f64 },
-    /// The same, but counted from straight.
+    /// The same, relative to a straight joint.
     Hinge { rows: [RagdollParticle; 4], below: f64, above: f64 },
 }
 
-/// A part to draw.
+/// A rigid part: its particles and its shape.
 pub(super) struct Segment {
     pub(super) name: &'static str,
     pub(super) particles: &'static [RagdollParticle],
     pub(super) shape: PartShape,
 }
 
-/// How a part is drawn.
+/// Shape of a part.
 pub(super) enum PartShape {
     /// A box about a centre, upright while the figure stands.
     Box { centre: DVec3, size: DVec3 },
-    /// A capsule along the bone from the first particle to the second; the third is beside it.
+    /// A capsule along the bone from the first particle to the second; the third particle is beside it.
     Limb { thickness: f64 },
 }
 
-/// Mass at the far end of each limb, by the centre of its mass. Half a hand is 0.054 (its centre at 0.506 of 0.108).
+/// Mass at the far end of each limb, from its centre of mass. Half a hand is 0.054 (its centre at 0.506 of 0.108).
 const UPPER_ARM_FAR: f64 = 0.028 * 0.436;
 const FOREARM_FAR: f64 = 0.016 * 0.430 * 0.146 / (0.146 + 0.055);
 const THIGH_FAR: f64 = 0.100 * 0.433;
@@ -63,10 +63,10 @@ const SHIN_FAR: f64 = 0.0465 * 0.433;
 
 const ELBOW: f64 = UPPER_ARM_FAR + 0.016 - FOREARM_FAR;
 const KNEE: f64 = THIGH_FAR + 0.0465 - SHIN_FAR;
-/// Share of the mass of an elbow or a knee that its pin has: as much as gives the pin a say in what its limits push.
+/// Share of an elbow's or a knee's mass that its pin has: enough for the limits to act on the pin.
 const PIN: f64 = 0.4;
 
-/// Particles in the order of their numbers: the middle, the left, the right.
+/// Particles in the order of their indices: the middle, the left, the right.
 pub(super) const FIGURE: [FigureParticle; 22] = [
     // Head 0.081 = its middle 0.061 + the face 0.020.
     joint(Head, [0.0, 0.935, -0.01], 0.065, 0.061),
@@ -95,7 +95,7 @@ pub(super) const FIGURE: [FigureParticle; 22] = [
     mirrored(LEFT_PINS[1], RightKneePin),
 ];
 
-/// One side.
+/// The left side.
 const LEFT: [FigureParticle; 6] = [
     joint(LeftShoulder, [0.129, 0.818, 0.0], 0.030, 0.030 + 0.028 - UPPER_ARM_FAR),
     joint(LeftElbow, [0.129, 0.632, -0.008], 0.022, (1.0 - PIN) * ELBOW),
@@ -105,13 +105,13 @@ const LEFT: [FigureParticle; 6] = [
     joint(LeftAnkle, [0.050, 0.039, 0.0], 0.039, SHIN_FAR + 0.0145),
 ];
 
-/// The outer ends of the pins about which elbow and knee turn: the outer knob of the bone, where the limb is thickest.
+/// The outer ends of the pins of elbow and knee: the outer epicondyle of the bone, where the limb is thickest.
 const LEFT_PINS: [FigureParticle; 2] = [
     joint(LeftElbowPin, [0.164, 0.632, -0.008], 0.0, PIN * ELBOW),
     joint(LeftKneePin, [0.090, 0.285, 0.010], 0.0, PIN * KNEE),
 ];
 
-/// Rods; those of the left stand for both sides. Thorax and pelvis have all their pairs: rigid.
+/// Rods; those on the left are mirrored to the right. Thorax and pelvis have all their pairs and so are rigid.
 pub(super) const BONES: &[[RagdollParticle; 2]] = &[
     [Head, Neck],
     [Neck, Sternum],
@@ -139,7 +139,7 @@ pub(super) const BONES: &[[RagdollParticle; 2]] = &[
     [LeftKneePin, LeftAnkle],
 ];
 
-/// Particles that come no nearer than their radii together, so that limbs do not pass through each other and the trunk.
+/// Pairs of particles that come no nearer than the sum of their radii, so that limbs do not pass through each other and the trunk.
 pub(super) const APART: &[[RagdollParticle; 2]] = &[
     [LeftKnee, RightKnee],
     [LeftAnkle, RightAnkle],
@@ -151,19 +151,19 @@ pub(super) const APART: &[[RagdollParticle; 2]] = &[
     [LeftHand, Head],
 ];
 
-/// Limits; those of the left stand for both sides. The angles are rounded from the ranges of motion of the American Academy of
-/// Orthopaedic Surgeons (*Joint Motion*, 1965), less what thick limbs cannot do; x is to the figure's left, y up, z ahead.
+/// Limits; those on the left are mirrored to the right. The angles are rounded from the ranges of motion of the American Academy of Orthopaedic Surgeons
+/// (*Joint Motion*, 1965), reduced where thick limbs would intersect; x is to the figure's left, y up, z forward.
 ///
-/// A twist is measured from a particle of the trunk, and means nothing where the limb points at that: so it is measured from one that the cone
-/// keeps it from, save for the upper arm, which reaches everywhere; there it is wide.
+/// A twist is measured from a particle of the trunk, and is undefined where the limb points at that particle. So it is measured from one that the cone keeps
+/// out of reach. The upper arm reaches everywhere; its twist limit is wide instead.
 pub(super) const LIMITS: &[Limit] = &[
-    // Neck: bends 45° all around (flexion and extension 45°, to a side 45°) and turns 60° to a side.
+    // Neck: bends 45° all around (flexion, extension and lateral bending 45°) and turns 60° to either side.
     cone_from([Waist, LeftShoulder, RightShoulder], [Neck, Head], [0.0, 1.0, 0.0], 45.0),
     turn([LeftShoulder, Neck, Head, Face], 60.0, 60.0),
-    // Spine: ahead 47° (of 80°, the rest being the hips'), back 27° (25°), to a side 36° (35°); turns 40° (45°).
+    // Spine: forward 47° (of 80°, the rest is in the hips), back 27° (25°), sideways 36° (35°); turns 40° (45°).
     cone([Waist, LeftHip, RightHip], Neck, [0.0, 0.966, 0.259], 37.0),
     turn([Pelvis, Waist, Neck, LeftShoulder], 40.0, 40.0),
-    // Shoulder: up to 180° ahead and to the side, 55° back (60°), across the body 56° hanging and level; turns 90° to either side.
+    // Shoulder: up to 180° forward and sideways, 55° back (60°), across the body 56° both hanging and level; turns 90° to either side.
     cone([LeftShoulder, RightShoulder, Waist], LeftElbow, [0.652, -0.351, 0.672], 110.0),
     turn([Sternum, LeftShoulder, LeftElbow, LeftElbowPin], 90.0, 90.0),
     // Elbow: closes by 145° (150°), and not beyond straight.
@@ -172,7 +172,7 @@ pub(super) const LIMITS: &[Limit] = &[
         below: 145.0,
         above: 0.0,
     },
-    // Hip: ahead 117° (120°), back 27° (30°); outward 45°, inward 30°; turns 45° either way.
+    // Hip: forward 117° (120°), back 27° (30°); outward 45°, inward 30°; turns 45° either way.
     cone([LeftHip, RightHip, Waist], LeftKnee, [0.0, -0.707, 0.707], 72.0),
     cone([LeftHip, RightHip, Waist], LeftKnee, [-1.0, 0.0, 0.0], 135.0),
     cone([LeftHip, RightHip, Waist], LeftKnee, [1.0, 0.0, 0.0], 120.0),
@@ -181,7 +181,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit::Hinge { rows: [LeftHip, LeftKnee, LeftKneePin, LeftAnkle], below: 0.0, above: 135.0 },
 ];
 
-/// The parts. The torso's box spans shoulders and chest; the head's box is as tall as from chin to crown.
+/// The parts. The torso's box spans shoulders and chest; the head's box reaches from chin to crown.
 pub(super) const PARTS: &[Segment] = &[
     boxed("head", &[Head, Neck, Face], [0.0, 0.935, -0.01], [0.090, 0.130, 0.110]),
     boxed(
@@ -216,7 +216,7 @@ const fn mirrored(left: FigureParticle, particle: RagdollParticle) -> FigurePart
     FigureParticle { particle, position, ..left }
 }
 
-/// About the first particle of the frame.
+/// A cone whose joint is the first particle of the frame.
 const fn cone(
     frame: [RagdollParticle; 3],
     moved: RagdollParticle,

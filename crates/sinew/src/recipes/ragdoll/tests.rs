@@ -1,4 +1,4 @@
-//! What the figure must be: at rest, symmetrical, as heavy and as tall as asked.
+//! The figure is at rest, symmetrical, and has the requested mass and height.
 
 use super::*;
 use crate::constraints::checks::{Random, evaluate};
@@ -26,7 +26,7 @@ fn it_stands_at_rest_as_heavy_and_tall_as_asked() {
 
 #[test]
 fn its_centre_is_where_a_standing_adults_is() {
-    // 0.55 to 0.57 of the height; and above the feet, or it could not stand.
+    // 0.55 to 0.57 of the height, and above the feet, so that it can stand.
     let moment = |p: &ParticleSeed| p.position * p.mass;
     let centre = adult().particles.iter().map(moment).sum::<Vec3>() / 75.0 / 1.75;
     assert!((0.55..0.57).contains(&centre.y), "{centre}");
@@ -116,7 +116,7 @@ fn a_figure_without_a_height_or_mass_or_damping_is_refused() {
     }
 }
 
-/// By how much the worst limit is exceeded, degrees, and which it is.
+/// How far the worst limit is exceeded, degrees, and its index.
 fn excess(world: &Simulation) -> (f32, usize) {
     let one = |c: &Constraint| {
         let places: Vec<Vec3> =
@@ -144,7 +144,7 @@ fn the_standing_figure_is_within_all_its_limits_and_they_are_mirror_images() {
     body.build(&mut world).unwrap();
     assert_eq!(excess(&world).0, 0.0);
     println!("{} rods and struts, {} limits", body.distances.len(), body.constraints.len());
-    // A pose on one side, and its image on the other, are as far beyond.
+    // A pose on one side and its mirror image on the other exceed the limits equally.
     let mut random = Random::new(5);
     for _ in 0..20 {
         for joint in FIGURE.map(|joint| joint.particle) {
@@ -161,7 +161,7 @@ fn the_standing_figure_is_within_all_its_limits_and_they_are_mirror_images() {
     }
 }
 
-/// The figure pinned at the hips and shoulders, with a limb thrown about: how far its bones turn.
+/// The figure is pinned at the hips and shoulders, and a limb is thrown about. Returns how far its bones turn.
 fn thrown(moved: RagdollParticle, joint: RagdollParticle, velocity: Vec3) -> f32 {
     let mut body = adult();
     let held =

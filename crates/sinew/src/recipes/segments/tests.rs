@@ -1,4 +1,4 @@
-//! Which distances become segments, and what those are.
+//! Which distances become segments, and the shapes of those.
 
 use super::super::{BoxSpec, RopeSpec, box_3d, rope};
 use super::*;

@@ -1,4 +1,4 @@
-//! A body that is soft all through: a lattice of tetrahedra, whose edges are springs and whose volumes resist being changed.
+//! A body that is soft throughout: a lattice of tetrahedra, with springs along the edges and volume constraints.
 
 use std::collections::BTreeMap;
 
@@ -16,24 +16,25 @@ use crate::settings::BodySettings;
 /// A soft box or ball. The default is a cube of jelly, 1 m and 100 kg, in 4×4×4 cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoftLatticeSpec {
-    /// What it looks like, and how fine it is cut; about the origin.
+    /// Shape and resolution; centred on the origin.
     pub shape: SoftShape,
-    /// How much of it there is; default 100 kg.
+    /// Mass or density. Default 100 kg.
     pub bulk: Bulk,
-    /// Young's modulus, Pa, 1e-3 to 1e12; default 2e4 (gelatine 1e3 to 1e5, rubber 1e6).
+    /// Young's modulus, Pa, 1e-3 to 1e12. Default 2e4 (gelatine 1e3 to 1e5, rubber 1e6).
     ///
-    /// In substeps in which sound, at `√(E/ρ)` for the density ρ, crosses less than an eighth of the shortest tie (its Courant number), it asks for
-    /// [one sweep](BodySettings::single_sweep_below), which moves it about as more would: a pile of jelly cubes is strained by as much to a fortieth. In longer ones it has
-    /// the world's sweeps. Where sound crosses more than half a tie in a substep it needs more of those, or yields more than it should.
+    /// Let sound travel at `√(E/ρ)` for the density ρ. In substeps in which it crosses less than an eighth of the shortest edge (the Courant number), the body
+    /// asks for [one sweep](BodySettings::single_sweep_below), which gives the same motion as more would: the strain of a pile of jelly cubes agrees to a
+    /// fortieth. In longer substeps it uses the world's sweeps. Where sound crosses more than half of an edge in a substep, the body needs more sweeps, or is
+    /// softer than specified.
     pub stiffness: f32,
-    /// Poisson's ratio: how much it grows sideways when it is squashed, 0.25 to 0.49; default 0.35. Near 0.5 it keeps its volume, and a coarse
-    /// lattice becomes too stiff.
+    /// Poisson's ratio: sideways expansion when it is squashed, 0.25 to 0.49. Default 0.35. Near 0.5 the material keeps its volume, and a coarse lattice
+    /// becomes too stiff.
     pub poisson: f32,
-    /// Damping ratio of every tie, 0 (it swings on) to 10; default 0.3.
+    /// Damping ratio of every constraint, 0 (undamped) to 10. Default 0.3.
     pub damping: f32,
-    /// Radius of every particle, metres, not negative; default 0.
+    /// Radius of every particle, metres, 0 or more. Default 0.
     pub radius: f32,
-    /// Share of the velocity lost per second, 0 to 1; default 0.
+    /// Share of the velocity lost per second, 0 to 1. Default 0.
     pub drag: f32,
 }
 
@@ -44,35 +45,35 @@ pub enum SoftShape {
     Box {
         /// Lengths of its edges, metres, 1e-6 to 1e6.
         size: Vec3,
-        /// Cells along each axis, at least 1. Best near cubes: a cell that is more than 1.2 times as long as it is wide is too stiff along that.
+        /// Cells along each axis, at least 1. Best near cubes: a cell more than 1.2 times as long as it is wide is too stiff in its long direction.
         cells: UVec3,
     },
-    /// A ball out of shells around a middle particle.
+    /// A ball of shells around a central particle.
     Ball {
-        /// Metres, 1e-6 to 1e6.
+        /// Radius, metres, 1e-6 to 1e6.
         radius: f32,
-        /// Cells from one side to the other, at least 1; rounded up to an even number.
+        /// Cells across the diameter, at least 1; rounded up to an even number.
         cells: u32,
     },
 }
 
-/// The surface of a soft lattice as a mesh to draw.
+/// The surface of a soft lattice as a render mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SoftSurface {
     /// Its vertices, metres.
     pub positions: Vec<Vec3>,
-    /// Its triangles, three numbers of vertices each, counter-clockwise from outside.
+    /// Vertex indices, three for each triangle, counter-clockwise from outside.
     pub indices: Vec<u32>,
     /// The particle that each vertex follows.
     pub vertices: Vec<u32>,
 }
 
-/// Points, and the tetrahedra between them, each of positive volume.
+/// Points, and the tetrahedra between them, each with positive volume.
 struct Lattice {
-    /// Metres.
+    /// Positions, metres.
     points: Vec<DVec3>,
     tetrahedra: Vec<[u32; 4]>,
-    /// The stiffness of each edge for a shear modulus of 1 Pa: metres.
+    /// Stiffness of each edge for a shear modulus of 1 Pa, metres.
     ties: BTreeMap<[u32; 2], f64>,
 }
 
@@ -90,38 +91,37 @@ impl Default for SoftLatticeSpec {
     }
 }
 
-/// The Courant number below which one sweep does. What yields then hangs deeper by some twice the square of it: a cube of jelly by 22 % at a
+/// The Courant number below which a single sweep is enough. With one sweep the sag is larger by some twice the square of it: for a cube of jelly by 22 % at a
 /// half, by 8 % at a quarter, by 3.5 % here.
 const COURANT: f64 = 1.0 / 8.0;
 
-/// A lattice of tetrahedra, soft all through.
+/// Builds a lattice of tetrahedra that is soft throughout.
 ///
-/// A box has a particle at each corner of each cell, x fastest, then y, then z, and five tetrahedra a cell, turned such that those of neighbours
-/// share whole faces. A ball has shells of particles, the middle one first. A particle has a quarter of the mass of each tetrahedron around it.
-/// [`Blueprint::triangles`] are its surface, and [`Blueprint::vertices`] the particles of [`soft_lattice_mesh`].
+/// A box has a particle at each corner of each cell, x fastest, then y, then z, and five tetrahedra a cell, oriented such that neighbouring cells share whole
+/// faces. A ball has shells of particles, the central one first. A particle has a quarter of the mass of each tetrahedron around it. [`Blueprint::triangles`]
+/// are the surface, and [`Blueprint::vertices`] the particles of [`soft_lattice_mesh`].
 ///
-/// # How stiff the ties are
+/// # Stiffness of the edges
 ///
-/// Springs along the edges of a lattice alone are a material in which Lamé's constants are equal, `λ = μ` (Cauchy: what acts along lines
-/// between points cannot tell them apart), that is, Poisson's ratio 1/4. The energy of the springs `kₑ` in a strain `ε` is `½ Σ kₑ Lₑ² (n·εn)²`.
+/// Springs along the edges of a lattice alone make a material with equal Lamé constants, `λ = μ` (Cauchy: central forces cannot distinguish them), that is,
+/// with a Poisson's ratio of 1/4. The energy of the springs `kₑ` in a strain `ε` is `½ Σ kₑ Lₑ² (n·εn)²`.
 ///
-/// For a cell `a × b × c` of volume `V` with one diagonal in each face, on the average either of the two, that equals the energy of the material,
-/// `V μ (ε:ε + ½ (tr ε)²)`, for every strain at once, if
+/// For a cell `a × b × c` of volume `V` with one diagonal in each face, averaged over the two choices, that equals the energy of the material, `V μ (ε:ε + ½
+/// (tr ε)²)`, for every strain at once, if
 ///
 /// ```text
 /// k_xy = μ V (1/a² + 1/b²)   along the diagonals in xy     k_x = μ V (3/a² - 1/b² - 1/c²)   along the edges in x
 /// ```
 ///
-/// and likewise for the others: of a cube, `2μa` and `μa`. An edge at the surface belongs to fewer cells, and gets less. In a ball, where edges
-/// point everywhere, the mean of `(n·εn)²` over all directions, `((tr ε)² + 2 ε:ε)/15`, gives `kₑ = 2.5 μ V/Lₑ²` for each of the six edges of each
-/// tetrahedron.
+/// and likewise for the others; for a cube, `2μa` and `μa`. An edge at the surface belongs to fewer cells and gets less. In a ball, where edges point in all
+/// directions, the mean of `(n·εn)²` over all directions, `((tr ε)² + 2 ε:ε)/15`, gives `kₑ = 2.5 μ V/Lₑ²` for each of the six edges of each tetrahedron.
 ///
-/// A tetrahedron cannot bend by itself, so what is `n` cells across resists bending by a share of about `1/n²` too much.
+/// A tetrahedron cannot bend by itself, so a body `n` cells thick is too stiff in bending by a share of about `1/n²`.
 ///
-/// The rest, `λ - μ`, comes from the volumes: `½ (λ - μ) (V - V₀)²/V₀` is the energy of a volume law of compliance `V₀/(λ - μ)`.
+/// The remainder, `λ - μ`, comes from the volumes: `½ (λ - μ) (V - V₀)²/V₀` is the energy of a volume constraint of compliance `V₀/(λ - μ)`.
 ///
 /// # Errors
-/// What [`RecipeFault`] lists.
+/// A [`RecipeFault`] if a value is out of range.
 pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, RecipeFault> {
     let lattice = cut(spec)?;
     let places: Vec<Vec3> = lattice.points.iter().map(|p| p.as_vec3()).collect();
@@ -142,7 +142,7 @@ pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, RecipeFault> {
     };
     let (young, poisson) = (f64::from(spec.stiffness), f64::from(spec.poisson));
     let shear = young / (2.0 * (1.0 + poisson));
-    // At 1/4 nothing is left for the volumes, but they are also what a tetrahedron turned inside out comes back by.
+    // At a Poisson's ratio of 1/4 nothing is left for the volumes, but they also restore an inverted tetrahedron, so a minimum is kept.
     let bulk = (shear * (4.0 * poisson - 1.0) / (1.0 - 2.0 * poisson)).max(0.05 * shear);
     for (&[a, b], tie) in &lattice.ties {
         let inverse = [a, b].iter().map(|&i| 1.0 / masses[i as usize]).sum();
@@ -153,7 +153,7 @@ pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, RecipeFault> {
     for (&t, &volume) in lattice.tetrahedra.iter().zip(&volumes) {
         let corners = t.map(|i| places[i as usize]);
         let faces = [[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]].map(|f| f.map(|k| corners[k]));
-        // The gradient by a corner is a third of the area of the face opposite.
+        // The gradient by a corner has a third of the area of the opposite face as its length.
         let gradients =
             faces.map(|[a, b, c]| (b - a).as_dvec3().cross((c - a).as_dvec3()).length() / 6.0);
         let inverse = t.iter().zip(gradients).map(|(&i, g)| g * g / masses[i as usize]).sum();
@@ -171,8 +171,8 @@ pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, RecipeFault> {
     sound(body)
 }
 
-/// The surface of [`soft_lattice`] as a mesh to draw, one vertex for each particle on it, in the order of [`Blueprint::vertices`]. Refuses what
-/// that refuses.
+/// The surface of [`soft_lattice`] as a render mesh, with one vertex for each particle on it, in the order of [`Blueprint::vertices`]. Fails for the same
+/// specs.
 pub fn soft_lattice_mesh(spec: &SoftLatticeSpec) -> Result<SoftSurface, RecipeFault> {
     let body = soft_lattice(spec)?;
     let positions = body.vertices.iter().map(|&i| body.particles[i as usize].position).collect();
@@ -201,7 +201,7 @@ fn cut(spec: &SoftLatticeSpec) -> Result<Lattice, RecipeFault> {
         }
         SoftShape::Ball { radius, cells } => {
             let shells = cells.div_ceil(2);
-            // A shell k has 10 k² + 2 particles.
+            // Shell k has 10 k² + 2 particles.
             let count = u64::from(shells).saturating_pow(3).saturating_mul(4);
             check(&[radius], cells, count)?;
             Ok(ball(f64::from(radius), shells))
@@ -210,24 +210,24 @@ fn cut(spec: &SoftLatticeSpec) -> Result<Lattice, RecipeFault> {
 }
 
 impl Lattice {
-    /// Adds a tetrahedron, turned such that its volume is positive.
+    /// Adds a tetrahedron, oriented such that its volume is positive.
     pub(super) fn push(&mut self, [a, b, c, d]: [u32; 4]) {
         let t = [a, b, c, d];
         self.tetrahedra.push(if self.volume(&t) < 0.0 { [b, a, c, d] } else { t });
     }
 
-    /// Makes the tie between two points stiffer.
+    /// Adds to the stiffness of the edge between two points.
     pub(super) fn tie(&mut self, a: u32, b: u32, stiffness: f64) {
         *self.ties.entry([a.min(b), a.max(b)]).or_insert(0.0) += stiffness;
     }
 
-    /// m³, with its sign.
+    /// Signed volume, m³.
     pub(super) fn volume(&self, t: &[u32; 4]) -> f64 {
         let [a, b, c, d] = t.map(|i| self.points[i as usize]);
         (b - a).cross(c - a).dot(d - a) / 6.0
     }
 
-    /// The faces that only one tetrahedron has, outward, in the order of their corners.
+    /// The faces that belong to only one tetrahedron, with outward winding, sorted by their corners.
     fn surface(&self) -> Vec<[u32; 3]> {
         let outward = |&[a, b, c, d]: &[u32; 4]| [[a, c, b], [a, b, d], [a, d, c], [b, c, d]];
         let key = |face: [u32; 3]| {
@@ -242,7 +242,7 @@ impl Lattice {
     }
 }
 
-/// The corners of some triangles, each once, sorted.
+/// The corners of some triangles, without duplicates, sorted.
 fn outer(triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut corners: Vec<u32> = triangles.iter().flatten().copied().collect();
     corners.sort_unstable();
@@ -250,13 +250,13 @@ fn outer(triangles: &[[u32; 3]]) -> Vec<u32> {
     corners
 }
 
-/// Least stiffness of a tie, as a share of what a cubic cell would have: a cell that is too long asks for less than none.
+/// Minimum stiffness of an edge, as a share of that in a cubic cell: the formula gives a negative value for a cell that is too long.
 const LEAST_TIE: f64 = 0.05;
 
-/// A box about the origin, in `cells` of five tetrahedra.
+/// A box centred on the origin, in `cells` of five tetrahedra.
 ///
-/// Points whose numbers add up to an even one are the ends of all diagonals, so two cells draw the same diagonal in the face between them. Each
-/// cell is the tetrahedron of its four even corners, and one at each of its odd corners, which reaches to the three next to it.
+/// All diagonals end at points whose coordinates in cells have an even sum, so two neighbouring cells have the same diagonal in their common face. Each cell
+/// consists of the tetrahedron of its four even corners, and one at each of its odd corners with the three corners next to it.
 fn block(size: DVec3, cells: UVec3) -> Lattice {
     let [nx, ny, nz] = cells.to_array();
     let row = |n: u32| 0..=n;
@@ -273,7 +273,7 @@ fn block(size: DVec3, cells: UVec3) -> Lattice {
         let ideal = 4.0 * inverse[axis] - inverse.x - inverse.y - inverse.z;
         volume * ideal.max(LEAST_TIE * inverse[axis])
     };
-    // What all cells around an edge have together: four along an axis, two along a diagonal.
+    // Shares of one cell: an inner edge along an axis belongs to four cells, a diagonal to two.
     let edges = [0, 1, 2].map(|axis| 0.25 * along(axis));
     let diagonal = |plane: u32| {
         let axes = (0..3).filter(|axis| plane >> axis & 1 == 1);
@@ -305,12 +305,12 @@ fn block(size: DVec3, cells: UVec3) -> Lattice {
     lattice
 }
 
-/// A ball about the origin, in shells: an icosahedron whose twenty sectors, nearly regular tetrahedra, are cut into as many layers as there are
-/// shells, each pushed out to its sphere.
+/// A ball centred on the origin, in shells: an icosahedron whose twenty sectors, nearly regular tetrahedra, are cut into as many layers as there are shells,
+/// each layer projected onto its sphere.
 ///
-/// A layer between the triangle lattices of order `k` and `k + 1` has three kinds of cells: a tetrahedron on each upright triangle of the outer
-/// one; an octahedron between an upright triangle of the inner and a hanging one of the outer; a tetrahedron below each hanging triangle of the
-/// inner. Octahedra are cut into four around their shortest diagonal. The faces between sectors are triangles of both, whatever is inside.
+/// A layer between the triangle lattices of order `k` and `k + 1` has three kinds of cells: a tetrahedron on each upright triangle of the outer lattice; an
+/// octahedron between an upright triangle of the inner and an inverted one of the outer; a tetrahedron below each inverted triangle of the inner. Octahedra are
+/// cut into four around their shortest diagonal. The faces between sectors are triangles of both sectors, whatever the interior is.
 fn ball(radius: f64, shells: u32) -> Lattice {
     let (corners, faces) = icosahedron();
     let mut lattice = Lattice { points: Vec::new(), tetrahedra: Vec::new(), ties: BTreeMap::new() };
@@ -342,7 +342,7 @@ fn ball(radius: f64, shells: u32) -> Lattice {
                 if i + j < k {
                     let [right, up] = [point(k, i + 1, j), point(k, i, j + 1)];
                     let across = point(k + 1, i + 1, j + 1);
-                    // Opposite corners are three apart.
+                    // Opposite corners are three places apart.
                     octahedra.push([here, right, up, across, upright[2], upright[1]]);
                     if i + j + 1 < k {
                         found.push([right, up, point(k, i + 1, j + 1), across]);
@@ -365,7 +365,7 @@ fn ball(radius: f64, shells: u32) -> Lattice {
     lattice
 }
 
-/// Cuts an octahedron, whose opposite corners are three apart, into four tetrahedra around its shortest diagonal; the first of equal ones.
+/// Cuts an octahedron, whose opposite corners are three places apart, into four tetrahedra around its shortest diagonal; the first of equally short ones.
 fn quarter(lattice: &mut Lattice, o: [u32; 6]) {
     let long = |&d: &usize| {
         let [a, b] = [o[d], o[d + 3]].map(|i| lattice.points[i as usize]);

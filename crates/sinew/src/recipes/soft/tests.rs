@@ -1,4 +1,4 @@
-//! Soft bodies keep their volume, come back, and are as stiff as they were asked to be.
+//! Soft bodies keep their volume, recover their shape, and have the specified stiffness.
 
 use glam::UVec3;
 
@@ -12,7 +12,7 @@ fn ball_mesh(cells: u32) -> SoftSurface {
     soft_lattice_mesh(&SoftLatticeSpec { shape, ..SoftLatticeSpec::default() }).unwrap()
 }
 
-/// A tough one of 10 kg, which weighs something.
+/// A stiffer ball of 10 kg, whose weight deforms it.
 fn tough(softness: Softness) -> Blueprint {
     soft_ball(&SoftMeshSpec {
         bulk: Bulk::Mass(10.0),
@@ -119,7 +119,7 @@ fn a_ball_squashed_by_its_weight_keeps_its_volume_and_comes_back() {
     );
     assert!(worst < 0.005, "{worst}");
     assert!(resting < 0.97 * round && resting > 0.5 * round, "{resting}");
-    // The pole that it lay on may stay dented inwards: at a pressure of 1 the skin is not tight.
+    // The pole on which it lay may stay dented: at a pressure of 1 the skin has no tension.
     assert!((back / round - 1.0).abs() < 0.03, "{back}");
 }
 

@@ -1,4 +1,4 @@
-//! The particles of a solid weigh and turn as it does.
+//! The particles of a solid have its mass and inertia.
 
 use super::super::blueprint::checks::assert_at_rest;
 use super::super::mass;
@@ -24,7 +24,7 @@ fn measured(body: &Blueprint) -> Motion {
     motion(body.particles.iter().map(|p| (p.position, p.velocity, p.mass))).unwrap()
 }
 
-/// The shapes that `mass.rs` holds against closed forms, and others.
+/// The shapes that `mass.rs` compares with closed forms, and others.
 fn shapes() -> Vec<SolidShape> {
     let (vertices, triangles) = mass::tests::letter();
     let mut seed = 9_u32;
@@ -147,7 +147,7 @@ fn each_fault_is_told_apart_and_the_ends_of_the_ranges_are_accepted() {
 fn round_solids_weigh_and_turn_as_formulas_have_it_and_collide_as_what_they_are() {
     let (r, h) = (0.5_f32, 2.0_f32);
     let capsule = {
-        // A cylinder of length h with half a ball at each end, whose middle is 3r/8 further out.
+        // A cylinder of length h with half a ball at each end, whose centroid is 3r/8 farther out.
         let (r, h) = (f64::from(r), f64::from(h));
         let (tube, ball) = (r * r * h, 4.0 / 3.0 * r * r * r);
         let (tube, ball) = (tube / (tube + ball), ball / (tube + ball));

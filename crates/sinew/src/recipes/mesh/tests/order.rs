@@ -1,11 +1,11 @@
-//! What is a grid is found and numbered by rows, and all else comes in an order of short ties.
+//! A grid is detected and numbered by rows, and anything else gets an order of small bandwidth.
 
 use super::super::super::blueprint::checks::assert_at_rest;
 use super::super::super::{Blueprint, ClothMaterial, cloth_from_mesh};
 use super::*;
 use crate::constraints::Softness;
 
-/// Which diagonal a cell has, by its column and row: whether that down to the right.
+/// Which diagonal the cell at a column and row has: true for that down to the right.
 type Diagonal = fn(u32, u32) -> bool;
 const DIAGONALS: [Diagonal; 5] = [
     |_, _| true,
@@ -21,7 +21,7 @@ struct Drawn {
 }
 
 impl Drawn {
-    /// A grid of `w × h` particles, row by row, cells of 0.1 m × 0.1 m.
+    /// A grid of `w × h` particles, row by row, with cells of 0.1 m × 0.1 m.
     fn grid(w: u32, h: u32, diagonal: Diagonal) -> Self {
         let place = |i: u32| Vec3::new((i % w) as f32 * 0.1, (i / w) as f32 * -0.1, 0.0);
         let mut triangles = Vec::new();
@@ -67,7 +67,7 @@ impl Drawn {
         self
     }
 
-    /// Vertices and triangles in another order, and the triangles turned.
+    /// The same with vertices and triangles in another order, and triangles rotated.
     fn shuffled(&self, noise: &mut Noise) -> Self {
         let count = self.positions.len() as u32;
         let mut order: Vec<u32> = (0..count).collect();
@@ -101,7 +101,7 @@ fn bandwidth(edges: &[[u32; 2]]) -> u32 {
     edges.iter().map(|[a, b]| b - a).max().unwrap()
 }
 
-/// All edges of a piece go along a row, to the next row, or along a diagonal.
+/// Asserts that all edges of a piece go along a row, to the next row, or along a diagonal.
 fn assert_rows(welded: &Weld, w: u32, h: u32) {
     let piece = Piece { particles: 0..w * h, columns: Some(w) };
     assert_eq!(welded.pieces, [piece], "{w} x {h}");
@@ -113,7 +113,7 @@ fn assert_rows(welded: &Weld, w: u32, h: u32) {
     assert_eq!(welded.edges.len() as u32, (w - 1) * h + w * (h - 1) + (w - 1) * (h - 1));
 }
 
-/// How many pairs of corners are an edge or opposite each other across one.
+/// Number of pairs of particles that are an edge or opposite each other across one.
 fn ties(drawn: &Drawn) -> usize {
     let sorted = |a: u32, b: u32| [a.min(b), a.max(b)];
     let welded = drawn.weld();
@@ -178,7 +178,7 @@ fn a_grid_is_one_however_it_is_bent_stretched_or_sheared() {
         |p| Vec3::new(p.x * 0.01, p.y * 100.0, 0.0),
         |p| Vec3::new(p.x + 3.0 * p.y, p.y, 0.0),
         |p| Vec3::new(p.x * p.x, -p.y * p.y, p.x * p.y),
-        // A disc: the corners are no corners.
+        // A disc, where the corners have no right angles.
         |p| {
             let q = Vec3::new(p.x - 1.0, p.y + 0.7, 0.0) * Vec3::new(1.0, 1.0 / 0.7, 1.0);
             let edge = q.abs().max_element();
@@ -205,7 +205,7 @@ fn the_distances_of_a_grid_run_in_step() {
         let same = two[0].b - two[0].a == two[1].b - two[1].a;
         !same || two[1].a < two[0].a
     });
-    // Three families of threads, three of folds.
+    // Three families of threads and three of folds.
     assert_eq!(breaks.count(), 5);
     let soft = cloth.distances.iter().position(|d| d.softness != Softness::Hard).unwrap();
     assert_eq!(soft, 63 * 64 * 2 + 63 * 63, "threads come first");
@@ -227,7 +227,7 @@ fn what_is_not_quite_a_grid_comes_in_an_order_of_short_ties() {
     let mut seam = full.shuffled(&mut noise);
     seam.positions = full.positions.clone();
     seam.triangles = full.triangles.clone();
-    // A cylinder: the last column is the first one.
+    // A cylinder: the last column is identified with the first.
     let tube = |i: u32| if i % 24 == 23 { i - 23 } else { i };
     seam.triangles.iter_mut().flatten().for_each(|i| *i = tube(*i));
     let cases = [
@@ -306,7 +306,7 @@ fn several_pieces_are_numbered_each_by_itself() {
 
 #[test]
 fn fans_and_strips_take_no_longer_than_they_should() {
-    // A fan of 20 000 triangles about one particle; all border.
+    // A fan of 20 000 triangles about one particle, so that all other particles are on the border.
     let corners = 20_000_u32;
     let angle = |i: u32| 2.0 * core::f32::consts::PI * i as f32 / corners as f32;
     let mut positions = vec![Vec3::ZERO];

@@ -1,4 +1,4 @@
-//! What a lattice of tetrahedra must be: without gaps, as stiff as asked at any fineness, and whole after a fall.
+//! A lattice of tetrahedra has no gaps, has the specified stiffness at any resolution, and recovers its shape after a fall.
 
 use super::*;
 use crate::BodySettings;
@@ -22,7 +22,7 @@ fn cells_fill_the_shape_without_gaps_and_the_surface_is_closed() {
     let ball = SoftShape::Ball { radius: 0.7, cells: 7 };
     let cases = [
         (boxed(Vec3::new(1.0, 2.0, 0.5), [3, 4, 2]), 60, 120, 6.0_f64.recip() * 6.0),
-        // 20 sectors of 4³ tetrahedra; shells of 10 k² + 2 particles. A little less than the ball.
+        // 20 sectors of 4³ tetrahedra; shells of 10 k² + 2 particles. The volume is slightly less than that of the ball.
         (SoftLatticeSpec { shape: ball, ..SoftLatticeSpec::default() }, 309, 1280, 1.405),
     ];
     for (spec, particles, cells, volume) in cases {
@@ -49,7 +49,7 @@ fn cells_fill_the_shape_without_gaps_and_the_surface_is_closed() {
     }
 }
 
-/// How far the end of a bar gives way under a force, metres, when its other end is held and what was set swinging is damped away.
+/// Deflection of the end of a bar under a force, metres, with its other end pinned, after oscillations have been damped away.
 fn gives_way(cells: [u32; 3], force: Vec3) -> Vec3 {
     let bar = SoftLatticeSpec {
         bulk: Bulk::Density(100.0),
@@ -83,7 +83,7 @@ fn gives_way(cells: [u32; 3], force: Vec3) -> Vec3 {
 
 #[test]
 fn a_bar_gives_way_alike_however_fine_it_is_cut() {
-    // F L / (E A) of a thin bar: 1 %. The held end cannot narrow, which stiffens it a little.
+    // F L / (E A) of a thin bar: 1 %. The pinned end cannot narrow, which stiffens it a little.
     let pull = Vec3::X * 250.0;
     let [coarse, fine] = [[6, 2, 2], [12, 4, 4]].map(|cells| gives_way(cells, pull).x);
     println!("pulled: {coarse:.5} m coarse, {fine:.5} m fine; a thin bar {:.5} m", 0.015);
@@ -102,7 +102,7 @@ fn a_bar_gives_way_alike_however_fine_it_is_cut() {
     assert!((fine / bent - 1.0).abs() < 0.1, "{fine}");
 }
 
-/// One sweep in a substep is what jelly has where that moves it as many would: of another stiffness, and in longer substeps, it has the world's.
+/// Jelly gets a single sweep in a substep where that gives the same motion as many. With another stiffness, and in longer substeps, it gets the world's number.
 #[test]
 fn jelly_hangs_as_far_as_by_many_sweeps_whatever_the_substeps() {
     for (substeps, stiffness, once) in [
