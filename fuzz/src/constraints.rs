@@ -1,4 +1,4 @@
-//! Random laws, and whatever else of the newer things a world can hold: compounds, air, controls, attractors.
+//! Random constraints, and other features of a world: compounds, air, controls, attractors.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::input::Input;
 
 const MOST: usize = 12;
 
-/// The choices of the solver that are no amounts.
+/// The solver settings that are not numbers.
 pub(crate) fn choices(input: &mut Input, settings: SolverSettings) -> SolverSettings {
     SolverSettings {
         gradient_at: gradient_at(input),
@@ -37,7 +37,7 @@ pub(crate) fn choices(input: &mut Input, settings: SolverSettings) -> SolverSett
     }
 }
 
-/// Adds or changes one of them.
+/// Adds or changes one of these.
 pub(crate) fn operate(
     world: &mut Simulation,
     input: &mut Input,

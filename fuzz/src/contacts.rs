@@ -1,4 +1,4 @@
-//! Random colliders, bodies that collide, solids and sleep.
+//! Random colliders, body contacts, body colliders and sleep.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, box_3d};
@@ -14,7 +14,7 @@ const MOST_COLLIDERS: usize = 5;
 const MOST_BODIES: usize = 4;
 const MOST_SOLIDS: usize = 5;
 
-/// One operation. `most` is how many particles there may be.
+/// One operation. `most` is the maximum number of particles.
 pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
     let count = world.particles.len() as u32;
     match input.below(9) {
@@ -52,7 +52,7 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
             };
             world.contacts.truncate(MOST_BODIES - 1);
             world.contacts.push(own);
-            // Of some that never touch, one or the other may not be there.
+            // Pairs without contacts; the bodies and colliders may not exist.
             let participants = [0, 1].map(|_| {
                 let number = input.below(MOST_BODIES as u32 + 1);
                 if input.flag() {
@@ -76,7 +76,7 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
             let spec = BoxSpec { size, mass: input.mostly(Input::positive), ..BoxSpec::default() };
             let contacts = BodyContacts { with_bodies: true, ..Default::default() };
             if let Ok(own) = box_3d(&spec) {
-                // What is refused must change nothing.
+                // A refused blueprint must change nothing.
                 let before = (world.particles.len(), world.body_colliders().len());
                 if own.build_colliding(world, contacts).is_err() {
                     assert_eq!((world.particles.len(), world.body_colliders().len()), before);
@@ -111,7 +111,7 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
     }
 }
 
-/// Questions change nothing, whatever is asked, and answer in numbers.
+/// Queries change nothing, whatever the arguments, and return valid numbers.
 fn ask(world: &Simulation, input: &mut Input) {
     let (from, way, most) = (input.vector(), input.vector(), input.any());
     if let Some(hit) = world.cast_ray(from, way, most, &Filter::default()) {

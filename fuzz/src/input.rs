@@ -1,9 +1,9 @@
-//! From bytes to numbers: mostly ordinary ones, so that a scenario gets somewhere, and often enough the worst there are.
+//! Converts bytes to numbers: mostly ordinary ones, so that a scenario makes progress, and often enough extreme ones.
 
 use arbitrary::Unstructured;
 use sinew::glam::Vec3;
 
-/// A number that somebody should have checked.
+/// Extreme values that validation has to handle.
 const ODD: [f32; 20] = [
     f32::NAN,
     f32::INFINITY,
@@ -27,7 +27,7 @@ const ODD: [f32; 20] = [
     1.0,
 ];
 
-/// The bytes of a scenario. When they run out, everything is 0 and every list ends.
+/// The bytes of a scenario. When they run out, all values are 0 and every list ends.
 pub(crate) struct Input<'a>(Unstructured<'a>);
 
 impl<'a> Input<'a> {
@@ -50,17 +50,17 @@ impl<'a> Input<'a> {
         self.0.arbitrary().unwrap_or(0)
     }
 
-    /// Yes or no.
+    /// A random flag.
     pub(crate) fn flag(&mut self) -> bool {
         self.below(2) == 1
     }
 
-    /// Yes once in `n`.
+    /// True once in `n`.
     pub(crate) fn rarely(&mut self, n: u32) -> bool {
         self.below(n) == n - 1
     }
 
-    /// A number between -32 and 32 in steps of 1/1024: coincidences happen.
+    /// A number between -32 and 32 in steps of 1/1024, so that coincidences occur.
     pub(crate) fn ordinary(&mut self) -> f32 {
         f32::from(self.0.arbitrary::<i16>().unwrap_or(0)) / 1024.0
     }
@@ -70,7 +70,7 @@ impl<'a> Input<'a> {
         (f32::from(self.0.arbitrary::<u16>().unwrap_or(0)) + 1.0) / 1024.0
     }
 
-    /// Any number at all: ordinary, odd, or any bits.
+    /// Any number: ordinary, extreme, or any bits.
     pub(crate) fn any(&mut self) -> f32 {
         match self.below(16) {
             0..=9 => self.ordinary(),
@@ -79,7 +79,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// A number that would do, or, once in 16, any.
+    /// A number from `good`, or, once in 16, any number.
     pub(crate) fn mostly(&mut self, good: impl FnOnce(&mut Self) -> f32) -> f32 {
         if self.rarely(16) { self.any() } else { good(self) }
     }

@@ -1,13 +1,13 @@
-//! What is fuzzed: each body takes bytes, makes a scenario of them, and panics if a promise of the solver is broken.
+//! The fuzz bodies: each turns bytes into a scenario, and panics if the solver breaks a guarantee.
 //!
-//! | body | bytes become | promises |
+//! | body | scenario | guarantees |
 //! |---|---|---|
-//! | [`step`] | operations on a world, and steps of odd lengths | nothing panics, all stays finite, refusals change nothing, same bits twice |
-//! | [`weld`] | a mesh, as broken as can be | refused for a reason that is there, or a cloth in order |
-//! | [`recipes`] | specs of boxes, ropes, cloth, ragdolls | refused, or a blueprint in order that can be stepped |
+//! | [`step`] | operations on a world, and steps of unusual lengths | no panics, everything stays finite, refusals change nothing, the same bits twice |
+//! | [`weld`] | a mesh, possibly invalid | refused for a reason that applies, or a valid cloth |
+//! | [`recipes`] | specs of boxes, ropes, cloth, ragdolls | refused, or a valid blueprint that can be stepped |
 //!
-//! The bodies know no fuzzer. libFuzzer (nightly, guided by coverage) runs them through `fuzz_targets/`; `src/bin/smoke.rs` runs
-//! them on stable with bytes by chance. From the root of the repository:
+//! The bodies do not depend on a fuzzer. libFuzzer (nightly, guided by coverage) runs them through `fuzz_targets/`; `src/bin/smoke.rs` runs them on stable with
+//! random bytes. From the root of the repository:
 //!
 //! ```text
 //! cargo +nightly fuzz run step                                    until something is found
@@ -28,8 +28,8 @@ pub use recipes::recipes;
 pub use step::step;
 pub use weld::weld;
 
-/// A scenario out of bytes, which panics if a promise is broken.
+/// Runs a scenario from bytes, and panics if a guarantee is broken.
 pub type Body = fn(&[u8]);
 
-/// All bodies with their names, for runners that take them in turn.
+/// All bodies with their names, for runners that iterate over them.
 pub const BODIES: [(&str, Body); 3] = [("step", step), ("weld", weld), ("recipes", recipes)];

@@ -1,4 +1,4 @@
-//! Specs of boxes, ropes, cloth and ragdolls: refused, or a blueprint in order that can be stepped.
+//! Specs of boxes, ropes, cloth and ragdolls: refused, or a valid blueprint that can be stepped.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{Blueprint, BoxLayout, BoxSpec, ClothMaterial, ClothSpec, RagdollSpec};
@@ -7,10 +7,10 @@ use sinew::{Bound, Plane, Simulation};
 
 use crate::input::Input;
 
-/// Bodies of more particles than this are allowed, and not what a fuzzer should spend its time on.
+/// Larger bodies are valid, but a waste of the fuzzer's time.
 const MOST_PARTICLES: u64 = 2000;
 
-/// Builds a body from a random spec. Panics where a recipe breaks a promise.
+/// Builds a body from a random spec. Panics if a recipe breaks a guarantee.
 pub fn recipes(data: &[u8]) {
     let mut input = Input::new(data);
     let (mass, body) = match input.below(5) {
@@ -50,7 +50,7 @@ pub fn recipes(data: &[u8]) {
     }
 }
 
-/// A blueprint that a recipe returned is in order, has the mass that was asked for, and can be turned, built and stepped.
+/// Checks that a blueprint returned by a recipe is valid, has the requested mass, and can be rotated, built and stepped.
 fn check(body: &Blueprint, mass: Option<f32>, input: &mut Input) {
     assert_eq!(body.validate(), Ok(()));
     assert!(!body.particles.is_empty());
@@ -71,7 +71,7 @@ fn check(body: &Blueprint, mass: Option<f32>, input: &mut Input) {
             assert!(world.particles.is_empty() && world.distances().is_empty());
         }
     }
-    // Few sweeps: what is fuzzed here is the body, not the solver.
+    // Few substeps: this tests the body, not the solver.
     world.settings.substeps = 2;
     world.step(1.0 / 60.0).expect("a step of 1/60 s was refused");
     assert!((0..world.particles.len()).all(|i| world.particles.is_finite(i)));
@@ -134,7 +134,7 @@ fn cloth_spec(input: &mut Input) -> ClothSpec {
     }
 }
 
-/// A number of cells, such that `(cells + 1) · others` particles are few, or too many for any recipe.
+/// A number of cells, such that `(cells + 1) · others` particles are either few, or too many for any recipe.
 fn few(input: &mut Input, others: u64) -> u32 {
     let cells = if input.rarely(16) { input.bits() } else { input.below(24) };
     let particles = (u64::from(cells) + 1).saturating_mul(others);

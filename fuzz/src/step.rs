@@ -1,4 +1,4 @@
-//! Random operations on a world, and steps of odd lengths: whatever a game does to it, the world stands.
+//! Random operations on a world, and steps of unusual lengths: the world stays valid whatever a game does.
 
 use sinew::glam::Vec3;
 use sinew::recipes::{ClothSpec, cloth_grid};
@@ -9,14 +9,14 @@ use crate::constraints;
 use crate::contacts;
 use crate::input::Input;
 
-/// So many that colours and islands appear, and so few that a scenario takes less than a millisecond.
+/// Enough for colours and islands to appear, and few enough that a scenario takes less than a millisecond.
 const MOST_PARTICLES: usize = 40;
 const MOST_LINKS: usize = 80;
 const MOST_OTHERS: usize = 4;
 const MOST_STEPS: u32 = 12;
 const MOST_SWEEPS_OF_A_SHEET: u32 = 8;
 
-/// Runs a scenario. Panics where the solver breaks a promise.
+/// Runs a scenario. Panics if the solver breaks a guarantee.
 pub fn step(data: &[u8]) {
     let mut input = Input::new(data);
     let mut world = Simulation::default();
@@ -38,7 +38,7 @@ pub fn step(data: &[u8]) {
     take_step(&mut world, 1.0 / 60.0);
 }
 
-/// A sheet of nine by nine particles: enough to take microsteps, to be held by tethers and spans, and to have its strain limited.
+/// A sheet of nine by nine particles: enough for microsteps, tethers, spans, and strain limiting.
 fn sheet(world: &mut Simulation, input: &mut Input) {
     let spec = ClothSpec { columns: 8, rows: 8, shear: input.flag(), ..ClothSpec::default() };
     let mut cloth = cloth_grid(&spec).expect("a sheet of ordinary numbers");
@@ -48,7 +48,7 @@ fn sheet(world: &mut Simulation, input: &mut Input) {
     cloth.build(world).expect("an empty world has room for it");
 }
 
-/// The solver's settings: extremes in one number only, because together they are a quarter of a million sweeps.
+/// The solver's settings: extreme in one number only, because in both they make a quarter of a million sweeps.
 fn settings(input: &mut Input) -> SolverSettings {
     let (substeps, max_sweeps) = match input.below(12) {
         0 => (u32::MAX, input.below(3)),
@@ -62,8 +62,8 @@ fn settings(input: &mut Input) -> SolverSettings {
     )
 }
 
-/// Gives a world its settings: as many sweeps as there may be only where particles are few. A thousand over a sheet, most violated first, are a minute of work
-/// under a sanitizer, and the fuzzer takes that for a hang.
+/// Sets the settings of a world, with unlimited sweeps only if particles are few. A thousand sweeps over a sheet, most violated first, take a minute with a
+/// sanitizer, which the fuzzer reports as a hang.
 fn set(world: &mut Simulation, settings: SolverSettings) {
     let few = world.particles.len() <= MOST_PARTICLES;
     let most = if few { u32::MAX } else { MOST_SWEEPS_OF_A_SHEET };
@@ -151,7 +151,7 @@ fn push(world: &mut Simulation, input: &mut Input) {
     }
 }
 
-/// Adds to a list, or replaces its last entry where it is long enough.
+/// Adds to a list, or replaces its last entry if the list is full.
 fn keep<T>(list: &mut Vec<T>, item: T, most: usize) {
     list.truncate(most - 1);
     list.push(item);
@@ -168,7 +168,7 @@ fn seed(input: &mut Input) -> ParticleSeed {
     if input.rarely(8) { seed.pinned() } else { ParticleSeed { lag, ..seed } }
 }
 
-/// A row that mostly exists.
+/// A row that exists in most cases.
 fn row(input: &mut Input, count: usize) -> u32 {
     if input.rarely(16) { input.bits() } else { input.below(count as u32) }
 }
@@ -200,7 +200,7 @@ fn wind(input: &mut Input) -> Wind {
     }
 }
 
-/// Gusts add and take no more than they say: the waves of each kind add up to 1 at most.
+/// Checks the bounds of gusts: the waves of each kind add up to at most 1.
 fn check_gusts(wind: &Wind, place: Vec3, time: f64) {
     let ordinary = |x: f32| (1e-6..1e6).contains(&x);
     let numbers = [wind.pressure.length(), wind.gusts, wind.gust_length, wind.gust_period];
@@ -255,7 +255,7 @@ fn surroundings(world: &mut Simulation, input: &mut Input) {
     }
 }
 
-/// Steps, and checks what a step promises.
+/// Takes a step, and checks its guarantees.
 fn take_step(world: &mut Simulation, dt: f32) {
     let before = state(world);
     let mut twin = world.clone();
@@ -281,13 +281,13 @@ fn take_step(world: &mut Simulation, dt: f32) {
             assert_eq!(world.particles.position(i), was, "a pinned particle moved");
         }
     }
-    // It compiles everything afresh, where the other may have mended its plan.
+    // The clone recompiles its plan, while the original may have updated it incrementally.
     twin.distances_mut();
     twin.step(dt).expect("a step was taken once and refused once");
     assert_eq!(state(&twin), state(world), "two runs differ");
 }
 
-/// Every bit that a step starts from, a row a particle. Two NaN are equal if their bits are.
+/// Every bit from which a step starts, one row for each particle. Two NaN are equal if their bits are.
 fn state(world: &Simulation) -> Vec<[u32; 8]> {
     let p = &world.particles;
     let row = |i| {

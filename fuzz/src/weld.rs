@@ -1,4 +1,4 @@
-//! Meshes, as broken as can be: a cloth made of one is in order, or refused for a reason that is there.
+//! Meshes, possibly invalid: a cloth made from one is valid, or refused for a reason that applies.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use crate::input::Input;
 const MOST_VERTICES: u32 = 48;
 const MOST_INDICES: u32 = 240;
 
-/// Welds a mesh and makes cloth of it. Panics where the recipe breaks a promise.
+/// Welds a mesh and makes cloth of it. Panics if the recipe breaks a guarantee.
 pub fn weld(data: &[u8]) {
     let mut input = Input::new(data);
     let material = material(&mut input);
@@ -51,7 +51,7 @@ fn material(input: &mut Input) -> ClothMaterial {
     }
 }
 
-/// Vertices on a coarse lattice, so that many coincide, near it, or anywhere; indices that mostly exist.
+/// Vertices on a coarse lattice, so that many coincide, near it, or anywhere; indices that exist in most cases.
 fn mesh(input: &mut Input) -> (Vec<Vec3>, Vec<u32>) {
     let (vertices, triangles) = (input.below(MOST_VERTICES), input.below(MOST_INDICES / 3));
     let spare = if input.rarely(16) { input.below(3) } else { 0 };
@@ -73,7 +73,7 @@ fn mesh(input: &mut Input) -> (Vec<Vec3>, Vec<u32>) {
     (positions, indices)
 }
 
-/// What [`Weld`] says of its fields.
+/// Checks the documented properties of [`Weld`]'s fields.
 fn check_weld(welded: &Weld, vertices: &[Vec3], tolerance: f32) {
     let count = welded.positions.len();
     let exists = |i: &u32| (*i as usize) < count;
@@ -108,7 +108,7 @@ fn check_weld(welded: &Weld, vertices: &[Vec3], tolerance: f32) {
     }
 }
 
-/// The reason that is given is there.
+/// Checks that the stated reason applies.
 fn check_fault(fault: MeshFault, positions: &[Vec3], indices: &[u32], tolerance: f32) {
     let reason = match fault {
         MeshFault::Empty => positions.is_empty() || indices.is_empty(),
@@ -119,7 +119,7 @@ fn check_fault(fault: MeshFault, positions: &[Vec3], indices: &[u32], tolerance:
             index as usize >= vertices && vertices == positions.len() && indices.contains(&index)
         }
         MeshFault::Tolerance => !(tolerance.is_finite() && tolerance >= 0.0),
-        // True of every mesh that came as far as this, by the recipe's own word.
+        // Not checked independently; trusted for every mesh that got this far.
         MeshFault::AllDegenerate => !positions.is_empty(),
     };
     assert!(reason, "refused without a reason: {fault}");

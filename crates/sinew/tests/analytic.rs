@@ -1,11 +1,11 @@
-//! The solver against formulas: each test is a row of the physics that the lectures promise, measured through `Simulation::step`.
+//! The solver compared with analytic results, measured through `Simulation::step`.
 
 use core::f32::consts::TAU;
 
 use sinew::glam::Vec3;
 use sinew::{Distance, Electric, Fluid, ParticleSeed, Plane, Simulation, Spring};
 
-/// A world without gravity and with as many substeps as asked for.
+/// A world without gravity, with `substeps` substeps.
 fn empty(substeps: u32) -> Simulation {
     let mut world = Simulation::default();
     world.forces.gravity = Vec3::ZERO;
@@ -67,7 +67,7 @@ fn damping_takes_its_share_of_the_velocity_each_second() {
     for _ in 0..180 {
         world.step(1.0 / 60.0).unwrap();
     }
-    // The velocity is the mean of the last substep, half of which is still to go.
+    // The velocity is the mean over the last substep, half of which still remains.
     let t = 3.0 - 0.5 / 600.0;
     let exact = (0.7_f64 * 0.8).powf(t);
     let error = (f64::from(world.particles.velocity(0).x) / exact - 1.0).abs();
@@ -190,7 +190,7 @@ fn a_pendulum_swings_in_the_time_of_its_amplitude() {
         world.distances_mut().push(Distance::new(0, 1, 1.0));
         let times = rises(&mut world, 1.0 / 60.0, 6.5, |w| w.particles.position(1).x);
         let exact = 2.0061 * factor;
-        // At 90° the nearest-point correction bleeds energy, so that later swings are smaller: the first one counts.
+        // At 90° the nearest-point correction loses energy, so later swings are smaller; only the first one is measured.
         let measured = times[1] - times[0];
         let allowed = if degrees > 60.0 { 0.02 } else { 0.005 };
         assert!((measured / exact - 1.0).abs() < allowed, "{degrees}°: {measured} is not {exact}");

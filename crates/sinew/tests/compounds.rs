@@ -1,4 +1,4 @@
-//! Compounds that move as explicit rigid bodies, and the swap between that and particles, through `Simulation::step`.
+//! Compounds that move as explicit rigid bodies, and the conversion between them and particles, through `Simulation::step`.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxLayout, BoxSpec, box_3d};
@@ -6,7 +6,7 @@ use sinew::{Compound, Distance, ParticleSeed, Plane, RigidBody, RigidIntegrator,
 
 const REST: fn(&BoxSpec) -> Vec<Vec3> = |spec| box_3d(spec).unwrap().parts[0].rest.clone();
 
-/// A solid box of particles, turning; `rigid` says how it moves.
+/// A rotating solid box of particles; `rigid` selects the rigid body integrator, if any.
 fn world(spec: &BoxSpec, spin: Vec3, rigid: Option<RigidIntegrator>) -> Simulation {
     let mut world = Simulation::default();
     world.forces.gravity = Vec3::ZERO;
@@ -21,7 +21,7 @@ fn world(spec: &BoxSpec, spin: Vec3, rigid: Option<RigidIntegrator>) -> Simulati
     world
 }
 
-/// What a game does to swap. The rods stay in the list, and rest meanwhile.
+/// The conversion as a game does it. The rods stay in the list and are inactive meanwhile.
 fn swap_to_rigid(world: &mut Simulation, spec: &BoxSpec, integrator: RigidIntegrator) {
     let compound = Compound { integrator, ..Compound::new(0..8, REST(spec)) };
     world.compounds_mut().push(compound);
@@ -36,7 +36,7 @@ fn body(world: &Simulation, spec: &BoxSpec) -> RigidBody {
     RigidBody::from_rows(&world.particles, &rows, &REST(spec), Quat::IDENTITY).unwrap()
 }
 
-/// Height of the barycentre in the world, metres.
+/// World-space height of the barycentre, metres.
 fn height(body: &RigidBody) -> f32 {
     body.world(body.position).0.y
 }
@@ -66,7 +66,7 @@ fn the_brick_flips_every_3_9_seconds_as_particles_and_as_a_rigid_body() {
         while t < 14.0 {
             world.step(1.0 / 240.0).unwrap();
             t += 1.0 / 240.0;
-            // The spin along the body's own middle axis turns over.
+            // The spin along the body's own middle axis changes sign.
             let now = body(&world, &spec);
             let axis = now.pose().point(Vec3::Y) - now.pose().translation;
             let along = f64::from(now.angular_velocity.dot(axis));

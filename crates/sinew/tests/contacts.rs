@@ -1,4 +1,4 @@
-//! What contacts must show, by its number (physics.md F8, C10): slopes, bounces, and cloth on whatever there is.
+//! Measurable behaviour of contacts (physics.md F8, C10): slopes, bounces, and cloth on various shapes.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, ClothMaterial, ClothSpec, box_3d, cloth_grid};
@@ -15,7 +15,7 @@ fn run(world: &mut Simulation, seconds: f32, dt: f32) {
     }
 }
 
-/// A half-space that rises by `degrees` towards +x, made of something.
+/// A half-space that rises by `degrees` towards +x, with the given friction.
 fn slope(degrees: f32, friction: f32) -> Collider {
     let half = 0.5 * degrees.to_radians();
     let turned = Quat::from_xyzw(0.0, 0.0, libm::sinf(half), libm::cosf(half));
@@ -23,7 +23,7 @@ fn slope(degrees: f32, friction: f32) -> Collider {
     Collider::fixed(Shape::half_space(), Frame::new(Vec3::ZERO, turned)).with_material(material)
 }
 
-/// A ball of a body that is made of something.
+/// A ball that is a body of its own, with the given material.
 fn ball(world: &mut Simulation, at: Vec3, velocity: Vec3, radius: f32, material: Material) {
     let row = world.particles.len();
     world.particles.push(ParticleSeed::at(at).with_velocity(velocity).with_radius(radius)).unwrap();
@@ -80,7 +80,7 @@ fn a_ball_bounces_to_the_square_of_its_restitution_and_never_higher_than_before(
             world.step(DT).unwrap();
             let height = world.particles.position(0).y;
             if rising && height < last {
-                // The apex lies within a tick of the highest one seen: less than g/8f², 0.3 mm.
+                // The apex is within a tick of the highest sample: less than g/8f², 0.3 mm.
                 peaks.push(last - 0.1);
             }
             (rising, last) = (height > last, height);
@@ -110,8 +110,8 @@ fn what_lies_on_something_that_moves_is_carried() {
         world.step(DT).unwrap();
     }
     let (at, wanted) = (world.particles.position(0), rise(2.0).translation + Vec3::Y * 0.6);
-    // The table starts at once: the impulse that lifts the ball by 0.5 m/s has a friction of half of that. Then it slides until it is as fast as the
-    // table: v²/2μg.
+    // The table starts moving abruptly: the impulse that lifts the ball to 0.5 m/s brings a friction impulse of half of that. Then the ball slides until it is
+    // as fast as the table: v²/2μg.
     let slides = 1.5 - 0.5 * 0.5;
     let lag = slides * slides / (2.0 * 0.5 * 9.81);
     assert!((at.y - wanted.y).abs() < 1e-3, "{at} {wanted}");
@@ -158,7 +158,7 @@ fn the_impulse_that_is_told_of_a_thing_at_rest_is_its_weight() {
     assert!((impact.point).length() < 1e-4, "{impact:?}");
 }
 
-/// A cloth of 1 m and 64 × 64 cells, lying flat at a height, with the drag of a room's air.
+/// A cloth of 1 m and 64 × 64 cells, lying flat at a height, with air drag.
 fn sheet(world: &mut Simulation, height: f32, contacts: BodyContacts) -> f32 {
     let material = ClothMaterial { radius: 0.005, drag: 0.8, ..Default::default() };
     let spec = ClothSpec { columns: 64, rows: 64, material, ..Default::default() };
@@ -168,7 +168,7 @@ fn sheet(world: &mut Simulation, height: f32, contacts: BodyContacts) -> f32 {
     material.radius
 }
 
-/// How far the deepest vertex is beyond where its radius lets it be, metres.
+/// Greatest penetration of a vertex, its radius included, metres.
 fn deepest(world: &Simulation, radius: f32) -> f32 {
     let mut deepest = f32::NEG_INFINITY;
     for collider in &world.colliders {
@@ -180,7 +180,7 @@ fn deepest(world: &Simulation, radius: f32) -> f32 {
     deepest
 }
 
-/// Root mean square of the speeds, m/s.
+/// Root mean square speed, m/s.
 fn rms_speed(world: &Simulation) -> f32 {
     let n = world.particles.len();
     let sum = (0..n).map(|i| f64::from(world.particles.velocity(i).length_squared())).sum::<f64>();
@@ -199,8 +199,8 @@ fn cloth_that_falls_on_a_table_never_goes_in_and_comes_to_rest() {
 
 fn falls_on(name: &str, shape: Shape) {
     let collider = Collider::fixed(shape, Frame::IDENTITY);
-    // The same budget a second at 60 and at 240 Hz: 600 substeps and 720. With four times as many what positions are rounded by, 3e-8 m in a
-    // substep, is a speed of 1 to 3 mm/s in whatever hangs freely (`SolverSettings::substeps`): 1.4 on the ball and 2.3 on the table.
+    // About the same number of substeps a second at 60 and at 240 Hz: 600 and 720. With four times as many, the rounding of positions, 3e-8 m a substep,
+    // becomes a speed of 1 to 3 mm/s in anything that hangs freely (`SolverSettings::substeps`): 1.4 on the ball and 2.3 on the table.
     let budgets = [(60.0_f32, 10, 6.0, 1e-3), (240.0, 3, 6.0, 1e-3), (240.0, 10, 6.0, 3e-3)];
     for (hertz, substeps, seconds, still) in budgets {
         let fall = |aside: f32| {
@@ -227,8 +227,8 @@ fn falls_on(name: &str, shape: Shape) {
             assert!(lowest > -1.0, "it hangs on the {name}, and did not slip off: {lowest}");
             rms
         };
-        // Of ten starts a tenth of a millimetre apart two go on sliding somewhere, by 1 to 3 mm/s, whatever the order of the sweeps: the mean of twelve is asked, which
-        // is 0.5 to 0.9 mm/s. (Six are too few to tell one build from another: of one, six had 1.05, twelve 0.81 and sixteen 0.69.)
+        // Of ten starts that differ by a tenth of a millimetre, two keep sliding somewhere at 1 to 3 mm/s, whatever the order of the sweeps. So the mean of
+        // twelve is checked, which is 0.5 to 0.9 mm/s. (Six are too few to distinguish builds: for one build, six had 1.05, twelve 0.81 and sixteen 0.69.)
         let rms = (0..12).map(|nth| fall(1e-4 * nth as f32)).sum::<f32>() / 12.0;
         assert!(rms < still, "{name}, {hertz} Hz × {substeps}: {rms}");
     }
@@ -243,7 +243,7 @@ fn cloth_pulled_over_a_corner_at_ten_metres_a_second_does_not_go_in() {
         let radius = sheet(&mut world, 0.05, BodyContacts::default());
         let mut worst = f32::NEG_INFINITY;
         for _ in 0..(0.5 / dt) as u32 {
-            // One edge is pulled along and down, over the table's.
+            // One edge is pulled sideways and down, over the edge of the table.
             for i in 0..65 {
                 world.particles.set_velocity(i, Vec3::new(0.0, -7.07, -7.07));
             }
@@ -255,7 +255,7 @@ fn cloth_pulled_over_a_corner_at_ten_metres_a_second_does_not_go_in() {
     }
 }
 
-/// Adds a box of a size, in one piece with its body.
+/// Adds a box of a given size, as a rigid body.
 fn brick(
     world: &mut Simulation,
     size: Vec3,
@@ -288,7 +288,7 @@ fn a_tower_of_ten_stands_for_a_minute() {
     assert!(rms_speed(&world) < 1e-3);
 }
 
-/// Friction finds what holds a tower afresh in each step, over some tries; what is missing then is how far it creeps.
+/// The friction that holds a tower is solved anew in each step, in a few iterations; the residual error makes it creep.
 #[test]
 fn plates_on_a_slope_creep_by_less_than_a_millimetre_a_second() {
     for (plates, most) in [(1, 1e-4), (3, 1e-3)] {
@@ -375,7 +375,7 @@ fn a_box_falls_into_a_sheet_held_at_four_corners_and_is_caught() {
     let mut cloth = cloth_grid(&spec).unwrap().transformed(level, Vec3::Y * 1.4);
     for corner in [0, 40, 41 * 40, 41 * 41 - 1] {
         cloth.pin(corner).unwrap();
-        // Cloth does not stretch: one that is spread taut is a trampoline, and what lands on it aslant hops off its side.
+        // Cloth does not stretch: a taut sheet is a trampoline, and a body that lands on it at an angle bounces off its side.
         cloth.particles[corner as usize].position *= Vec3::new(0.9, 1.0, 0.9);
     }
     let contacts = BodyContacts { with_bodies: true, ..Default::default() };
@@ -387,7 +387,7 @@ fn a_box_falls_into_a_sheet_held_at_four_corners_and_is_caught() {
     let lowest = sheet.map(|i| world.particles.position(i).y).fold(f32::INFINITY, f32::min);
     println!("the box is at {middle}, the sheet hangs down to {lowest}");
     assert!(middle.y > lowest && lowest > 0.3, "{middle} {lowest}");
-    // Where on the sheet, is chance: of ten starts that differ by centimetres it comes to lie 0.1 to 0.7 m from the middle.
+    // Where on the sheet is random: of ten starts that differ by centimetres it comes to rest 0.1 to 0.7 m from the middle.
     assert!(middle.with_y(0.0).abs().max_element() < 0.9, "{middle}");
 }
 
@@ -405,7 +405,7 @@ fn what_lies_still_falls_asleep_and_wakes_when_it_is_hit() {
     let before: Vec<_> = (0..32).map(|i| world.particles.seed(i)).collect();
     run(&mut world, 2.0, DT);
     assert!((0..32).all(|i| world.particles.seed(i) == before[i]), "asleep, nothing changes");
-    // A box thrown at the tower wakes all of it, and not the one far off.
+    // A box thrown at the tower wakes all of it, but not the distant box.
     let rows = brick(&mut world, Vec3::splat(0.5), 1.0, Vec3::new(-3.0, 2.5, 0.0), Quat::IDENTITY);
     rows.for_each(|i| world.particles.set_velocity(i, Vec3::X * 8.0));
     world.sleep.push(Sleep::allowed());

@@ -1,4 +1,4 @@
-//! Far from the origin, where two neighbouring `f32` are half a millimetre apart.
+//! Far from the origin, where two adjacent `f32` are half a millimetre apart.
 
 use sinew::glam::Vec3;
 use sinew::{Distance, ParticleSeed, Pin, Simulation};
@@ -12,7 +12,7 @@ fn what_hangs_on_a_pin_that_is_led_is_pulled_evenly_five_kilometres_out_too() {
         world.particles.push(ParticleSeed::at(offset - Vec3::Y)).unwrap();
         world.distances_mut().push(Distance::new(0, 1, 1.0));
         for tick in 1..=64 {
-            // 1/64 m a tick, which f32 can hold out there; a sixty-fourth of that it cannot.
+            // 1/64 m a tick, which f32 can represent at that distance; a sixty-fourth of that it cannot.
             let target = offset + Vec3::X * (tick as f32 / 64.0);
             world.boundaries.pins = vec![Pin { particle: 0, target }];
             world.step(1.0 / 60.0).unwrap();

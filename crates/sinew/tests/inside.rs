@@ -1,7 +1,7 @@
-//! What is inside of something when it is spawned is put out of it at a bounded speed, and is not thrown.
+//! A body that is spawned inside another shape is pushed out at a bounded speed, and is not thrown.
 //!
-//! Cloth that began 5 to 40 cm inside of a shape got 30 to 60 m/s in its first tick, and ragdolls that did up to 115 m/s: what was inside was put outside in
-//! one substep, and left with that length by the time of one.
+//! Cloth that started 5 to 40 cm inside a shape reached 30 to 60 m/s in its first tick, and ragdolls up to 115 m/s: the whole depth was corrected in one
+//! substep, and became a velocity of that depth over the substep's length.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{
@@ -11,7 +11,7 @@ use sinew::{BodyContacts, Collider, Frame, ParticleSeed, Shape, Simulation};
 
 const DT: f32 = 1.0 / 60.0;
 
-/// The fastest that anything was in so many ticks, m/s.
+/// The highest speed of any particle in this many ticks, m/s.
 fn fastest(world: &mut Simulation, ticks: u32) -> f32 {
     let mut worst = 0.0_f32;
     for _ in 0..ticks {
@@ -23,7 +23,7 @@ fn fastest(world: &mut Simulation, ticks: u32) -> f32 {
     worst
 }
 
-/// How deep the deepest particle is in a solid, metres.
+/// Penetration of the deepest particle in a solid, metres.
 fn deepest(world: &Simulation, solid: &Collider) -> f32 {
     let particles = &world.particles;
     let depth = |i: usize| {
@@ -39,7 +39,7 @@ fn empty(substeps: u32) -> Simulation {
     world
 }
 
-/// Solids whose highest point is the origin, each more than 1 m deep there and across.
+/// Solids whose highest point is the origin, each more than 1 m deep and wide there.
 fn solids() -> Vec<(&'static str, Collider)> {
     let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5;
     let corners: Vec<Vec3> = (0..8).map(|i| corner(i) * Vec3::new(3.0, 2.0, 3.0)).collect();
@@ -84,7 +84,7 @@ fn cloth_that_begins_inside_is_put_out_in_peace() {
                     cloth.build_colliding(&mut world, BodyContacts::default()).unwrap();
                     let worst = fastest(&mut world, 60);
                     let place = format!("{name}, {substeps} substeps, {depth} m, tilt {tilt}");
-                    // It is put out at 2 m/s, more and more crumpled where the way out is not the same for all of it, and slides off what is round.
+                    // It is pushed out at 2 m/s, crumples more and more where the directions out differ, and slides off a round shape.
                     let most = if name == "sphere" { 18.0 } else { 9.0 };
                     assert!(worst < most, "{place}: {worst} m/s");
                     let left = deepest(&world, &collider);
@@ -123,7 +123,7 @@ fn particles_and_ropes_that_begin_inside_are_put_out_in_peace() {
     }
 }
 
-/// A figure that begins in some places and turns inside of a solid, or with some of its particles pinned there.
+/// A figure that starts in various positions and orientations inside a solid, or with some of its particles pinned there.
 #[test]
 fn ragdolls_that_begin_inside_are_put_out_in_peace() {
     let mut seed = 7_u32;
@@ -152,7 +152,7 @@ fn ragdolls_that_begin_inside_are_put_out_in_peace() {
                 }
                 body.build_colliding(&mut world, BodyContacts::default()).unwrap();
                 let worst = fastest(&mut world, 60);
-                // A limb that is put out swings faster than its middle, and some fall off.
+                // A limb that is pushed out swings faster than its middle, and some figures fall off.
                 let place = format!("{name}, {substeps} substeps, {depth} m, {pins} pins");
                 assert!(worst < 16.0, "{place}: {worst} m/s");
             }
@@ -179,7 +179,7 @@ fn cloth_that_begins_inside_of_a_body_is_put_out_in_peace() {
     }
 }
 
-/// What approaches is stopped as before, however thin what it meets, and what is on its way out by itself keeps its speed.
+/// A body that approaches is stopped as before, however thin the obstacle, and a body that moves out by itself keeps its speed.
 #[test]
 fn what_comes_from_outside_is_stopped_and_what_leaves_leaves() {
     for substeps in [1, 4, 10, 40] {

@@ -1,28 +1,28 @@
-//! The solver from outside, through its public interface alone: one binary, so that it is linked once and its tests run side by side.
+//! Integration tests through the public interface: one binary, so that it is linked once and its tests run in parallel.
 //!
-//! | file | the story |
+//! | file | subject |
 //! |---|---|
-//! | `analytic` | against formulas |
-//! | `compounds` | explicit rigid bodies, and the swap between them and particles |
-//! | `contacts` | slopes, bounces, and cloth on whatever there is |
-//! | `far` | far from the origin it is as at home |
-//! | `inside` | what begins inside of something is put out and not thrown |
+//! | `analytic` | comparison with formulas |
+//! | `compounds` | explicit rigid bodies, and the conversion between them and particles |
+//! | `contacts` | slopes, bounces, and cloth on various shapes |
+//! | `far` | behaviour far from the origin is the same |
+//! | `inside` | bodies that start inside a shape are pushed out and not thrown |
 //! | `microsteps` | large cloth takes steps of its own within a substep |
 //! | `poured` | a thousand boxes in a heap |
-//! | `pressed` | cloth that a rigid shape presses on |
-//! | `ragdolls` | figures that fall, lie in heaps, carry and meet |
-//! | `rest` | a world in which all sleep takes its steps at once |
+//! | `pressed` | cloth under a rigid shape |
+//! | `ragdolls` | figures that fall, lie in heaps, carry loads and collide |
+//! | `rest` | a world in which everything sleeps skips its substeps |
 //! | `rigid_states` | compounds that move as one rigid state within a step |
-//! | `robustness` | what must not happen, whatever a caller does |
-//! | `same_bits` | the same bits on any instructions and any number of threads |
-//! | `segments` | ropes by their segments |
-//! | `settings` | what bodies ask for themselves |
-//! | `solver` | its choices against each other |
-//! | `ticks` | ticks of changing length |
-//! | `tied` | cloth on ropes, and what hangs on cloth |
-//! | `wavefronts` | large cloth through a step in columns, and from thread to thread |
+//! | `robustness` | guarantees that hold for any input |
+//! | `same_bits` | the same bits with any instruction set and number of threads |
+//! | `segments` | ropes that collide by their segments |
+//! | `settings` | solver settings of single bodies |
+//! | `solver` | comparison of the solver's options |
+//! | `ticks` | ticks of varying length |
+//! | `tied` | cloth on ropes, and loads on cloth |
+//! | `wavefronts` | large cloth solved by temporal blocking, on one or several threads |
 //!
-//! `threads` is what they are helped by.
+//! `threads` is a helper of these.
 
 mod analytic;
 mod compounds;

@@ -1,5 +1,5 @@
-//! Large cloth goes through a substep in microsteps, and nobody outside of it sees that: it falls, is led, carried, pressed and thrown back as what takes
-//! substeps whole.
+//! Large cloth goes through a substep in microsteps, with no visible difference from outside: it falls, follows pins, is carried, compressed and bounced like
+//! cloth that takes whole substeps.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, ClothMaterial, ClothSpec, box_3d, cloth_grid};
@@ -10,10 +10,10 @@ use sinew::{
 
 const DT: f32 = 1.0 / 60.0;
 
-/// Cells along a side of a sheet: 441 particles, many more than an island needs to take microsteps.
+/// Cells along a side of a sheet: 441 particles, many more than an island needs to use microsteps.
 const CELLS: u32 = 20;
 
-/// A sheet of a metre at a height, level or upright.
+/// A sheet of 1 m at a height, level or upright.
 fn sheet(world: &mut Simulation, height: f32, level: bool, contacts: BodyContacts) {
     let material = ClothMaterial { radius: 0.01, drag: 0.0, ..Default::default() };
     let spec = ClothSpec { columns: CELLS, rows: CELLS, material, ..Default::default() };
@@ -22,7 +22,7 @@ fn sheet(world: &mut Simulation, height: f32, level: bool, contacts: BodyContact
     cloth.build_colliding(world, contacts).unwrap();
 }
 
-/// A brick that lies on its own ground far away, so that there are contacts between bodies in the world.
+/// A brick on its own ground far away, so that the world has contacts between bodies.
 fn brick_elsewhere(world: &mut Simulation) {
     let at = Frame::at(Vec3::new(50.0, -1.0, 0.0));
     world.colliders.push(Collider::fixed(Shape::cuboid(Vec3::new(4.0, 2.0, 4.0)).unwrap(), at));
@@ -54,7 +54,7 @@ fn mean(of: impl Fn(usize) -> Vec3) -> Vec3 {
     of_sheet().map(of).sum::<Vec3>() / of_sheet().len() as f32
 }
 
-/// Mean strain of the distances, as a share of their rest lengths.
+/// Mean strain of the distances, relative to their rest lengths.
 fn strain(world: &Simulation) -> f32 {
     let strains = world.distances().iter().map(|d| {
         let apart = world.particles.separation(d.a as usize, d.b as usize).length();
@@ -126,7 +126,7 @@ fn pins_that_are_led_go_evenly_and_arrive() {
                 assert!((v - velocity).length() < 1e-2, "{elsewhere}, tick {tick}: {v}");
             }
         }
-        // It trails behind, and hangs together.
+        // It trails behind, and stays connected.
         assert!(strain(&world) < 0.01, "{elsewhere}: {}", strain(&world));
     }
 }
@@ -151,7 +151,7 @@ fn what_it_lies_on_carries_it_along_and_feels_its_weight() {
             world.step(DT).unwrap();
         }
         let at = mean(|i| world.particles.position(i)) - start;
-        // Lifted at once by 0.2 m/s with half of that as friction, it slides until it is as fast: v²/2μg.
+        // Lifted abruptly to 0.2 m/s, with half of that as friction, it slides until it is as fast as its support: v²/2μg.
         let lag = (0.4_f32 - 0.1).powi(2) / (2.0 * 0.5 * 9.81);
         assert!((at - Vec3::new(0.8 - lag, 0.4, 0.0)).length() < 6e-3, "{elsewhere}: {at} {lag}");
         let impulse: f32 = world.report().impacts.iter().map(|impact| impact.impulse).sum();
@@ -207,7 +207,7 @@ fn a_spring_that_pulls_on_it_has_it_take_substeps_whole() {
 
 #[test]
 fn a_jerk_at_its_edge_stretches_it_less_with_spans_and_none_of_its_momentum_is_lost() {
-    // The worst strain in a sheet that lies in space, of which one edge is thrown outwards; nothing is pinned, so there are no other tethers.
+    // The worst strain in a free-floating sheet, one edge of which is thrown outwards. Nothing is pinned, so there are no tethers.
     let jerked = |long_range: bool| {
         let mut world = Simulation::default();
         world.settings.long_range = long_range;
@@ -238,7 +238,7 @@ fn a_jerk_at_its_edge_stretches_it_less_with_spans_and_none_of_its_momentum_is_l
     assert!(with < 0.8 * without, "{with} {without}");
 }
 
-/// How far hard rods are from their lengths, as a share: the farthest.
+/// Largest relative length error of the hard rods.
 fn worst_strain(world: &Simulation) -> f32 {
     let rods = world.distances().iter().filter(|d| d.softness.is_hard());
     let strains = rods.map(|d| {
@@ -250,8 +250,8 @@ fn worst_strain(world: &Simulation) -> f32 {
 
 #[test]
 fn what_the_rods_of_a_flag_cannot_all_have_is_shared_out() {
-    // It hangs on the upper end of its pole, by a few cells whose diagonals no fold can all please: one of them was off by 7 % at some moment of each start, and
-    // by 4.3 before strains were limited to 3.
+    // The flag is attached to the upper end of its pole by a few cells, whose diagonals cannot all be satisfied in any fold. One of them was off by 7 % at some
+    // moment of each start, and by 4.3 before strains were limited to 3.
     for turned in [0.0, 1e-4] {
         let mut world = Simulation::default();
         world.forces.gravity = Vec3::new(9.81 * turned, -9.81, 0.0);
@@ -281,7 +281,7 @@ fn what_the_rods_of_a_flag_cannot_all_have_is_shared_out() {
 
 #[test]
 fn what_nothing_holds_keeps_its_spin_though_its_rods_contradict_each_other() {
-    // A sheet in space of whose diagonals every one is too long, whirled. Shared out as what hangs is, it lost a sixth of its spin.
+    // A free-floating, spinning sheet, all diagonals of which are too long. With the residual shared out as in hanging cloth, it lost a sixth of its spin.
     for elsewhere in [false, true] {
         let mut world = Simulation::default();
         world.forces.gravity = Vec3::ZERO;
@@ -325,8 +325,8 @@ fn what_nothing_holds_keeps_its_spin_though_its_rods_contradict_each_other() {
 
 #[test]
 fn a_jerk_that_goes_through_a_large_sheet_is_not_seen_as_long_rods() {
-    // It swings from two corners in a wind and snaps taut now and then: rods there were off by 51, 16, 14 and 14 % before strains were limited. How far they are depends
-    // on the jerk, and that on the last bit of the start: the mean of four is asked.
+    // It swings from two corners in a wind and snaps taut from time to time: rods there were off by 51, 16, 14 and 14 % before strains were limited. The amount
+    // depends on the jerk, and that on the last bit of the initial state, so the mean of four runs is checked.
     let worst = [0.0, 1e-4, 2e-4, 3e-4].map(|turned| {
         let mut world = Simulation::default();
         world.forces.gravity = Vec3::new(9.81 * turned, -9.81, 0.0);

@@ -1,10 +1,10 @@
-//! A thousand boxes, poured in random poses: the heap that has everything in it, wedges, thin corners and boxes that lean on three others.
+//! A thousand boxes, poured in random poses: a heap with all kinds of contacts, wedges, thin corners and boxes that lean on three others.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, box_3d};
 use sinew::{BodyContacts, Collider, Frame, Shape, Simulation};
 
-/// Numbers from -1 to 1, the same in every run.
+/// Random numbers from -1 to 1, the same in every run.
 struct Dice(u64);
 
 impl Dice {
@@ -19,8 +19,8 @@ impl Dice {
     }
 }
 
-/// How fast a heap of a thousand boxes is twenty seconds after it was poured, m/s, and where its lowest particle is, m. Nothing sleeps and nothing is
-/// damped: what rests does so because friction holds it.
+/// Speed of a heap of a thousand boxes twenty seconds after it was poured, m/s, and the height of its lowest particle, m. Nothing sleeps and nothing is damped:
+/// the heap rests by friction alone.
 fn poured(seed: u64) -> (f32, f32) {
     let mut world = Simulation::default();
     world.colliders.push(Collider::fixed(Shape::half_space(), Frame::IDENTITY));
@@ -50,8 +50,8 @@ fn poured(seed: u64) -> (f32, f32) {
     ((squares / particles.len() as f32).sqrt(), lowest)
 }
 
-/// Three heaps, because one says little: in about one of twenty a few boxes, held by all the friction there is, still slip by a centimetre now and
-/// then, and one of these slips falls on just this moment. (The first of these three is such a one: it lies still from 24 s on.)
+/// Three heaps, because a single one is not representative: in about one of twenty a few boxes, at the limit of friction, still slip by a centimetre from time
+/// to time, and such a slip may happen at the moment of the check. (The first of these three is such a heap: it is at rest from 24 s on.)
 #[test]
 fn a_thousand_boxes_poured_in_any_pose_are_at_rest_after_twenty_seconds() {
     let mut heaps = std::thread::scope(|scope| {

@@ -1,5 +1,5 @@
-//! Cloth that a rigid shape presses on: what is pushed is a piece of cloth, and contacts and its rods have turns, so that what weighs ten thousand times as much as a particle does not stretch
-//! it far.
+//! Cloth under a rigid shape. A contact pushes a patch of cloth rather than single particles, and contacts and rods of the cloth are solved in turns, so that a
+//! body ten thousand times as heavy as a particle does not stretch the cloth far.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ const DT: f32 = 1.0 / 60.0;
 /// Cells along a side of a sheet of 2 m.
 const CELLS: u32 = 40;
 
-/// A sheet, and what presses on it.
+/// A sheet, and the bodies that press on it.
 #[derive(Default)]
 struct Pressed {
     world: Simulation,
@@ -20,7 +20,7 @@ struct Pressed {
 }
 
 impl Pressed {
-    /// A level sheet so high, pinned by all of its corners or none.
+    /// A level sheet centred at `at`, pinned at all of its corners or at none.
     fn sheet(at: Vec3, pinned: bool) -> Self {
         let mut pressed = Self::default();
         pressed.add_sheet(at, pinned);
@@ -58,12 +58,12 @@ impl Pressed {
         self.beside(Shape::cuboid(Vec3::new(20.0, 1.0, 20.0)).unwrap(), Vec3::Y * -0.5)
     }
 
-    /// A crate of 5 kg falls for a metre into a sheet that is held at its corners.
+    /// A crate of 5 kg falls by a metre into a sheet that is pinned at its corners.
     fn caught() -> Self {
         Self::sheet(Vec3::Y * 2.0, true).crate_of(5.0, Vec3::new(0.1, 3.2, 0.0))
     }
 
-    /// A crate hangs above a sheet whose corners have been led together by an eighth, so that it sags; and falls then.
+    /// A crate is placed above a sheet whose corners have been moved inwards by an eighth, so that it sags, and then falls.
     fn slack(mass: f32) -> Self {
         let mut sheet = Self::sheet(Vec3::Y * 2.0, true);
         let corners = sheet.cloth.clone().filter(|&i| sheet.world.particles.inverse_mass(i) == 0.0);
@@ -79,7 +79,7 @@ impl Pressed {
         sheet.crate_of(mass, Vec3::new(0.1, 2.4, 0.0))
     }
 
-    /// A sheet falls on a ball, and a crate of 5 kg on both, which slides off.
+    /// A sheet falls on a ball, and a crate of 5 kg falls on both and slides off.
     fn on_a_ball() -> Self {
         let sheet = Self::sheet(Vec3::Y * 1.2, false).crate_of(5.0, Vec3::new(0.1, 2.4, 0.0));
         sheet.beside(Shape::sphere(0.5).unwrap(), Vec3::Y * 0.5).on_a_ground()
@@ -99,7 +99,7 @@ impl Pressed {
         self
     }
 
-    /// By which share of its length a rod of the cloth is too long at the most, in any of so many ticks.
+    /// The largest relative stretch of a rod of the cloth in any of this many ticks.
     fn stretch(&mut self, ticks: usize) -> f32 {
         let mut worst = 0.0_f32;
         for _ in 0..ticks {
@@ -113,7 +113,7 @@ impl Pressed {
         worst
     }
 
-    /// Where each particle of the cloth is, and how it goes.
+    /// Bits of the position and the velocity of each particle of the cloth.
     fn bits(&self) -> Vec<[[u32; 3]; 2]> {
         let particles = &self.world.particles;
         let bits = |v: Vec3| v.to_array().map(f32::to_bits);
@@ -124,7 +124,8 @@ impl Pressed {
     }
 }
 
-/// A contact moved particles of 0.8 g and hardly the crate, and the rods that pulled them back came too late: threads were stretched to three times their length.
+/// A contact moved particles of 0.8 g and hardly the crate, and the rods that pulled them back were solved too late: threads were stretched to three times
+/// their length.
 #[test]
 fn what_a_crate_falls_on_is_stretched_by_less() {
     let scenes = [
@@ -143,8 +144,8 @@ fn what_a_crate_falls_on_is_stretched_by_less() {
     }
 }
 
-/// On a corner of it a crate has a handful of particles, of which each weighs a ten-thousandth of it. Moved one by one, they were moved by 9 cm in each substep to carry it: threads were
-/// stretched to twice their length and more as long as it lay there, and it came to no rest.
+/// Below its corner a crate is carried by a handful of particles, each with a ten-thousandth of its mass. When contacts moved single particles, they moved them
+/// by 9 cm in each substep to carry the crate: threads were stretched to twice their length and more as long as it lay there, and it did not come to rest.
 #[test]
 fn a_crate_that_lies_in_slack_cloth_stretches_it_by_little() {
     for (mass, most) in [(1.0, 0.1), (5.0, 0.15), (50.0, 0.9)] {
@@ -155,7 +156,7 @@ fn a_crate_that_lies_in_slack_cloth_stretches_it_by_little() {
     }
 }
 
-/// Turns are solving: what the cloth gives the crate it has lost itself.
+/// Solving contacts and rods in turns keeps momentum: the cloth loses what it gives to the crate.
 #[test]
 fn cloth_that_a_crate_flies_into_keeps_the_momentum_of_both() {
     let momentum = |world: &Simulation| {
@@ -183,7 +184,7 @@ fn cloth_that_a_crate_flies_into_keeps_the_momentum_of_both() {
     assert!((after.1 - before.1).length() < 5e-4 * before.0.length(), "{before:?} {after:?}");
 }
 
-/// Each sheet has turns of its own.
+/// The contacts of each sheet are solved independently.
 #[test]
 fn a_crate_on_another_sheet_changes_no_bit_of_this_one() {
     let run = |both: bool| {
@@ -199,7 +200,7 @@ fn a_crate_on_another_sheet_changes_no_bit_of_this_one() {
     assert!(run(true) == run(false));
 }
 
-/// Where a shape was near, cloth was not relaxed, whether it touched or not: draped over a ball it was off by 70 % instead of 4.
+/// Cloth near a shape was not relaxed, whether it touched the shape or not: draped over a ball it was off by 70 % instead of 4.
 #[test]
 fn a_crate_that_does_not_touch_it_changes_no_bit_of_cloth() {
     let run = |near: bool| {

@@ -1,4 +1,4 @@
-//! Ragdolls that fall, lie in heaps, carry and meet: what their bones must bear at the default settings, and what becomes of their momentum.
+//! Ragdolls that fall, lie in heaps, carry loads and collide: the strain of their bones at the default settings, and their momentum.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, RagdollSpec, box_3d, ragdoll};
@@ -14,14 +14,14 @@ fn on_a_floor() -> Simulation {
     world
 }
 
-/// Adds a ragdoll of 75 kg with its soles at a place, turned, all of it at one velocity, m/s.
+/// Adds a ragdoll of 75 kg with its soles at a point, rotated, with a uniform velocity, m/s.
 fn add(world: &mut Simulation, at: Vec3, turned: Quat, velocity: Vec3) {
     let mut body = ragdoll(&RagdollSpec::default()).unwrap().transformed(turned, at);
     body.particles.iter_mut().for_each(|one| one.velocity = velocity);
     body.build_colliding(world, contacts()).unwrap();
 }
 
-/// By what the worst of some bones is off, as a share of its length.
+/// Largest relative length error of some bones.
 fn strain(world: &Simulation, bones: &[Distance]) -> f32 {
     let error = |bone: &Distance| {
         let [a, b] = [bone.a, bone.b].map(|i| world.particles.position(i as usize));
@@ -31,7 +31,7 @@ fn strain(world: &Simulation, bones: &[Distance]) -> f32 {
     rods.map(error).fold(0.0, f32::max)
 }
 
-/// The same at the worst in so many ticks, and the lowest that a particle came, with its radius, metres.
+/// The largest such error in this many ticks, and the lowest point reached by a particle, its radius included, metres.
 fn run(world: &mut Simulation, bones: usize, ticks: u32) -> [f32; 2] {
     let (mut worst, mut low) = (0.0_f32, f32::MAX);
     for _ in 0..ticks {
@@ -44,7 +44,8 @@ fn run(world: &mut Simulation, bones: usize, ticks: u32) -> [f32; 2] {
     [worst, low]
 }
 
-/// A contact stopped the bone that it met, and the next substep the rest: bones were off by 3.2 % where a figure landed from four metres, by 5 % in a heap.
+/// A contact stopped only the bone that it touched, and the others followed in the next substep: bones were off by 3.2 % where a figure landed from four
+/// metres, by 5 % in a heap.
 #[test]
 fn what_a_contact_stops_is_handed_on_in_the_same_substep() {
     for drop in [0.0, 1.0, 2.0, 4.0] {
@@ -71,7 +72,7 @@ fn what_a_contact_stops_is_handed_on_in_the_same_substep() {
     assert!(worst < 0.015 && low > -0.08, "{worst} {low}");
 }
 
-/// A crate on a figure that lies: what has the last word must not draw it into the ground, nor out of its joints (8 % before).
+/// A crate on a lying figure: the constraint that is solved last must not pull the figure into the ground, nor out of its joints (8 % before).
 #[test]
 fn a_crate_of_a_ton_lies_on_a_figure() {
     for mass in [20.0, 300.0, 1000.0] {
@@ -89,8 +90,8 @@ fn a_crate_of_a_ton_lies_on_a_figure() {
     }
 }
 
-/// Who was deep in somebody else was held to the speed at which overlap is recovered: two figures that met at 12 m/s in free fall had 42 % of their momentum
-/// left, without gravity, and 84 % with it.
+/// A body deep inside another one was limited to the depenetration speed: two figures that collided at 12 m/s in free fall kept 42 % of their momentum without
+/// gravity, and 84 % with it.
 #[test]
 fn figures_that_meet_in_flight_keep_their_momentum() {
     for gravity in [0.0, 9.81] {
@@ -110,7 +111,7 @@ fn figures_that_meet_in_flight_keep_their_momentum() {
                 world.step(1.0 / 60.0).unwrap();
             }
             let fallen = Vec3::NEG_Y * (150.0 * gravity * ticks as f32 / 60.0);
-            // The velocity of a particle is the mean of its last substep.
+            // The velocity of a particle is the mean over its last substep.
             let fallen = fallen + Vec3::Y * (150.0 * gravity * 0.5 / 600.0);
             let (met, sum) = (figure(&world, 0..all.end / 2), figure(&world, all));
             let off = sum - Vec3::NEG_X * (75.0 * speed) - fallen;

@@ -1,4 +1,4 @@
-//! A world in which all sleep takes its steps at once. Nobody can see a difference: not in what it does when something changes, to the last bit.
+//! A world in which everything sleeps skips its substeps. The result is bitwise the same, also in what happens after a change.
 
 use sinew::constraints::Plane;
 use sinew::glam::{Quat, Vec3};
@@ -10,7 +10,7 @@ use sinew::{
 
 use crate::rigid_states::{DT, bits, phases};
 
-/// Boxes on a ground and on each other, a rope beside them, and a ball that stands.
+/// Boxes on the ground and on each other, a rope next to them, and a ball at rest.
 fn level() -> Simulation {
     let mut world = Simulation::default();
     world.boundaries.planes.push(Plane::ground(0.0));
@@ -38,14 +38,14 @@ fn level() -> Simulation {
     world
 }
 
-/// All that there is to see.
+/// The visible state: time, bits of the particles, and sleep flags.
 fn seen(world: &Simulation) -> (u64, Vec<[u32; 7]>, Vec<bool>) {
     (world.time.to_bits(), bits(world), world.sleep.iter().map(|body| body.asleep).collect())
 }
 
 type Edit = (&'static str, fn(&mut Simulation));
 
-/// What somebody may do to it from outside. Each is noticed, whether it moves something or not.
+/// Changes from outside. Each must end the skipping, whether it moves something or not.
 const EDITS: [Edit; 24] = [
     ("a velocity", |world| world.particles.set_velocity(0, Vec3::X)),
     ("an impulse", |world| world.particles.add_impulse(9, Vec3::Y)),
@@ -120,7 +120,7 @@ fn nobody_sees_that_steps_at_rest_are_not_taken() {
     for (what, edit) in EDITS {
         let (mut world, mut stepped) = (asleep.clone(), asleep.clone());
         for tick in 0..5 {
-            // A copy has forgotten what it knew, and needs two steps to see it again.
+            // A clone does not have the record of a world at rest, and needs two steps to establish it again.
             assert_eq!(is_at_once(&mut world), tick >= 2, "{what}");
             phases(&mut stepped, |_, _| {});
         }
@@ -139,7 +139,7 @@ fn nobody_sees_that_steps_at_rest_are_not_taken() {
     assert!(moved > EDITS.len() / 2, "{moved} of them move something");
 }
 
-/// Whether a longer step, or one of more parts, is one that was not seen before.
+/// A step of another length, or with another number of substeps, is not covered by the record of a world at rest.
 #[test]
 fn another_length_is_another_step() {
     let mut world = level();
@@ -156,7 +156,7 @@ fn another_length_is_another_step() {
     assert!((world.time - before - f64::from(DT)).abs() < 1e-8);
 }
 
-/// Takes a step, and says whether it was taken at once.
+/// Takes a step, and returns whether its substeps were skipped.
 fn is_at_once(world: &mut Simulation) -> bool {
     let at_once = world.step_at_rest(DT);
     if !at_once {
@@ -165,8 +165,8 @@ fn is_at_once(world: &mut Simulation) -> bool {
     at_once
 }
 
-/// Two bones with a joint lie on the ground as an angle, and a box that stays awake lies between them: inside the box about the two, or at the end of one. Whether
-/// they sleep.
+/// Two bones with a joint lie on the ground at an angle to each other, and a box that stays awake lies either within their bounding box, or at the end of one.
+/// Returns whether the bones sleep.
 fn sleeps_beside(box_at: Vec3) -> bool {
     let mut world = Simulation::default();
     world.boundaries.planes.push(Plane::ground(0.0));

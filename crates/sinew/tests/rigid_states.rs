@@ -1,6 +1,6 @@
-//! Compounds that nothing ties by their particles move as one rigid state within a step, and their particles follow.
+//! Compounds whose particles no other constraint connects move as one rigid state within a step, and their particles follow.
 //!
-//! A report tells which they are: their rods are not swept.
+//! The report shows which ones: their rods are not swept.
 
 use std::time::Instant;
 
@@ -16,7 +16,7 @@ use sinew::{
 
 pub(crate) const DT: f32 = 1.0 / 60.0;
 
-/// A solid box of 1 × 2 × 3, all edges times `size`.
+/// A solid box of 1 × 2 × 3 m, scaled by `size`.
 fn brick(size: f32) -> BoxSpec {
     let size = Vec3::new(1.0, 2.0, 3.0) * size;
     BoxSpec { size, mass: 1.7, layout: BoxLayout::Equimomental, ..BoxSpec::default() }
@@ -39,7 +39,7 @@ fn throw(world: &mut Simulation, first: usize, velocity: Vec3, spin: Vec3) {
     }
 }
 
-/// A world without gravity, and in it a box that was thrown.
+/// A world without gravity, with a box that was thrown.
 fn thrown(spin: Vec3, substeps: u32) -> Simulation {
     let mut world = Simulation::default();
     world.forces.gravity = Vec3::ZERO;
@@ -60,17 +60,17 @@ fn step(world: &mut Simulation, ticks: usize) {
     }
 }
 
-/// Whether the island of a particle went as one rigid state.
+/// Whether the island of a particle moved as one rigid state.
 fn is_one_state(world: &Simulation, i: usize) -> bool {
     world.island_report(i).unwrap().sweeps == 0
 }
 
-/// Longest edge of the box from row `first` on: from its lower to its upper particles along z.
+/// Longest edge of the box whose rows start at `first`: from its lower to its upper particles along z.
 fn long_axis(world: &Simulation, first: usize) -> Vec3 {
     world.particles.position(first + 4) - world.particles.position(first)
 }
 
-/// Places, velocities and their lags, to the last bit.
+/// Bits of positions, velocities and their lags.
 pub(crate) fn bits(world: &Simulation) -> Vec<[u32; 7]> {
     let of = |i: usize| {
         let (p, v) = (world.particles.position(i), world.particles.velocity(i));
@@ -81,7 +81,7 @@ pub(crate) fn bits(world: &Simulation) -> Vec<[u32; 7]> {
     (0..world.particles.len()).map(of).collect()
 }
 
-/// One step, phase by phase, with something between integration and forces.
+/// One step, phase by phase, with a callback after `accumulate_forces`.
 pub(crate) fn phases(world: &mut Simulation, mut between: impl FnMut(&mut Simulation, u32)) {
     let substeps = world.begin_step(DT).unwrap();
     for number in 0..substeps {
@@ -97,7 +97,7 @@ pub(crate) fn phases(world: &mut Simulation, mut between: impl FnMut(&mut Simula
     world.end_step();
 }
 
-/// A game is told the pose of the state, and not a fit to its particles that takes a hundred times as long.
+/// The pose that a game reads is that of the rigid state, without the fit to its particles, which takes a hundred times as long.
 #[test]
 fn its_pose_is_that_of_its_particles() {
     let mut world = thrown(Vec3::new(3.0, 5.0, -4.0), 10);
@@ -118,7 +118,7 @@ fn its_pose_is_that_of_its_particles() {
     assert_eq!(world.rigid_pose(1), None, "there is no other");
 }
 
-/// So is its motion: thrown, and lying on the ground, where neither has a velocity.
+/// The same for its motion: thrown, and at rest on the ground, where both have no velocity.
 #[test]
 fn its_motion_is_that_of_its_particles() {
     let mut world = thrown(Vec3::new(3.0, 5.0, -4.0), 10);
@@ -141,7 +141,7 @@ fn its_motion_is_that_of_its_particles() {
             found.angular_velocity - fitted.angular_velocity,
         ];
         let off = off.map(|off| off.length() / size);
-        // What lies or is hit has half a substep's acceleration less, each of its particles by itself: a turn that changes is off by a part of that.
+        // In contact, the particles' velocities lack half a substep's acceleration, each by itself: a changing rotation is off by a part of that.
         assert!(off[0] < 1e-5 && off[1] < 2e-3 && off[2] < 2e-2, "tick {tick}: {off:?}");
         assert!((found.mass / fitted.mass - 1.0).abs() < 1e-5);
         let inertia = (found.inertia - fitted.inertia).abs_diff_eq(Mat3::ZERO, 1e-4 * found.mass);
@@ -152,7 +152,7 @@ fn its_motion_is_that_of_its_particles() {
     assert_eq!(world.rigid_motion(0), None, "as particles it has none");
 }
 
-/// A wind presses on surfaces. Where there are none it had all boxes of the world be stepped one substep after the other.
+/// A wind acts on surfaces. In a world without surfaces, a wind made all boxes step substep by substep.
 #[test]
 fn a_wind_that_has_nothing_to_press_on_disturbs_nobody() {
     let mut still = thrown(Vec3::new(3.0, 5.0, -4.0), 10);
@@ -177,14 +177,14 @@ fn momenta_and_energy_are_kept() {
             step(&mut world, 1800);
             assert!(is_one_state(&world, 0));
             let after = world.ledger();
-            // What is read is rounded as the fastest of its particles are.
+            // Values that are read back have the rounding of the fastest particle.
             let off = (after.momentum - before.momentum).length() / 1.7;
             let most = 2e-6 * (0.46 + 1.1 * f64::from(spin.length()));
             assert!(off < most, "{substeps} substeps, {spin}: momentum off by {off} m/s");
             let off = (after.angular_momentum - before.angular_momentum).length()
                 / before.angular_momentum.length();
             assert!(off < 2e-5, "{substeps} substeps, {spin}: angular momentum off by {off}");
-            // What Verlet swings by is of second order, and does not grow.
+            // Verlet's oscillation is of second order, and does not grow.
             let swing = f64::from(spin.length() * DT / substeps as f32).powi(2) + 1e-5;
             let off = after.kinetic / middle.kinetic - 1.0;
             assert!(off.abs() < swing, "{substeps} substeps, {spin}: energy off by {off}");
@@ -249,7 +249,7 @@ fn a_fall_is_the_exact_parabola() {
     assert!((fallen.y / (-0.5 * 9.81 * 4.0) - 1.0).abs() < 2e-6, "{fallen}");
 }
 
-/// What falls on a floor, on each other, and beside.
+/// Boxes that fall on a floor, on each other, and next to each other.
 fn falling(count: u32) -> Simulation {
     let mut world = Simulation::default();
     let bouncy = Material::default().with_restitution(0.5);
@@ -317,7 +317,7 @@ fn what_is_restored_goes_on_to_the_same_bits() {
     let states: Vec<_> = world.particles.states(rows).collect();
     restored.particles.load(0, states.iter().copied());
     restored.contact_cache = world.contact_cache.clone();
-    // What both have from here on is what was saved.
+    // Reloaded, so that both continue from what was saved.
     world.particles.load(0, states.into_iter());
     for tick in 0..120 {
         world.step(DT).unwrap();
@@ -350,7 +350,7 @@ fn forces_on_single_particles_are_a_force_and_a_torque() {
     }
 }
 
-/// Gives a box of eight particles from row `first` on a skin of six of its triangles.
+/// Adds a skin of six triangles to a box of eight particles whose rows start at `first`.
 fn cover(world: &mut Simulation, first: usize) {
     let corners = [[0, 1, 2], [1, 3, 2], [4, 5, 6], [5, 7, 6], [0, 1, 4], [2, 3, 7]];
     let first = first as u32;
@@ -361,11 +361,11 @@ fn spring(a: u32, b: u32, stiffness: f32) -> Spring {
     Spring { a, b, rest: 0.5, stiffness, damping: 0.1 }
 }
 
-/// Bodies that something acts on in every way there is, and some beside them.
+/// Bodies with every kind of force on them, and some without.
 fn pushed(count: u32) -> Simulation {
     let mut world = falling(count);
     (0..count as usize).filter(|number| number % 4 != 1).for_each(|i| cover(&mut world, 8 * i));
-    // Of two boxes.
+    // A triangle between two boxes.
     world.forces.surfaces.push([40, 41, 49]);
     world.forces.winds.push(Wind::steady(Vec3::new(1.0, 0.0, 2.0)).with_gusts(0.5));
     world.forces.springs.push(spring(3, 12, 30.0));
@@ -397,7 +397,7 @@ fn forces_of_all_kinds_are_the_same_to_the_bit_at_once_and_phase_by_phase() {
 
 #[test]
 fn what_acts_on_one_body_changes_no_bit_of_another() {
-    // All of them lose speed to the air, which is summed up otherwise where forces act on single particles.
+    // All of them have air drag, which is summed differently where forces act on single particles.
     let damped = |mut world: Simulation| {
         world.forces.drag = 0.3;
         world
@@ -421,7 +421,7 @@ fn the_wind_on_its_skin_is_that_on_its_particles() {
         let blown = |representation| {
             let mut world = thrown(Vec3::new(0.5, 1.0, -0.7), 10);
             world.forces.winds.push(Wind::steady(Vec3::new(3.0, 1.0, 2.0)).with_gusts(gusts));
-            // A part of a second one, which turns it: its region ends within the box.
+            // A part of a second wind, which rotates the box: its region ends within the box.
             let corner = Region::sphere(Vec3::new(0.8, 6.1, 1.3), 1.2);
             world.forces.winds.push(Wind::steady(Vec3::new(0.0, 4.0, -1.0)).within(corner));
             world.particles.teleport(
@@ -447,7 +447,7 @@ fn the_wind_on_its_skin_is_that_on_its_particles() {
     }
 }
 
-/// Its centre moves in its own frame, about which the wind turns it.
+/// When the masses of its particles change, the barycentre, about which the wind rotates the body, moves in the body's frame.
 #[test]
 fn the_wind_turns_a_body_about_its_centre_when_what_it_weighs_has_changed() {
     let blown = |representation| {
@@ -476,7 +476,7 @@ fn the_wind_turns_a_body_about_its_centre_when_what_it_weighs_has_changed() {
     }
 }
 
-/// What a particle is accelerated by says how fast it is now, so the wind on a skin has to be in that, too.
+/// The acceleration of a particle enters its present velocity, so it has to include the wind on the skin.
 #[test]
 fn what_lies_in_a_wind_reports_no_velocity() {
     let mut world = Simulation::default();
@@ -541,7 +541,7 @@ fn an_impulse_between_two_phases_is_taken_and_particles_are_current() {
     assert!(arm.length() > 0.1, "off its centre it turns the body, too: {arm}");
 }
 
-/// An impulse on several particles together was lost between two phases: nobody noted that it had changed their velocities.
+/// An impulse on several particles together was lost between two phases: the change of their velocities was not recorded.
 #[test]
 fn impulses_on_all_particles_between_two_phases_are_taken() {
     let rows = [0, 1, 2, 3, 4, 5, 6, 7];
@@ -562,7 +562,7 @@ fn impulses_on_all_particles_between_two_phases_are_taken() {
         let own = |momentum: DVec3, of: DVec3| of - centre.cross(momentum);
         let spun =
             own(now.momentum, now.angular_momentum) - own(before.momentum, before.angular_momentum);
-        // The centre goes on within the step.
+        // The centre keeps moving within the step.
         assert!((spun - turn.as_dvec3()).length() < 0.02, "{between}: {spun}");
     }
 }
@@ -581,7 +581,7 @@ fn what_is_tied_pinned_bent_or_asks_for_it_goes_as_particles() {
     assert!(!is_rigid(|world| world.distances_mut().push(Distance::new(3, 8, 4.0))));
     assert!(!is_rigid(|world| world.distances_mut()[5].rest *= 1.01));
     assert!(!is_rigid(|world| {
-        // Carried at the middle of the box, at the distance that it has.
+        // Attached at the middle of the box, at its present distance.
         let joint = AnchorDistance::joint(Anchor::new([0.125; 8]), Anchor::particle());
         let away = AnchorDistance { rest: 4.0, ..joint };
         world.constraints_mut().push(Constraint::new(0..9, ConstraintKind::Anchors(away)));
@@ -601,7 +601,7 @@ fn what_is_tied_pinned_bent_or_asks_for_it_goes_as_particles() {
     assert!(is_rigid(|world| world.boundaries.planes.push(Plane::ground(-3.0))));
 }
 
-/// So many boxes in free flight.
+/// A number of boxes in free flight.
 fn flying(count: u32) -> Simulation {
     let mut world = Simulation::default();
     for i in 0..count {
@@ -612,7 +612,7 @@ fn flying(count: u32) -> Simulation {
     world
 }
 
-/// A heap of `edge³` boxes that has fallen.
+/// A heap of `edge³` boxes that has settled.
 fn heap(edge: u32) -> Simulation {
     let mut world = Simulation::default();
     world.colliders.push(Collider::fixed(Shape::half_space(), Frame::IDENTITY));

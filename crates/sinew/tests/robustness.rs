@@ -1,4 +1,4 @@
-//! What must not happen, whatever a caller does.
+//! Guarantees that must hold for any input.
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxSpec, ClothSpec, RagdollSpec, box_3d, cloth_grid, ragdoll};
@@ -10,18 +10,18 @@ fn on_the_ground() -> Simulation {
     world
 }
 
-/// Largest error of a rod as a share of its length. The limits of the joints are inequalities, and not bones.
+/// Largest relative length error of a rod. The joint limits are inequalities and are not counted.
 fn longest_error_of_bones(world: &Simulation) -> f32 {
     let place = |row: u32| world.particles.position(row as usize);
     let bones = world.distances().iter().filter(|d| d.bound == Bound::Equal);
     bones.map(|d| d.error(place(d.a), place(d.b)) / d.rest).fold(0.0, f32::max)
 }
 
-/// A short rod between two particles that were 5 m apart threw them at 1.2 km/s, and later at the most speed of 500.
+/// A short rod between two particles 5 m apart threw them at 1.2 km/s, and later at the maximum speed of 500 m/s.
 #[test]
 fn what_is_violated_closes_at_a_bounded_speed_and_keeps_its_momenta() {
     for substeps in [1, 4, 10, 40] {
-        // Those that are built alike are solved side by side.
+        // Bodies of the same topology are solved side by side.
         for count in [1, 5] {
             let mut world = Simulation::default();
             world.forces.gravity = Vec3::ZERO;
@@ -83,8 +83,8 @@ fn a_box_lands_tumbles_and_keeps_its_distances_within_half_a_percent() {
     assert!((centre.y - 0.5).abs() < 0.01, "it lies on a face: {centre}");
 }
 
-/// Pushed into twelve directions, because only some of them end on the head, which has the whole body above it then: in two of these the neck gave
-/// way by 2.5 % while a ragdoll asked for 12 sweeps at most.
+/// Pushed in twelve directions, because in only some of them the figure ends on its head, with the whole body above it: in two of these the neck was shortened
+/// by 2.5 % while a ragdoll asked for at most 12 sweeps.
 #[test]
 fn a_ragdoll_collapses_and_its_bones_keep_their_lengths_within_one_percent() {
     let body = ragdoll(&RagdollSpec::default()).unwrap();
@@ -202,7 +202,7 @@ fn the_report_tells_convergence_from_a_spent_budget() {
     let mut world = on_the_ground();
     world.particles.push(ParticleSeed::at(Vec3::Y)).unwrap();
     assert!(world.step(1.0 / 60.0).unwrap().converged);
-    // Two rods of one pair that contradict each other.
+    // Two contradictory rods between one pair.
     world.particles.push(ParticleSeed::at(Vec3::Y * 2.0)).unwrap();
     world.distances_mut().push(Distance::new(0, 1, 1.0));
     world.distances_mut().push(Distance::new(0, 1, 2.0));
@@ -263,7 +263,7 @@ fn a_rod_to_a_particle_that_turns_non_finite_leaves_both_their_masses() {
 
 #[test]
 fn a_poisoned_sheet_leaves_every_bit_of_the_sheets_solved_after_it() {
-    // Sheets of an odd number of particles, whose last eights are not full: what the poisoned one left in the solver's scratch lies beyond their last
+    // Sheets of an odd number of particles, whose last groups of eight are not full: what the poisoned sheet left in the solver's scratch is beyond their last
     // rows.
     let sheets = |poison: bool| {
         let mut world = Simulation::default();
@@ -283,7 +283,7 @@ fn a_poisoned_sheet_leaves_every_bit_of_the_sheets_solved_after_it() {
     assert!(sheets(true) == sheets(false));
 }
 
-/// Found by fuzzing: its row was looked up before it was known to be there, if any particle had a place in a rest shape.
+/// Found by fuzzing: the row was used before it was checked, if any particle had a rest position.
 #[test]
 fn a_body_collider_whose_particles_are_not_there_touches_nothing() {
     let mut world = on_the_ground();

@@ -1,8 +1,7 @@
-//! The same bits whatever computes them: each instruction set, any number of threads, debug or release.
+//! The same bits whatever computes them: any instruction set, any number of threads, debug or release.
 //!
-//! Ten scenes run for 600 ticks, and a hash of all positions and velocities is taken after each. The last hash of each scene stands below: whoever
-//! changes what the solver computes has to change it there, on purpose, and a build that computes something else is found out. Run with
-//! `SINEW_HASHES=show` to see the new ones.
+//! Ten scenes run for 600 ticks, with a hash of all positions and velocities after each. The last hash of each scene is listed below. A deliberate change of
+//! the solver's results has to update it; a build that computes something else fails the test. Run with `SINEW_HASHES=show` to print the new ones.
 
 use std::sync::Arc;
 
@@ -20,7 +19,7 @@ use sinew::{
 
 const TICKS: usize = 600;
 
-/// What each scene comes to.
+/// The final hash of each scene.
 const HASHES: [(&str, fn() -> Simulation, u64); 10] = [
     ("a flag in the wind over the ground", flag, 0x42f3_9bde_e729_a05e),
     ("ropes, tethers and springs", ropes, 0x3e06_4fec_0dd3_2f71),
@@ -59,7 +58,7 @@ fn any_number_of_threads_gives_the_same_bits_in_every_scene() {
     }
 }
 
-/// A copy has none of the memory that the original keeps from step to step, and goes on to the same bits.
+/// A clone has none of the caches that the original keeps from step to step, and continues with the same bits.
 #[test]
 fn memory_that_is_kept_from_step_to_step_changes_no_bit() {
     for (name, scene, _) in HASHES {
@@ -107,7 +106,7 @@ fn a_step_taken_at_once_has_the_bits_of_its_phases_one_by_one() {
     assert!(at_once >= 3, "only {at_once} scenes were taken at once");
 }
 
-/// What comes, goes and tears beside other bodies leaves those compiled that come before it; and gives the bits of a plan that is compiled afresh each time.
+/// Adding, removing and tearing bodies does not recompile those that come before them, and gives the bits of a plan that is compiled afresh each time.
 #[test]
 fn bodies_that_stay_compiled_have_the_bits_of_compiling_afresh() {
     let mut worlds = [(); 2].map(|()| {
@@ -137,13 +136,13 @@ fn bodies_that_stay_compiled_have_the_bits_of_compiling_afresh() {
                     world.remove_distance(31 * tick + 4000);
                 }
                 2 => {
-                    // More than can be followed one by one, in the second cloth or the third.
+                    // More changes than are tracked one by one, in the second cloth or the third.
                     let mut list = world.distances().to_vec();
                     list.drain(90 * tick + 3000..90 * tick + 3030);
                     world.replace_distances_from(0, list);
                 }
                 3 => {
-                    // Something that hangs on an old body, and something that goes.
+                    // A new body attached to an old one, and a removal.
                     let last = world.particles.len() as u32 - 1;
                     let apart = world.particles.separation(last as usize, 1500).length();
                     world.extend_distances([Distance::new(1500, last, apart)]);
@@ -278,7 +277,7 @@ fn charges() -> Simulation {
     world
 }
 
-/// Enough constraints for its clusters to be swept side by side.
+/// Enough constraints for its clusters to be swept in parallel.
 fn large() -> Simulation {
     let mut world = sheet(100, 90, 10.0);
     world.settings.substeps = 4;
@@ -286,7 +285,7 @@ fn large() -> Simulation {
     world
 }
 
-/// A cloth of so many particles, held by its corners.
+/// A cloth of this many particles, pinned at its corners.
 fn sheet(columns: u32, rows: u32, width: f32) -> Simulation {
     let mut world = Simulation::default();
     let material = ClothMaterial { bend_compliance: None, ..Default::default() };
@@ -301,7 +300,7 @@ fn sheet(columns: u32, rows: u32, width: f32) -> Simulation {
     world
 }
 
-/// Solids as particles, against each other and against a box that turns, balls among them, all of them bouncing.
+/// Solids of particles, colliding with each other and with a rotated box, balls among them, all of them bouncing.
 fn heap() -> Simulation {
     let mut world = Simulation::default();
     let mut random = random();
@@ -330,7 +329,7 @@ fn heap() -> Simulation {
     world
 }
 
-/// The same as rigid states, but for every fifth, and some of them high above in free flight, two of those on a rope.
+/// The same as rigid states, except for every fifth; some of them high above in free flight, two of those on a rope.
 fn states() -> Simulation {
     let mut world = heap();
     let brick = box_3d(&BoxSpec { size: Vec3::new(0.1, 0.2, 0.3), ..Default::default() }).unwrap();
@@ -379,7 +378,7 @@ fn drape() -> Simulation {
     world
 }
 
-/// Puts copies of a body here and there, turned and thrown.
+/// Adds copies of a body at random positions and orientations, and throws them.
 fn scatter(blueprint: &Blueprint, count: usize, world: &mut Simulation) {
     let mut random = random();
     for i in 0..count {
@@ -391,7 +390,7 @@ fn scatter(blueprint: &Blueprint, count: usize, world: &mut Simulation) {
     }
 }
 
-/// Numbers from -0.5 to 0.5, the same ones each time.
+/// Random numbers from -0.5 to 0.5, the same each time.
 fn random() -> impl FnMut() -> f32 {
     let mut state = 12_345_u32;
     move || {
@@ -400,7 +399,7 @@ fn random() -> impl FnMut() -> f32 {
     }
 }
 
-/// Cloth that hangs level on three ropes, with a crate on a fourth, over a ball; some of it was there before the cloth, and a ragdoll between.
+/// Level cloth on three ropes, with a crate on a fourth, over a ball; some of these were created before the cloth, and a ragdoll between them.
 fn tied() -> Simulation {
     let mut world = Simulation::default();
     let contacts = BodyContacts { with_bodies: true, ..BodyContacts::default() };
@@ -437,8 +436,8 @@ fn tied() -> Simulation {
     world
 }
 
-/// The lanes beyond the last particle of a cloth held what was of another one that the same worker had swept before; its tethers found those far from their pin, and the
-/// cloth was swept once more, or less often. By threads it was chance which one that was.
+/// The lanes beyond the last particle of a cloth held data of another cloth that the same worker had swept before. Its tethers found those particles far from
+/// their pin, and the cloth was swept once more, or less often. With threads it was random which cloth that was.
 #[test]
 fn what_was_swept_before_changes_no_bit_of_cloth() {
     let hung = |at: f32, rows: u32, world: &mut Simulation| {

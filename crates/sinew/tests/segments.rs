@@ -1,4 +1,4 @@
-//! Ropes by their segments: what they must not let through, and what they hold; the same ropes by their particles beside them.
+//! Ropes that collide by their segments: what they must stop, and what they carry; compared with the same ropes colliding by their particles.
 
 use core::f32::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{Blueprint, BoxSpec, RopeSpec, box_3d, rope};
 use sinew::{BodyContacts, Collider, Distance, Frame, InstructionSet, Shape, Simulation};
 
-/// A quarter turn about x: what pointed along y points along z.
+/// A quarter turn about x, which takes y to z.
 const ACROSS: Quat = Quat::from_xyzw(FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2);
 
 fn empty(substeps: u32) -> Simulation {
@@ -21,7 +21,7 @@ fn contacts() -> BodyContacts {
     BodyContacts { with_bodies: true, ..BodyContacts::default() }
 }
 
-/// A horizontal rope of 1.1 m and 200 g, 11 segments of 10 cm with a radius of 5 mm, its middle at a place.
+/// A horizontal rope of 1.1 m and 200 g, 11 segments of 10 cm with a radius of 5 mm, centred at `middle`.
 fn line(middle: Vec3, along: Vec3) -> RopeSpec {
     RopeSpec {
         from: middle - along * 0.55,
@@ -34,7 +34,7 @@ fn line(middle: Vec3, along: Vec3) -> RopeSpec {
     }
 }
 
-/// Adds a rope, by its segments or by its particles, with so much more mass at its ends, kg.
+/// Adds a rope, colliding by its segments or by its particles, with additional mass at its ends, kg.
 fn add(world: &mut Simulation, spec: &RopeSpec, segments: bool, load: [f32; 2]) {
     let mut body = rope(spec).unwrap();
     body.particles[0].mass += load[0];
@@ -43,7 +43,7 @@ fn add(world: &mut Simulation, spec: &RopeSpec, segments: bool, load: [f32; 2]) 
     body.build_colliding(world, contacts()).unwrap();
 }
 
-/// A post of 1 cm through the origin, along z.
+/// A post of 1 cm diameter through the origin, along z.
 fn post(world: &mut Simulation) {
     let post = Shape::capsule(0.005, 2.0).unwrap();
     world.colliders.push(Collider::fixed(post, Frame::new(Vec3::ZERO, ACROSS)));
@@ -61,14 +61,14 @@ fn heights(world: &Simulation, rows: core::ops::Range<usize>) -> [f32; 2] {
     [rows.clone().map(height).fold(f32::MAX, f32::min), rows.map(height).fold(f32::MIN, f32::max)]
 }
 
-/// Root of the mean square of the velocities, m/s.
+/// Root mean square speed, m/s.
 fn speed(world: &Simulation) -> f32 {
     let particles = &world.particles;
     let sum: f32 = (0..particles.len()).map(|i| particles.velocity(i).length_squared()).sum();
     (sum / particles.len() as f32).sqrt()
 }
 
-/// The largest error of a rod, as a share of its length.
+/// Largest relative length error of a rod.
 fn strain(world: &Simulation) -> f32 {
     let error = |d: &Distance| {
         let [a, b] = [d.a, d.b].map(|i| world.particles.position(i as usize));
@@ -110,13 +110,13 @@ fn a_rope_thrown_over_the_edge_of_a_box_lies_about_it() {
         body.particles.iter_mut().for_each(|one| one.velocity = Vec3::Y * -10.0);
         let body = if segments { body.with_segments() } else { body };
         body.build_colliding(&mut world, contacts()).unwrap();
-        // How deep a segment is in the box, its thickness included.
+        // Penetration of a segment in the box, its thickness included.
         let deepest = |world: &Simulation| {
             let point = |n: u32| {
                 let (i, share) = ((n / 20) as usize, (n % 20) as f32 / 20.0);
                 let [a, b] = [i, i + 1].map(|i| world.particles.position(i));
                 let beyond = a.lerp(b, share).abs() - half;
-                // Over an edge it is as far from the box as it is thick, and nearer to both planes that meet there.
+                // Over an edge, the segment is as far from the box as it is thick, and nearer to both planes that meet there.
                 0.005 - beyond.max(Vec3::ZERO).length() - beyond.max_element().min(0.0)
             };
             (0..220).map(point).fold(0.0, f32::max)
@@ -141,7 +141,7 @@ fn a_rope_thrown_over_the_edge_of_a_box_lies_about_it() {
     assert!(depth > 0.01, "by its particles it cuts the corner: {depth}");
 }
 
-/// Which way round the segments of two ropes cross, for those that do: -1 or 1, as seen along the connection of their lines.
+/// The orientation of each crossing between segments of two ropes: -1 or 1, seen along the shortest connection of their lines.
 fn crossings(world: &Simulation) -> Vec<f32> {
     let at = |i: usize| world.particles.position(i);
     let pairs = (0..11).flat_map(|i| (12..23).map(move |j| (i, j)));
@@ -155,7 +155,7 @@ fn crossings(world: &Simulation) -> Vec<f32> {
     pairs.map(side).collect()
 }
 
-/// A slack rope between two pins, and another one that falls across it with a load at each end, kg.
+/// A slack rope between two pins, and another rope that falls across it with a load at each end, kg.
 fn crossed(substeps: u32, drop: f32, load: f32, segments: bool) -> Simulation {
     let mut world = empty(substeps);
     let held = RopeSpec { slack: 0.1, pin_start: true, pin_end: true, ..line(Vec3::ZERO, Vec3::X) };
@@ -217,7 +217,7 @@ fn a_box_hangs_on_a_rope_over_a_post() {
         let [low, high] = heights(&world, rows);
         println!("{segments}: {low} {high} {} {}", speed(&world), strain(&world));
         if segments {
-            // Half of the rope, the tie, and the box about its diagonal.
+            // Half of the rope, the connection, and the box about its diagonal.
             assert!(low > -1.1 && high > -0.75, "{low} {high}");
             assert!(strain(&world) < 0.02, "{}", strain(&world));
         } else {
@@ -249,7 +249,7 @@ fn a_rope_thicker_than_its_segments_are_long_lies_still() {
         if placed {
             assert!(fastest < 1e-3 && strain(&world) < 1e-3, "{radius}: {fastest}");
         } else {
-            // Who does not say how it rests is pressed apart.
+            // Without rest positions, the rope is pressed apart.
             assert!(strain(&world) > 0.05, "{}", strain(&world));
         }
     }
@@ -315,7 +315,7 @@ fn neither_instructions_nor_threads_change_a_bit() {
     assert!(first == run(InstructionSet::Avx2, Some(2)), "two threads");
 }
 
-/// About its pin a contact has no lever: a line between two posts, pinned in their middles, flung what hung on it away, to numbers that were none.
+/// A contact at a pin has no lever about the pin: a line between two posts, pinned in their middles, threw its load away, to values that were not finite.
 #[test]
 fn a_line_that_is_pinned_in_posts_or_on_them_hangs_still() {
     for (radius, pieces) in [(0.03, 11), (0.03, 40), (0.06, 11), (0.06, 40)] {
@@ -326,7 +326,7 @@ fn a_line_that_is_pinned_in_posts_or_on_them_hangs_still() {
                 let post = Shape::cylinder(radius, 2.6).unwrap();
                 world.colliders.push(Collider::fixed(post, Frame::at(Vec3::X * x)));
             }
-            // Its ends are so much of a post's radius from its axis, towards the other post.
+            // Its ends are `deep` of a post's radius from the post's axis, towards the other post.
             let reach = 0.8 - deep * radius;
             let spec = RopeSpec {
                 from: middle - Vec3::X * reach,
@@ -346,7 +346,7 @@ fn a_line_that_is_pinned_in_posts_or_on_them_hangs_still() {
             world.settings.substeps = 20;
             run(&mut world, 6.0, 60.0);
             let name = format!("{radius} m, {pieces} pieces, {deep}");
-            // A piece that is shorter than the post is thick has its free end in the post, too, and quivers between its rod and that.
+            // A segment shorter than the thickness of the post has its free end in the post, too, and jitters between its rod and the contact.
             let still = if pieces == 11 { 0.05 } else { 0.2 };
             println!("{name}: {} m/s, {}", speed(&world), strain(&world));
             assert!(speed(&world) < still, "{name}: {} m/s", speed(&world));
@@ -357,7 +357,7 @@ fn a_line_that_is_pinned_in_posts_or_on_them_hangs_still() {
     }
 }
 
-/// Segments are read eight at a time, and only those that touch something.
+/// Segments are processed eight at a time, and only those with contacts.
 #[test]
 fn who_is_far_away_changes_no_bit_of_a_rope() {
     let thrown = |others: usize| {

@@ -1,4 +1,4 @@
-//! What bodies ask of the solver for themselves.
+//! Solver settings of single bodies.
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxLayout, BoxSpec, RopeSpec, box_3d, rope};
@@ -9,7 +9,7 @@ fn a_body_may_ask_for_more_than_its_world_and_its_neighbour_does_not_notice() {
     let scene = |picky: bool| {
         let mut world = Simulation::default();
         world.settings.max_sweeps = 1;
-        // Tethers would leave nothing to sweep for.
+        // Tethers would leave no error to sweep.
         world.settings.long_range = false;
         for x in [0.0, 5.0] {
             let spec = RopeSpec { segments: 20, pin_start: true, ..Default::default() };
@@ -34,7 +34,8 @@ fn a_body_may_ask_for_more_than_its_world_and_its_neighbour_does_not_notice() {
     }
 }
 
-/// Corrections to the nearest point bleed spin. It is given back to who is to keep it, as all are by default, and together to those whom constraints connect with them.
+/// Nearest-point corrections lose spin. The solver restores it to bodies with `keep_spin`, the default, together with the bodies that constraints connect to
+/// them.
 #[test]
 fn a_body_may_ask_for_the_lectures_loop_which_does_not_keep_its_spin() {
     let spinning = |asked: [Option<bool>; 2], tied: bool| {
@@ -104,11 +105,11 @@ fn a_tolerance_as_a_speed_is_so_many_metres_in_a_substep() {
         let (found, same) = (swung(substeps, as_speed), swung(substeps, metres(0.06 * h)));
         assert_eq!(found, same, "{substeps}");
         assert_ne!(found, swung(substeps, metres(0.12 * h)), "{substeps}");
-        // Where both are told, metres count.
+        // If both are set, the tolerance in metres is used.
         let both = BodySettings { tolerance: Some(1e-5), ..as_speed };
         assert_eq!(swung(substeps, both), swung(substeps, metres(1e-5)), "{substeps}");
     }
-    // Less than none, and what is no number, are none.
+    // Negative and non-finite values count as zero.
     for none in [-1.0, f32::NAN, f32::INFINITY] {
         let own = BodySettings { tolerance_speed: Some(none), ..Default::default() };
         assert_eq!(own.over(Default::default(), 0.01).tolerance, 0.0, "{none}");

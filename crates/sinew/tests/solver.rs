@@ -1,4 +1,4 @@
-//! The solver's choices against each other: directions of the correction, orders of a sweep, and worlds far from the origin.
+//! Comparison of the solver's options: gradients, orders of a sweep, and worlds far from the origin.
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxLayout, BoxSpec, ClothSpec, RopeSpec, box_3d, cloth_grid, rope};
@@ -115,7 +115,7 @@ fn the_worst_first_order_needs_no_more_projections_where_one_rod_of_many_is_off(
             max_sweeps: 500,
             tolerance: 1e-4,
             order,
-            // Of sweeps, not of the chain that the rope is, which is solved at once.
+            // The test is about sweeps, without the direct solution of a chain.
             long_range: false,
             ..Default::default()
         };
@@ -144,7 +144,7 @@ fn a_scene_moved_by_five_kilometres_runs_bit_for_bit_as_at_home() {
         sheet.pin(0).unwrap();
         for mut body in [cube, sheet] {
             for particle in &mut body.particles {
-                // On a grid that f32 can hold out there, so that both scenes start alike.
+                // On a grid that f32 can represent at that distance, so that both scenes start from the same state.
                 particle.position = (particle.position * 1024.0).round() / 1024.0 + offset;
             }
             body.build(&mut world).unwrap();
@@ -177,7 +177,7 @@ fn a_pinned_particle_stays_where_it_is_to_the_bit_however_far_its_island_reaches
 
 #[test]
 fn a_body_at_rest_or_falling_far_out_does_what_it_does_at_home_wherever_it_is() {
-    // Not moved by whole metres: the digits differ, the motion does not.
+    // Not an offset of whole metres: the digits differ, the motion does not.
     let away = Vec3::new(4999.7, 1234.56, -4321.1);
     let moved = |offset: Vec3, drop: f32| {
         let mut world = Simulation::default();
@@ -260,7 +260,7 @@ fn a_box_that_tumbles_on_the_ground_never_gains_energy_and_comes_to_rest() {
     }
 }
 
-/// A bead on a vertical hoop: the value is a length, the hoop stands in the world.
+/// A bead on a vertical hoop: the value is a length, and the hoop is fixed in the world.
 #[derive(Debug)]
 struct Hoop;
 
@@ -294,7 +294,7 @@ fn a_constraint_of_a_games_own_is_solved_like_the_rest() {
     assert!((highest - start).abs() < 0.02, "it swings back up: {highest} from {start}");
 }
 
-/// A wall that stands in the world, and a rod: equations of a game's own.
+/// User-defined equations: a wall that is fixed in the world, and a rod.
 #[derive(Debug)]
 struct Wall;
 
@@ -327,8 +327,8 @@ impl Equation for OwnRod {
     }
 }
 
-/// What ties particles to the world takes their momentum, in whatever company: the solver gives islands back what round-off takes, and once gave back what a wall had taken,
-/// so that what lay against it kept its speed.
+/// An equation that ties particles to the world changes their momentum, also if all other constraints of the island are internal. The solver restores the
+/// momentum that an island loses by round-off, and once restored what a wall had taken, so that a particle at the wall kept its speed.
 #[test]
 fn what_flies_against_a_wall_has_stopped_there() {
     for is_internal in [false, true] {
@@ -402,7 +402,7 @@ fn ropes_and_struts_along_the_start_of_the_step_are_still_inequalities() {
 
 #[test]
 fn a_state_saved_and_put_back_far_out_goes_on_as_at_home_to_the_bit() {
-    // What a plugin does in every tick. The remainder once led over into the next metre, and a bit was lost (seen at the 129th tick of this scene).
+    // What a plugin does in every tick. The remainder once carried over into the next metre, and a bit was lost (seen at the 129th tick of this scene).
     let away = Vec3::new(5000.0, 64.0, -4000.0);
     let scene = |offset: Vec3| {
         let mut world = Simulation::default();

@@ -1,8 +1,8 @@
-//! Threads for the suites that ask whether their number matters.
+//! Threads for the tests that vary their number.
 
 use sinew::Workers;
 
-/// Threads that are started anew each time.
+/// Threads that are spawned for each call.
 #[derive(Debug)]
 pub(crate) struct Threads(pub(crate) usize);
 

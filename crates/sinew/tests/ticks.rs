@@ -1,8 +1,9 @@
-//! Ticks of changing length: nothing gains energy by them.
+//! Ticks of varying length do not add energy.
 //!
-//! What sweeps leave of a stretch goes with the square of the substep, so a rope that they do not hold is a spring that is the stiffer the shorter the tick is.
-//! A spring that is made stiff where it is long and soft where it is fast is pumped: a rope of 20 pieces that hung at rest came to 77 m/s in ticks of 1/120 and
-//! 1/60 s in turn and to the most speed of 500 m/s in those of 1/240 and 1/60 s, and one of five pieces with a load of 10 kg did where they changed each fifth time.
+//! The stretch that the sweeps leave is proportional to the square of the substep, so a rope that does not converge acts as a spring that is stiffer the
+//! shorter the tick is. A spring that is stiff while it is stretched and soft while it moves fast is pumped. A rope of 20 segments that hung at rest reached 77
+//! m/s in alternating ticks of 1/120 and 1/60 s, and the maximum speed of 500 m/s in those of 1/240 and 1/60 s; so did one of five segments with a load of 10
+//! kg where they alternated every fifth tick.
 
 use sinew::glam::Vec3;
 use sinew::recipes::{Blueprint, ClothSpec, RopeSpec, cloth_grid, rope};
@@ -14,7 +15,7 @@ fn built(body: &Blueprint) -> Simulation {
     world
 }
 
-/// A rope of 1 m and 0.1 kg that hangs at rest, with a mass, kg, at its end, if that is not zero.
+/// A rope of 1 m and 0.1 kg that hangs at rest, with a mass, kg, at its end, unless that is zero.
 fn hanging(segments: u32, load: f32) -> Simulation {
     let spec = RopeSpec { segments, pin_start: true, ..RopeSpec::default() };
     let mut world = built(&rope(&spec).unwrap());
@@ -42,7 +43,7 @@ fn hung_cloth(cells: u32) -> Simulation {
     built(&cloth)
 }
 
-/// The most energy that a world gains in ticks that are of one and of another length so many times in turn, as a share of what falling by 1 m would give.
+/// The largest gain of energy of a world in ticks of two alternating lengths, `every` ticks each, relative to the energy of a fall by 1 m.
 fn gained(world: &Simulation, rates: [f32; 2], every: usize) -> f64 {
     let mut world = world.clone();
     let masses = (0..world.particles.len()).map(|i| world.particles.inverse_mass(i));
@@ -75,7 +76,8 @@ fn what_hangs_gains_no_energy_where_ticks_change_their_length() {
     }
 }
 
-/// No way through its rods says how a bridge hangs, and it is still pumped, to some tenths of what it has where ticks change by 2.5 times in turn; it was to 40.
+/// The shape of a hanging bridge cannot be found along its rods, and it is still pumped, up to some tenths of its energy where tick lengths alternate by a
+/// factor of 2.5; it was up to 40 times.
 #[test]
 fn a_bridge_is_pumped_by_a_share_of_what_it_has_and_does_not_fly() {
     for segments in [20, 50] {

@@ -1,4 +1,5 @@
-//! Cloth that hangs on ropes, or that something hangs on, is solved as cloth is: what is tied to it costs what that costs, and asks the cloth for nothing.
+//! Cloth on ropes, or with loads attached, is solved as cloth is: the attached bodies cost as much as they do alone, and do not affect the settings of the
+//! cloth.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,13 +19,13 @@ const DT: f32 = 1.0 / 60.0;
 /// Cells along a side of a sheet of 2 m.
 const CELLS: u32 = 40;
 
-/// A sheet, and what is tied to it.
+/// A sheet, and the bodies that are attached to it.
 struct Tied {
     world: Simulation,
     /// Cells along the sides of the sheet.
     cells: [u32; 2],
     cloth: Range<usize>,
-    /// Particles of others that come before and after each body.
+    /// Number of unrelated particles before and after each body.
     between: usize,
 }
 
@@ -35,7 +36,7 @@ impl Default for Tied {
 }
 
 impl Tied {
-    /// With so many particles of others between any two of its bodies.
+    /// With `between` unrelated particles between any two of its bodies.
     fn with_others_between(between: usize) -> Self {
         Self { between, ..Self::default() }
     }
@@ -53,7 +54,7 @@ impl Tied {
         body.transformed(turn, at).build_colliding(&mut self.world, contacts).unwrap()
     }
 
-    /// The sheet, upright or level, pinned by so many corners.
+    /// The sheet, upright or level, pinned at this many corners.
     fn cloth(mut self, at: Vec3, level: bool, pins: usize) -> Self {
         let [columns, rows] = self.cells;
         let spec = ClothSpec { width: 2.0, height: 2.0, columns, rows, ..ClothSpec::default() };
@@ -74,7 +75,7 @@ impl Tied {
         self.world.particles.position(row)
     }
 
-    /// Ties a rope to a corner, which ends elsewhere, and is pinned there or not; returns its last particle.
+    /// Attaches a rope to a corner; its other end is at `to`, pinned or not. Returns its last particle.
     fn rope(&mut self, corner: usize, to: Vec3, pinned: bool) -> usize {
         let row = self.corner(corner);
         let spec = RopeSpec { from: self.at(row), to, pin_end: pinned, ..RopeSpec::default() };
@@ -88,7 +89,7 @@ impl Tied {
         self.add(&box_3d(&spec).unwrap(), Quat::IDENTITY, at)
     }
 
-    /// Ties a particle to a point of a crate.
+    /// Attaches a particle to a point of a crate.
     fn tie(&mut self, row: usize, crate_: Range<usize>, point: Vec3) {
         let places: Vec<Vec3> = crate_.clone().map(|i| self.at(i)).collect();
         let own = Anchor::new(affine_weights(&places, point)).rigid();
@@ -108,7 +109,7 @@ impl Tied {
         tied
     }
 
-    /// Pinned by its upper corners, with a crate on a rope from a lower one.
+    /// Pinned at its upper corners, with a crate on a rope from a lower one.
     fn load(self) -> Self {
         let mut tied = self.cloth(Vec3::Y * 2.5, false, 2);
         let place = tied.at(tied.corner(2));
@@ -118,7 +119,7 @@ impl Tied {
         tied
     }
 
-    /// Four ropes to a crate that falls, in air.
+    /// Four ropes to a falling crate, in air.
     fn parachute(self) -> Self {
         let mut tied = self.cloth(Vec3::Y * 32.0, true, 0);
         let lid = Vec3::Y * 30.0;
@@ -131,7 +132,7 @@ impl Tied {
         tied
     }
 
-    /// A figure that wears it, tied to its shoulders by two corners.
+    /// A figure that wears it, attached to its shoulders by two corners.
     fn cape(self) -> Self {
         let mut tied = self.cloth(Vec3::new(0.0, 2.0, -0.5), false, 0);
         let figure = tied.add(&ragdoll(&RagdollSpec::default()).unwrap(), Quat::IDENTITY, Vec3::Y);
@@ -145,7 +146,7 @@ impl Tied {
         tied
     }
 
-    /// Of the cloth's hard distances over some ticks: mean and largest strain.
+    /// Mean and largest strain of the cloth's hard distances over the last `measured` of `ticks` ticks.
     fn strain(&mut self, ticks: usize, measured: usize) -> [f32; 2] {
         let (mut sum, mut count, mut worst) = (0.0, 0, 0.0_f32);
         for tick in 0..ticks {
@@ -165,12 +166,12 @@ impl Tied {
         [sum / count as f32, worst]
     }
 
-    /// The middle of the cloth.
+    /// Centre of the cloth.
     fn middle(&self) -> Vec3 {
         self.cloth.clone().map(|i| self.at(i)).sum::<Vec3>() / self.cloth.len() as f32
     }
 
-    /// Sweeps of the cloth in the last tick.
+    /// Number of sweeps of the cloth in the last tick.
     fn sweeps(&self) -> u32 {
         self.world.island_report(self.cloth.start).unwrap().sweeps
     }
@@ -183,8 +184,8 @@ const SCENES: [(&str, fn(Tied) -> Tied); 4] = [
     ("cape", Tied::cape),
 ];
 
-/// A crate asks for eight sweeps in a substep, a figure for forty; where the island of both was swept as often, cloth that was tied to it took ten times as long. And rows
-/// of others between theirs made it take substeps whole.
+/// A crate asks for eight sweeps in a substep, a figure for forty. When their whole island was swept as often, cloth attached to them took ten times as long.
+/// Unrelated rows between those of the island prevented microsteps.
 #[test]
 fn what_is_tied_to_cloth_leaves_it_its_own_sweeps_and_microsteps() {
     for (name, scene) in SCENES {
@@ -199,7 +200,7 @@ fn what_is_tied_to_cloth_leaves_it_its_own_sweeps_and_microsteps() {
     }
 }
 
-/// Rows between those of an island once made each stretch of them step as if it were alone, and all of it flew apart.
+/// Unrelated rows between those of an island once made each run of its rows step as if it were alone, and the island flew apart.
 #[test]
 fn rows_of_others_between_its_own_change_hardly_anything() {
     for (name, scene) in SCENES {
@@ -217,7 +218,7 @@ fn rows_of_others_between_its_own_change_hardly_anything() {
     }
 }
 
-/// All that hangs on a rope hangs on the two or three rods at its end. Swept as often as the others they were off by 11 and 47 %.
+/// The whole load of a rope is carried by the two or three rods at its end. Swept as often as the others they were off by 11 and 47 %.
 #[test]
 fn the_rods_that_a_rope_ends_at_are_stretched_by_little() {
     for (name, scene, most) in [
@@ -232,7 +233,8 @@ fn the_rods_that_a_rope_ends_at_are_stretched_by_little() {
     }
 }
 
-/// A sheet that is large enough to be shared among workers, with all that is tied to it, which one of them sweeps; and one that rows of others are between, which is not shared.
+/// A sheet large enough to be shared among workers, with bodies attached to it, which one of them sweeps; and one with unrelated rows in between, which is not
+/// shared.
 #[test]
 fn a_large_sheet_with_a_crate_has_the_same_bits_by_any_number_of_workers() {
     let run = |between: usize, workers: Option<usize>| {

@@ -1,4 +1,4 @@
-//! Waves and relays: a large cloth that goes through a step in columns, on one thread or from thread to thread, has the bits of phase after phase.
+//! Temporal blocking: a large cloth that goes through a step in columns, on one thread or pipelined over several, has the bits of phase-by-phase stepping.
 
 use core::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
@@ -8,8 +8,8 @@ use sinew::glam::Vec3;
 use sinew::recipes::{ClothMaterial, ClothSpec, cloth_grid};
 use sinew::{Simulation, Workers};
 
-/// Rods alone, held by two pins: what rolls through such a cloth as a wave, more of it than is in columns at a time, has the bits of one phase after
-/// the other; after a start at once, a step of another length, and with drag.
+/// Only rods, held by two pins. Such a cloth is solved as a wavefront, larger than the sliding window; the result has the bits of phase-by-phase stepping, also
+/// after a step at once, with a step of another length, and with drag.
 #[test]
 fn a_wave_through_a_cloth_has_the_bits_of_its_phases_one_by_one() {
     for (side, substeps, sweeps) in [(131, 5, 1), (40, 1, 1), (40, 3, 1), (40, 3, 3)] {
@@ -42,8 +42,8 @@ fn a_wave_through_a_cloth_has_the_bits_of_its_phases_one_by_one() {
     }
 }
 
-/// A cloth of seventy thousand rods goes from thread to thread, each of which takes it through some substeps; to the bits of one thread, and with no
-/// more meetings than one a step.
+/// A cloth of seventy thousand rods in a pipelined wavefront, where each thread takes it through some of the substeps: the same bits as on one thread, and only
+/// one parallel call a step.
 #[test]
 fn a_relay_of_threads_through_a_large_cloth_has_the_bits_of_one_thread() {
     for (substeps, threads) in [(6, 2), (6, 3), (5, 2), (1, 3), (4, 8)] {
@@ -69,13 +69,13 @@ fn a_relay_of_threads_through_a_large_cloth_has_the_bits_of_one_thread() {
     }
 }
 
-/// The same where sweeps wait for each other: a cloth that one thread is faster with, and one for which threads meet after each stage.
+/// The same where sweeps depend on each other: one cloth that a single thread solves faster, and one for which the threads synchronise after each stage.
 #[test]
 fn threads_that_share_the_sweeps_of_a_large_cloth_have_the_bits_of_one_thread() {
     for (side, sweeps) in [(127, 3), (190, 3), (190, 4)] {
         let mut one = sheet(side);
         one.settings.substeps = 2;
-        // Four are two microsteps, which have spans.
+        // Four sweeps make two microsteps, which have spans.
         one.settings.max_sweeps = sweeps;
         let (mut many, meetings) = (one.clone(), Arc::new(AtomicUsize::new(0)));
         many.workers = Some(Arc::new(Counting(Threads(3), meetings.clone())));
@@ -92,7 +92,7 @@ fn threads_that_share_the_sweeps_of_a_large_cloth_have_the_bits_of_one_thread() 
     }
 }
 
-/// A square cloth of so many particles along a side, 0.1 m apart, held by its corners.
+/// A square cloth of `side` particles along a side, 0.1 m apart, pinned at its corners.
 fn sheet(side: u32) -> Simulation {
     let mut world = Simulation::default();
     let material = ClothMaterial { bend_compliance: None, ..Default::default() };
@@ -113,7 +113,7 @@ fn sheet(side: u32) -> Simulation {
     world
 }
 
-/// Threads, and how often they were called together.
+/// Threads, and a count of the parallel calls.
 #[derive(Debug)]
 struct Counting(Threads, Arc<AtomicUsize>);
 

@@ -1,17 +1,17 @@
-//! The derive macro of `bevy_sinew`, which re-exports it, and the pictures of its guide: a crate of its own because the language asks for one. An enum without
-//! fields is read faster by hand than a parser for all of Rust is compiled, so it depends on nothing.
+//! The derive macro of `bevy_sinew`, which re-exports it, and the pictures of its guide. A crate of its own, because procedural macros must be. It has no
+//! dependencies: parsing an enum without fields by hand takes less time than compiling a parser for all of Rust.
 
 mod pictures;
 
 use proc_macro::{Delimiter, Spacing, TokenStream, TokenTree};
 
-/// The most layers that there are: a bit each of 32.
+/// Maximum number of layers: one bit each in a 32-bit mask.
 const MOST: usize = 32;
 
-/// Implements `bevy_sinew::CollisionLayer`: the variants are layers 0, 1, 2, … in the order in which they stand.
+/// Implements `bevy_sinew::CollisionLayer`: the variants are layers 0, 1, 2, … in the order of their declaration.
 ///
 /// # Errors
-/// What is no enum, a variant with fields or a discriminant, a generic enum, one without variants, and one of more than 32 do not compile.
+/// Compilation fails for anything but an enum, for a generic enum, for variants with fields or discriminants, and unless there are 1 to 32 variants.
 #[proc_macro_derive(CollisionLayer, attributes(default))]
 pub fn collision_layer(input: TokenStream) -> TokenStream {
     let code = match layers(input) {
@@ -24,7 +24,7 @@ pub fn collision_layer(input: TokenStream) -> TokenStream {
 /// The name of the enum, and those of its variants.
 fn layers(input: TokenStream) -> Result<(String, Vec<String>), &'static str> {
     let mut tokens = input.into_iter();
-    // Attributes and visibility stand before the keyword.
+    // Attributes and visibility precede the keyword.
     tokens
         .find(|token| matches!(token, TokenTree::Ident(word) if word.to_string() == "enum"))
         .ok_or("a collision layer is a variant of an enum")?;
@@ -78,12 +78,12 @@ fn implementation(name: &str, variants: &[String]) -> String {
     )
 }
 
-/// The pictures of a chapter, for rustdoc, which copies no files: for each line `[name]: folder/file.jpg` of a Markdown file in `src/guide`
-/// the same line with the picture itself as a `data:` address. Put before the chapter, it is the one that counts: of two definitions Markdown takes the first.
-/// Where the chapter is read as a file, on a page of the repository or as mdBook, its own counts.
+/// The pictures of a chapter, embedded for rustdoc, which copies no files: for each line `[name]: folder/file.jpg` of a Markdown file in `src/guide`, the same
+/// line with the picture as a `data:` address. Insert the result before the chapter: of two definitions Markdown uses the first. Where the chapter is read as a
+/// file, on a page of the repository or as mdBook, its own definitions apply.
 ///
 /// # Errors
-/// A chapter or a picture that is not there, and a picture that is neither JPEG nor PNG, do not compile.
+/// Compilation fails for a missing chapter or picture, and for a picture that is neither JPEG nor PNG.
 #[doc(hidden)]
 #[proc_macro]
 pub fn pictures(input: TokenStream) -> TokenStream {

@@ -1,11 +1,11 @@
-//! The pictures of a chapter as text.
+//! Embeds the pictures of a chapter as text.
 
 use std::fs;
 use std::path::Path;
 
-/// A line for each picture that the chapter names; `chapter` is a literal, with its quotes.
+/// One line for each picture in the chapter; `chapter` is a string literal, including its quotes.
 pub(crate) fn definitions(chapter: &str) -> Result<String, String> {
-    // Cargo says it of the crate that is compiled.
+    // Cargo sets this for the crate that is being compiled.
     let root = std::env::var("CARGO_MANIFEST_DIR").map_err(|fault| fault.to_string())?;
     let chapter = Path::new(&root).join("src/guide").join(chapter.trim_matches('"'));
     let read = |path: &Path| fs::read(path).map_err(|fault| format!("{}: {fault}", path.display()));
@@ -24,11 +24,11 @@ pub(crate) fn definitions(chapter: &str) -> Result<String, String> {
         let picture = read(&chapter.with_file_name(file))?;
         lines += &format!("{name}]: data:image/{kind};base64,{}\n", base64(&picture));
     }
-    // A line of its own, so that the chapter's heading stays one.
+    // An empty line, so that the chapter's heading stays one.
     Ok(lines + "\n")
 }
 
-/// Three bytes as four letters of 64.
+/// Base64 encoding.
 fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);

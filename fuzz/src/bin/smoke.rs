@@ -1,6 +1,6 @@
-//! The bodies without a fuzzer: bytes by chance, always the same, for so many seconds each. For machines without a nightly compiler.
+//! Runs the fuzz bodies without a fuzzer, on pseudo-random bytes with a fixed seed, for a number of seconds each. For machines without a nightly compiler.
 //!
-//! `smoke [--seconds S] [--only BODY] [FILE...]`: files are run once each instead, to see a finding of libFuzzer's again.
+//! `smoke [--seconds S] [--only BODY] [FILE...]`: with files, each is run once instead, to reproduce a finding of libFuzzer.
 
 use std::panic::catch_unwind;
 use std::process::ExitCode;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use sinew_fuzz::BODIES;
 
-/// xorshift64*: it needs no crate, and the same seed finds the same bugs.
+/// xorshift64*: it needs no crate, and the fixed seed makes findings reproducible.
 struct Chance(u64);
 
 impl Chance {
@@ -19,7 +19,7 @@ impl Chance {
         self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
     }
 
-    /// Up to 2047 bytes, short ones as often as long ones.
+    /// Up to 2047 bytes, with short and long inputs about equally frequent.
     fn bytes(&mut self, bytes: &mut Vec<u8>) {
         let most = 1 << (self.next() % 12);
         let len = self.next() % most;
@@ -64,7 +64,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Keeps the bytes that broke something, and says how to see it again.
+/// Saves the input that caused a failure, and prints how to reproduce it.
 fn found(name: &str, bytes: &[u8]) -> ExitCode {
     let path = std::env::temp_dir().join(format!("sinew-smoke-{name}"));
     match std::fs::write(&path, bytes) {
