@@ -84,7 +84,7 @@ fn a_box_lands_tumbles_and_keeps_its_distances_within_half_a_percent() {
 }
 
 /// Pushed in twelve directions, because in only some of them the figure ends on its head, with the whole body above it: in two of these the neck was shortened
-/// by 2.5 % while a ragdoll asked for at most 12 sweeps.
+/// by 2.5 % while the settings of a ragdoll allowed 12 sweeps.
 #[test]
 fn a_ragdoll_collapses_and_its_bones_keep_their_lengths_within_one_percent() {
     let body = ragdoll(&RagdollSpec::default()).unwrap();

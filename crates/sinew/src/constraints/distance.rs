@@ -108,7 +108,7 @@ impl Equation for Distance {
 /// Projects one hard rod and returns its error before the projection, metres.
 ///
 /// `C = ‖d‖ - L` with `d = a - b`; its gradients are `±n`, `n = d/‖d‖`. So `Σ wⱼ‖∇ⱼC‖² = w_a + w_b` and the minimiser is
-/// `Δa = -w_a λ n`, `Δb = +w_b λ n` with `λ = C/(w_a + w_b)`: the lectures' closed form with `w = 1/m`. It is exact, because
+/// `Δa = -w_a λ n`, `Δb = +w_b λ n` with `λ = C/(w_a + w_b)`: the closed form with `w = 1/m`. It is exact, because
 /// `C` is linear along its own gradient, and it keeps the barycentre: `m_a Δa + m_b Δb = 0`.
 ///
 /// This is the hottest kernel of the solver. Written as `d · C/(‖d‖ (w_a + w_b))`, it takes one square root and one division.

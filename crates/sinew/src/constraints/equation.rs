@@ -16,7 +16,7 @@ use super::softness::{Softness, SubstepContext, multiplier};
 /// use sinew::glam::Vec3;
 /// use sinew::{Constraint, Equation, ConstraintKind, ParticleSeed, Points, Simulation};
 ///
-/// /// A bead on a round wire in the xy plane: `C = √(x² + y²) - r`. The wire stands in the world, so no momentum is kept.
+/// /// A bead on a round wire in the xy plane: `C = √(x² + y²) - r`. The wire is fixed in the world, so no momentum is kept.
 /// #[derive(Debug)]
 /// struct Wire {
 ///     centre: Vec3,

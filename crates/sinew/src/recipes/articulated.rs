@@ -104,7 +104,7 @@ pub(super) const SWEEPS: u32 = 12;
 /// one for each joint that it carries, a width to the side of the joint. The last is the pin of a hinge, or the arm from which twist is measured. A child whose
 /// head is at its parent's tail shares that particle. The limits are a [`Cone`](crate::constraints::Cone) and [`Hinge`](crate::constraints::Hinge)s.
 ///
-/// There is one part for each bone, in the same order: centred on the bone, with y from the tail to the head. The body asks for up to 12 sweeps.
+/// There is one part for each bone, in the same order: centred on the bone, with y from the tail to the head. Its settings allow 12 sweeps.
 ///
 /// # Errors
 /// A [`RecipeFault`] if the spec has no bones, or a value is out of range.

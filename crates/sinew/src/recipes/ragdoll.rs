@@ -95,7 +95,7 @@ const SWEEPS: u32 = 40;
 ///
 /// Each particle's radius is the thickness of the body there, so that the figure rests on the ground as it is drawn. Parts are named `"head"`, `"torso"`,
 /// `"pelvis"`, `"left upper arm"`, `"left forearm"`, `"left thigh"`, `"left shin"` and the same on the right. A limb's part is centred on its bone, with y from
-/// the far joint to the near one; the others are upright when the figure stands. The body asks for up to 40 sweeps, until no error exceeds 0.0003 of its height
+/// the far joint to the near one; the others are upright when the figure stands. Its settings allow 40 sweeps, until no error exceeds 0.0003 of its height
 /// (at 600 substeps a second; [in proportion](BodySettings#tolerance-as-a-speed)). Its joint limits are exceeded by a few degrees at most when it lands.
 pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RecipeFault> {
     ensure(LENGTHS.contains(&spec.height), RecipeFault::Size)?;

@@ -56,7 +56,7 @@ use crate::particles::Particles;
 /// Where several flows overlap, they form one body of air: the velocities add up, each weighted by its region, and density and coefficients are those of the
 /// densest. So a fan may blow in a breeze, and a breeze in still air.
 ///
-/// A triangle stands for a thin sheet with air on both sides. On a closed body the lee side is affected as well; for those, halve the coefficients.
+/// A triangle represents a thin sheet with air on both sides. On a closed body the lee side is affected as well; for those, halve the coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirFlow {
     /// Velocity of the air, m/s.

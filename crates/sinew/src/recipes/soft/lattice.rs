@@ -23,7 +23,7 @@ pub struct SoftLatticeSpec {
     /// Young's modulus, Pa, 1e-3 to 1e12. Default 2e4 (gelatine 1e3 to 1e5, rubber 1e6).
     ///
     /// Let sound travel at `√(E/ρ)` for the density ρ. In substeps in which it crosses less than an eighth of the shortest edge (the Courant number), the body
-    /// asks for [one sweep](BodySettings::single_sweep_below), which gives the same motion as more would: the strain of a pile of jelly cubes agrees to a
+    /// needs only [one sweep](BodySettings::single_sweep_below), which gives the same motion as more would: the strain of a pile of jelly cubes agrees to a
     /// fortieth. In longer substeps it uses the world's sweeps. Where sound crosses more than half of an edge in a substep, the body needs more sweeps, or is
     /// softer than specified.
     pub stiffness: f32,
