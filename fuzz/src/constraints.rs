@@ -15,7 +15,7 @@ use sinew::{
 
 use crate::input::Input;
 
-const MOST: usize = 12;
+const MAX_CONSTRAINTS: usize = 12;
 
 /// The solver settings that are not numbers.
 pub(crate) fn choices(input: &mut Input, settings: SolverSettings) -> SolverSettings {
@@ -52,8 +52,8 @@ pub(crate) fn operate(
             let constraint = Constraint::new(rows(input, n), kind(input, n as usize));
             let k = input.below(world.constraints().len() as u32 + 1) as usize;
             match world.constraints().len() {
-                MOST if k == MOST => drop(world.remove_constraint(k - 1)),
-                MOST => drop(world.replace_constraint(k, constraint)),
+                MAX_CONSTRAINTS if k == MAX_CONSTRAINTS => drop(world.remove_constraint(k - 1)),
+                MAX_CONSTRAINTS => drop(world.replace_constraint(k, constraint)),
                 _ => world.insert_constraint(k, constraint),
             }
         }

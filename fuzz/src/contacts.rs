@@ -10,9 +10,9 @@ use sinew::{
 
 use crate::input::Input;
 
-const MOST_COLLIDERS: usize = 5;
-const MOST_BODIES: usize = 4;
-const MOST_SOLIDS: usize = 5;
+const MAX_COLLIDERS: usize = 5;
+const MAX_BODIES: usize = 4;
+const MAX_BODY_COLLIDERS: usize = 5;
 
 /// One operation. `most` is the maximum number of particles.
 pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
@@ -27,7 +27,7 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
                 collider.material = material(input);
                 collider.layers = layers(input);
                 (collider.sensor, collider.events) = (input.rarely(4), input.flag());
-                world.colliders.truncate(MOST_COLLIDERS - 1);
+                world.colliders.truncate(MAX_COLLIDERS - 1);
                 world.colliders.push(collider);
             }
         }
@@ -50,22 +50,22 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
                 events: input.flag(),
                 disabled: input.rarely(6),
             };
-            world.contacts.truncate(MOST_BODIES - 1);
+            world.contacts.truncate(MAX_BODIES - 1);
             world.contacts.push(own);
             // Pairs without contacts; the bodies and colliders may not exist.
             let participants = [0, 1].map(|_| {
-                let number = input.below(MOST_BODIES as u32 + 1);
+                let number = input.below(MAX_BODIES as u32 + 1);
                 if input.flag() {
                     ContactParticipant::Body(number)
                 } else {
                     ContactParticipant::Collider(number)
                 }
             });
-            world.ignored.truncate(MOST_BODIES);
+            world.ignored.truncate(MAX_BODIES);
             world.ignored.extend(input.rarely(3).then_some(participants));
         }
         4 if count > 0 => {
-            let (row, body) = (input.below(count) as usize, input.below(MOST_BODIES as u32));
+            let (row, body) = (input.below(count) as usize, input.below(MAX_BODIES as u32));
             world.particles.set_body(row, (!input.rarely(6)).then_some(body));
             if input.flag() {
                 world.particles.set_rest(row, Some(input.vector()));
@@ -89,7 +89,7 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
             let rest: Vec<Vec3> = rows.iter().map(|_| input.vector()).collect();
             if let Some(shape) = shape(input) {
                 let body_colliders = world.body_colliders_mut();
-                body_colliders.truncate(MOST_SOLIDS - 1);
+                body_colliders.truncate(MAX_BODY_COLLIDERS - 1);
                 let id = body_colliders.len() as u64;
                 body_colliders.push(BodyCollider { rows, rest: rest.into(), shape, id });
             }
@@ -103,16 +103,16 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
                 asleep: input.rarely(4),
                 support_hash: u64::from(input.below(3)),
             };
-            world.sleep.truncate(MOST_BODIES - 1);
+            world.sleep.truncate(MAX_BODIES - 1);
             world.sleep.push(sleep);
-            world.bodies.resize(MOST_BODIES, BodySettings::default());
+            world.bodies.resize(MAX_BODIES, BodySettings::default());
         }
-        _ => ask(world, input),
+        _ => query(world, input),
     }
 }
 
 /// Queries change nothing, whatever the arguments, and return valid numbers.
-fn ask(world: &Simulation, input: &mut Input) {
+fn query(world: &Simulation, input: &mut Input) {
     let (from, way, most) = (input.vector(), input.vector(), input.any());
     if let Some(hit) = world.cast_ray(from, way, most, &Filter::default()) {
         assert!(hit.distance >= 0.0 && hit.distance <= most, "{hit:?}");

@@ -4,7 +4,7 @@ use arbitrary::Unstructured;
 use sinew::glam::Vec3;
 
 /// Extreme values that validation has to handle.
-const ODD: [f32; 20] = [
+const EXTREME: [f32; 20] = [
     f32::NAN,
     f32::INFINITY,
     f32::NEG_INFINITY,
@@ -74,7 +74,7 @@ impl<'a> Input<'a> {
     pub(crate) fn any(&mut self) -> f32 {
         match self.below(16) {
             0..=9 => self.ordinary(),
-            10..=13 => ODD[self.below(ODD.len() as u32) as usize],
+            10..=13 => EXTREME[self.below(EXTREME.len() as u32) as usize],
             _ => f32::from_bits(self.bits()),
         }
     }

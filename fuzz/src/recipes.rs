@@ -8,7 +8,7 @@ use sinew::{Bound, Plane, Simulation};
 use crate::input::Input;
 
 /// Larger bodies are valid, but a waste of the fuzzer's time.
-const MOST_PARTICLES: u64 = 2000;
+const MAX_PARTICLES: u64 = 2000;
 
 /// Builds a body from a random spec. Panics if a recipe breaks a guarantee.
 pub fn recipes(data: &[u8]) {
@@ -138,5 +138,5 @@ fn cloth_spec(input: &mut Input) -> ClothSpec {
 fn few(input: &mut Input, others: u64) -> u32 {
     let cells = if input.rarely(16) { input.bits() } else { input.below(24) };
     let particles = (u64::from(cells) + 1).saturating_mul(others);
-    if (MOST_PARTICLES..=1 << 24).contains(&particles) { 3 } else { cells }
+    if (MAX_PARTICLES..=1 << 24).contains(&particles) { 3 } else { cells }
 }

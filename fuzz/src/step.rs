@@ -10,11 +10,11 @@ use crate::contacts;
 use crate::input::Input;
 
 /// Enough for colours and islands to appear, and few enough that a scenario takes less than a millisecond.
-const MOST_PARTICLES: usize = 40;
-const MOST_LINKS: usize = 80;
-const MOST_OTHERS: usize = 4;
-const MOST_STEPS: u32 = 12;
-const MOST_SWEEPS_OF_A_SHEET: u32 = 8;
+const MAX_PARTICLES: usize = 40;
+const MAX_LINKS: usize = 80;
+const MAX_OTHERS: usize = 4;
+const MAX_STEPS: u32 = 12;
+const MAX_SWEEPS_OF_A_SHEET: u32 = 8;
 
 /// Runs a scenario. Panics if the solver breaks a guarantee.
 pub fn step(data: &[u8]) {
@@ -26,7 +26,7 @@ pub fn step(data: &[u8]) {
     }
     set(&mut world, settings);
     let mut steps = 0;
-    while !input.is_spent() && steps < MOST_STEPS {
+    while !input.is_spent() && steps < MAX_STEPS {
         if input.rarely(6) {
             steps += 1;
             let dt = input.mostly(|input| input.positive() / 64.0);
@@ -65,8 +65,8 @@ fn settings(input: &mut Input) -> SolverSettings {
 /// Sets the settings of a world, with unlimited sweeps only if particles are few. A thousand sweeps over a sheet, most violated first, take a minute with a
 /// sanitizer, which the fuzzer reports as a hang.
 fn set(world: &mut Simulation, settings: SolverSettings) {
-    let few = world.particles.len() <= MOST_PARTICLES;
-    let most = if few { u32::MAX } else { MOST_SWEEPS_OF_A_SHEET };
+    let few = world.particles.len() <= MAX_PARTICLES;
+    let most = if few { u32::MAX } else { MAX_SWEEPS_OF_A_SHEET };
     world.settings = SolverSettings { max_sweeps: settings.max_sweeps.min(most), ..settings };
 }
 
@@ -74,7 +74,7 @@ fn set(world: &mut Simulation, settings: SolverSettings) {
 fn operate(world: &mut Simulation, input: &mut Input) {
     let count = world.particles.len();
     match input.below(31) {
-        26..=30 => contacts::operate(world, input, MOST_PARTICLES),
+        26..=30 => contacts::operate(world, input, MAX_PARTICLES),
         20..=25 => constraints::operate(world, input, row),
         0..=4 => push(world, input),
         5 if count > 0 => {
@@ -86,7 +86,7 @@ fn operate(world: &mut Simulation, input: &mut Input) {
         }
         6..=8 => {
             let distance = distance(input, count);
-            if world.distances().len() < MOST_LINKS {
+            if world.distances().len() < MAX_LINKS {
                 let k = input.below(world.distances().len() as u32 + 1) as usize;
                 world.insert_distance(k, distance);
             }
@@ -100,18 +100,18 @@ fn operate(world: &mut Simulation, input: &mut Input) {
                 _ => core::mem::replace(&mut world.distances_mut()[k], distance(input, count)),
             };
         }
-        10 => keep(&mut world.forces.springs, spring(input, count), MOST_LINKS),
-        11 => keep(&mut world.forces.surfaces, [0; 3].map(|_| row(input, count)), MOST_LINKS),
+        10 => keep(&mut world.forces.springs, spring(input, count), MAX_LINKS),
+        11 => keep(&mut world.forces.surfaces, [0; 3].map(|_| row(input, count)), MAX_LINKS),
         12 => {
             let wind = wind(input);
             check_gusts(&wind, input.vector(), world.time);
-            keep(&mut world.forces.winds, wind, MOST_OTHERS);
+            keep(&mut world.forces.winds, wind, MAX_OTHERS);
         }
-        13 => keep(&mut world.forces.fluids, fluid(input), MOST_OTHERS),
+        13 => keep(&mut world.forces.fluids, fluid(input), MAX_OTHERS),
         14 => surroundings(world, input),
         15 => {
             let pin = Pin { particle: row(input, count), target: input.vector() };
-            keep(&mut world.boundaries.pins, pin, MOST_LINKS);
+            keep(&mut world.boundaries.pins, pin, MAX_LINKS);
         }
         16 => {
             let settings = settings(input);
@@ -119,7 +119,7 @@ fn operate(world: &mut Simulation, input: &mut Input) {
         }
         17 if input.rarely(4) => {
             let len = input.below(count as u32 + 4) as usize;
-            world.particles.resize(len.min(MOST_PARTICLES));
+            world.particles.resize(len.min(MAX_PARTICLES));
         }
         18 if count > 0 => {
             let i = input.below(count as u32) as usize;
@@ -144,7 +144,7 @@ fn operate(world: &mut Simulation, input: &mut Input) {
 
 fn push(world: &mut Simulation, input: &mut Input) {
     let (seed, count) = (seed(input), world.particles.len());
-    if count < MOST_PARTICLES {
+    if count < MAX_PARTICLES {
         let pushed = world.particles.push(seed);
         assert_eq!(pushed.err(), seed.fault());
         assert_eq!(world.particles.len(), count + usize::from(pushed.is_ok()));
@@ -238,18 +238,18 @@ fn surroundings(world: &mut Simulation, input: &mut Input) {
                 friction,
                 ..Plane::ground(0.0)
             };
-            keep(&mut world.boundaries.planes, plane, MOST_OTHERS);
+            keep(&mut world.boundaries.planes, plane, MAX_OTHERS);
         }
         4 => {
             if let Some(plane) = Plane::new(input.vector(), input.vector()) {
                 assert!(plane.is_valid());
-                keep(&mut world.boundaries.planes, plane.with_friction(friction), MOST_OTHERS);
+                keep(&mut world.boundaries.planes, plane.with_friction(friction), MAX_OTHERS);
             }
         }
         5 => {
             let (min, max) = (input.vector(), input.vector());
             let room = InsideBox { friction, ..InsideBox::new(min, max) };
-            keep(&mut world.boundaries.boxes, room, MOST_OTHERS);
+            keep(&mut world.boundaries.boxes, room, MAX_OTHERS);
         }
         _ => world.time = f64::from(input.any()),
     }

@@ -8,8 +8,8 @@ use sinew::recipes::{ClothMaterial, MeshFault, RecipeFault, Weld, cloth_from_mes
 
 use crate::input::Input;
 
-const MOST_VERTICES: u32 = 48;
-const MOST_INDICES: u32 = 240;
+const MAX_VERTICES: u32 = 48;
+const MAX_INDICES: u32 = 240;
 
 /// Welds a mesh and makes cloth of it. Panics if the recipe breaks a guarantee.
 pub fn weld(data: &[u8]) {
@@ -53,7 +53,7 @@ fn material(input: &mut Input) -> ClothMaterial {
 
 /// Vertices on a coarse lattice, so that many coincide, near it, or anywhere; indices that exist in most cases.
 fn mesh(input: &mut Input) -> (Vec<Vec3>, Vec<u32>) {
-    let (vertices, triangles) = (input.below(MOST_VERTICES), input.below(MOST_INDICES / 3));
+    let (vertices, triangles) = (input.below(MAX_VERTICES), input.below(MAX_INDICES / 3));
     let spare = if input.rarely(16) { input.below(3) } else { 0 };
     let wild = input.rarely(4);
     let coordinate = |input: &mut Input| match input.below(8) {

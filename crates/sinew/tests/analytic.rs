@@ -235,7 +235,7 @@ fn a_sliding_block_stops_where_friction_has_eaten_its_speed() {
 }
 
 #[test]
-fn a_particle_led_by_a_pin_walks_there_evenly_and_pulls_what_hangs_on_it() {
+fn a_particle_with_a_moving_pin_moves_evenly_and_pulls_what_hangs_on_it() {
     let mut world = Simulation::default();
     world.particles.push(ParticleSeed::at(Vec3::ZERO).pinned()).unwrap();
     world.particles.push(ParticleSeed::at(Vec3::NEG_Y)).unwrap();

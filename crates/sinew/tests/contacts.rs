@@ -119,7 +119,7 @@ fn what_lies_on_something_that_moves_is_carried() {
 }
 
 #[test]
-fn layers_that_do_not_mind_each_other_and_sensors_let_through_and_a_sensor_tells() {
+fn excluded_layers_and_sensors_do_not_collide_and_a_sensor_reports() {
     let floor = |layers, sensor| Collider { layers, sensor, events: true, ..slope(0.0, 0.5) };
     for (layers, sensor, passes) in [
         (Layers::default(), false, false),
@@ -148,7 +148,7 @@ fn layers_that_do_not_mind_each_other_and_sensors_let_through_and_a_sensor_tells
 }
 
 #[test]
-fn the_impulse_that_is_told_of_a_thing_at_rest_is_its_weight() {
+fn the_reported_impulse_of_a_body_at_rest_is_its_weight() {
     let mut world = Simulation::default();
     world.colliders.push(slope(0.0, 0.5));
     ball(&mut world, Vec3::Y * 0.1, Vec3::ZERO, 0.1, Material::default());

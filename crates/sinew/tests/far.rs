@@ -4,7 +4,7 @@ use sinew::glam::Vec3;
 use sinew::{Distance, ParticleSeed, Pin, Simulation};
 
 #[test]
-fn what_hangs_on_a_pin_that_is_led_is_pulled_evenly_five_kilometres_out_too() {
+fn what_hangs_on_a_moving_pin_is_pulled_evenly_five_kilometres_out_too() {
     let scene = |offset: Vec3| {
         let mut world = Simulation::default();
         world.settings.substeps = 64;

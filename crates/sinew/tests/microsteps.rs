@@ -103,7 +103,7 @@ fn it_falls_on_the_exact_parabola_whether_or_not_bodies_touch_elsewhere() {
 }
 
 #[test]
-fn pins_that_are_led_go_evenly_and_arrive() {
+fn moving_pins_move_evenly_and_arrive() {
     for elsewhere in [false, true] {
         let mut world = Simulation::default();
         world.forces.drag = 0.5;

@@ -39,7 +39,7 @@ fn level() -> Simulation {
 }
 
 /// The visible state: time, bits of the particles, and sleep flags.
-fn seen(world: &Simulation) -> (u64, Vec<[u32; 7]>, Vec<bool>) {
+fn visible(world: &Simulation) -> (u64, Vec<[u32; 7]>, Vec<bool>) {
     (world.time.to_bits(), bits(world), world.sleep.iter().map(|body| body.asleep).collect())
 }
 
@@ -121,27 +121,27 @@ fn nobody_sees_that_steps_at_rest_are_not_taken() {
         let (mut world, mut stepped) = (asleep.clone(), asleep.clone());
         for tick in 0..5 {
             // A clone does not have the record of a world at rest, and needs two steps to establish it again.
-            assert_eq!(is_at_once(&mut world), tick >= 2, "{what}");
+            assert_eq!(is_skipped(&mut world), tick >= 2, "{what}");
             phases(&mut stepped, |_, _| {});
         }
-        let before = seen(&world);
+        let before = visible(&world);
         edit(&mut world);
         edit(&mut stepped);
-        assert!(!is_at_once(&mut world), "{what} is not noticed");
+        assert!(!is_skipped(&mut world), "{what} is not noticed");
         phases(&mut stepped, |_, _| {});
         for tick in 0..120 {
-            assert_eq!(seen(&world), seen(&stepped), "{what}, {tick} ticks later");
-            is_at_once(&mut world);
+            assert_eq!(visible(&world), visible(&stepped), "{what}, {tick} ticks later");
+            is_skipped(&mut world);
             phases(&mut stepped, |_, _| {});
         }
-        moved += usize::from(seen(&world).1 != before.1);
+        moved += usize::from(visible(&world).1 != before.1);
     }
     assert!(moved > EDITS.len() / 2, "{moved} of them move something");
 }
 
 /// A step of another length, or with another number of substeps, is not covered by the record of a world at rest.
 #[test]
-fn another_length_is_another_step() {
+fn a_step_of_another_length_is_not_skipped() {
     let mut world = level();
     for _ in 0..200 {
         world.step(DT).unwrap();
@@ -157,7 +157,7 @@ fn another_length_is_another_step() {
 }
 
 /// Takes a step, and returns whether its substeps were skipped.
-fn is_at_once(world: &mut Simulation) -> bool {
+fn is_skipped(world: &mut Simulation) -> bool {
     let at_once = world.step_at_rest(DT);
     if !at_once {
         world.step(DT).unwrap();
@@ -192,7 +192,7 @@ fn sleeps_beside(box_at: Vec3) -> bool {
 }
 
 #[test]
-fn who_lies_between_the_bones_of_another_keeps_it_awake_only_where_it_touches_one() {
+fn a_box_between_the_bones_of_a_body_keeps_it_awake_only_where_it_touches_one() {
     assert!(sleeps_beside(Vec3::new(0.3, 0.0, 0.7)), "it is half a metre from either bone");
     assert!(!sleeps_beside(Vec3::new(1.0, 0.0, 1.205)), "it lies at the end of one");
 }

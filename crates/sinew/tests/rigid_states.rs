@@ -154,7 +154,7 @@ fn its_motion_is_that_of_its_particles() {
 
 /// A wind acts on surfaces. In a world without surfaces, a wind made all boxes step substep by substep.
 #[test]
-fn a_wind_that_has_nothing_to_press_on_disturbs_nobody() {
+fn a_wind_without_surfaces_changes_nothing() {
     let mut still = thrown(Vec3::new(3.0, 5.0, -4.0), 10);
     let mut windy = still.clone();
     windy.forces.winds.push(Wind::steady(Vec3::X * 50.0));

@@ -359,7 +359,7 @@ fn a_line_that_is_pinned_in_posts_or_on_them_hangs_still() {
 
 /// Segments are processed eight at a time, and only those with contacts.
 #[test]
-fn who_is_far_away_changes_no_bit_of_a_rope() {
+fn distant_bodies_change_no_bit_of_a_rope() {
     let thrown = |others: usize| {
         let mut world = empty(10);
         post(&mut world);

@@ -5,7 +5,7 @@ use sinew::recipes::{BoxLayout, BoxSpec, RopeSpec, box_3d, rope};
 use sinew::{BodySettings, Bound, Distance, GradientAt, Representation, Simulation};
 
 #[test]
-fn a_body_may_ask_for_more_than_its_world_and_its_neighbour_does_not_notice() {
+fn a_body_may_have_more_sweeps_than_its_world_and_its_neighbour_is_not_affected() {
     let scene = |picky: bool| {
         let mut world = Simulation::default();
         world.settings.max_sweeps = 1;
@@ -37,7 +37,7 @@ fn a_body_may_ask_for_more_than_its_world_and_its_neighbour_does_not_notice() {
 /// Nearest-point corrections lose spin. The solver restores it to bodies with `keep_spin`, the default, together with the bodies that constraints connect to
 /// them.
 #[test]
-fn a_body_may_ask_for_the_lectures_loop_which_does_not_keep_its_spin() {
+fn a_body_may_turn_off_keep_spin_and_then_loses_spin() {
     let spinning = |asked: [Option<bool>; 2], tied: bool| {
         let mut world = Simulation::default();
         world.forces.gravity = Vec3::ZERO;

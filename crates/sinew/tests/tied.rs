@@ -184,8 +184,8 @@ const SCENES: [(&str, fn(Tied) -> Tied); 4] = [
     ("cape", Tied::cape),
 ];
 
-/// The settings of a crate allow eight sweeps in a substep, those of a figure forty. When their whole island was swept as often, cloth attached to them took ten
-/// times as long. Unrelated rows between those of the island prevented microsteps.
+/// The settings of a crate allow eight sweeps in a substep, those of a figure forty. When their whole island was swept as often, cloth attached to them took
+/// ten times as long. Unrelated rows between those of the island prevented microsteps.
 #[test]
 fn what_is_tied_to_cloth_leaves_it_its_own_sweeps_and_microsteps() {
     for (name, scene) in SCENES {

@@ -11,7 +11,7 @@ use sinew::{Simulation, Workers};
 /// Only rods, held by two pins. Such a cloth is solved as a wavefront, larger than the sliding window; the result has the bits of phase-by-phase stepping, also
 /// after a step at once, with a step of another length, and with drag.
 #[test]
-fn a_wave_through_a_cloth_has_the_bits_of_its_phases_one_by_one() {
+fn a_wavefront_through_a_cloth_has_the_bits_of_its_phases_one_by_one() {
     for (side, substeps, sweeps) in [(131, 5, 1), (40, 1, 1), (40, 3, 1), (40, 3, 3)] {
         let mut world = sheet(side);
         world.settings.substeps = substeps;
@@ -45,7 +45,7 @@ fn a_wave_through_a_cloth_has_the_bits_of_its_phases_one_by_one() {
 /// A cloth of seventy thousand rods in a pipelined wavefront, where each thread takes it through some of the substeps: the same bits as on one thread, and only
 /// one parallel call a step.
 #[test]
-fn a_relay_of_threads_through_a_large_cloth_has_the_bits_of_one_thread() {
+fn a_pipelined_wavefront_through_a_large_cloth_has_the_bits_of_one_thread() {
     for (substeps, threads) in [(6, 2), (6, 3), (5, 2), (1, 3), (4, 8)] {
         let mut one = sheet(131);
         one.settings.substeps = substeps;

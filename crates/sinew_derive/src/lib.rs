@@ -6,7 +6,7 @@ mod pictures;
 use proc_macro::{Delimiter, Spacing, TokenStream, TokenTree};
 
 /// Maximum number of layers: one bit each in a 32-bit mask.
-const MOST: usize = 32;
+const MAX_LAYERS: usize = 32;
 
 /// Implements `bevy_sinew::CollisionLayer`: the variants are layers 0, 1, 2, … in the order of their declaration.
 ///
@@ -38,7 +38,7 @@ fn layers(input: TokenStream) -> Result<(String, Vec<String>), &'static str> {
         return Err("an enum has variants");
     }
     let variants = variants(body.stream())?;
-    if variants.is_empty() || variants.len() > MOST {
+    if variants.is_empty() || variants.len() > MAX_LAYERS {
         return Err("there are 1 to 32 collision layers");
     }
     Ok((name.to_string(), variants))

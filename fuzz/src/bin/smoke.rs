@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 use sinew_fuzz::BODIES;
 
 /// xorshift64*: it needs no crate, and the fixed seed makes findings reproducible.
-struct Chance(u64);
+struct Xorshift(u64);
 
-impl Chance {
+impl Xorshift {
     fn next(&mut self) -> u64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
@@ -43,10 +43,10 @@ fn main() -> ExitCode {
     let chosen = BODIES.into_iter().filter(|(name, _)| only.as_deref().is_none_or(|o| o == *name));
     for (name, body) in chosen {
         if files.is_empty() {
-            let (mut chance, mut bytes, mut runs) = (Chance(0x5153_4e45), Vec::new(), 0_u64);
+            let (mut random, mut bytes, mut runs) = (Xorshift(0x5153_4e45), Vec::new(), 0_u64);
             let end = Instant::now() + Duration::from_secs_f64(seconds);
             while Instant::now() < end {
-                chance.bytes(&mut bytes);
+                random.bytes(&mut bytes);
                 if catch_unwind(|| body(&bytes)).is_err() {
                     return found(name, &bytes);
                 }

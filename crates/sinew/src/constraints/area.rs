@@ -94,11 +94,11 @@ pub(super) fn area([a, b, c]: [Vec3; 3]) -> (f32, [Vec3; 3]) {
 pub(super) fn keep_within_reach(value: f32, reach: f32, gradients: &mut [Vec3]) {
     let square: f32 = gradients.iter().map(|g| g.length_squared()).sum();
     let most = (square * gradients.len() as f32).sqrt() * reach;
-    let steeper = value.abs() / most;
+    let factor = value.abs() / most;
     // Infinite or NaN if the gradient has vanished or the input is not finite; the solver handles those.
-    if steeper > 1.0 && steeper.is_finite() {
+    if factor > 1.0 && factor.is_finite() {
         for gradient in gradients {
-            *gradient *= steeper;
+            *gradient *= factor;
         }
     }
 }
@@ -129,7 +129,7 @@ impl Wide<3> for Areas {
         let factor = value.abs() / ((square * L::splat(3.0)).sqrt() * reach);
         let far = one.lt(factor).and(factor.le(L::splat(f32::MAX)));
         if far.any() {
-            steeper(far.select(factor, one), &mut gradients);
+            scale_gradients(far.select(factor, one), &mut gradients);
         }
         (value, gradients)
     }
@@ -159,7 +159,7 @@ pub(super) fn area_wide<L: Lanes>(points: &[Vector<L>; 3]) -> (L, [Vector<L>; 3]
 
 /// Multiplies the gradients by `factor`.
 #[inline(always)]
-pub(super) fn steeper<L: Lanes, const N: usize>(factor: L, gradients: &mut [Vector<L>; N]) {
+pub(super) fn scale_gradients<L: Lanes, const N: usize>(factor: L, gradients: &mut [Vector<L>; N]) {
     for gradient in gradients {
         *gradient = *gradient * factor;
     }

@@ -350,7 +350,7 @@ mod tests {
     const PLACES: [Vec3; 2] = [Vec3::ZERO, Vec3::new(0.3, 0.9, 0.5)];
 
     #[test]
-    fn a_sound_law_passes_every_check() {
+    fn a_correct_equation_passes_every_check() {
         let rod = Rod { sign: 1.0, first: 1.0 };
         assert_gradients(&rod, &PLACES);
         assert_gradients(&OnBall(2.0), &PLACES[1..]);

@@ -118,7 +118,7 @@ pub(crate) struct Cones {
     /// A cosine that is above that of `max` by a safe margin.
     clear: [f32; LANES],
     /// 1 where the segment starts at the frame's own `o`. Such a cone of four particles is stored in the form of five, with `o` twice.
-    own: [f32; LANES],
+    starts_at_frame: [f32; LANES],
 }
 
 impl Wide<5> for Cones {
@@ -131,7 +131,7 @@ impl Wide<5> for Cones {
             axis: [0, 1, 2].map(|i| numbers(cones, |cone| cone.axis[i])),
             max: numbers(cones, |cone| cone.max),
             clear: numbers(cones, |cone| libm::cosf(cone.max) + CLEAR),
-            own: numbers(particles, |count| f32::from(u8::from(count == 4))),
+            starts_at_frame: numbers(particles, |count| f32::from(u8::from(count == 4))),
         }
     }
 
@@ -164,10 +164,10 @@ impl Wide<5> for Cones {
         let by_x = turn * along_u + v.cross(turn) * up;
         let by_y = turn * along_v + turn.cross(u) * up;
         let by_o = -(by_x + by_y);
-        let own = L::zero().lt(L::load(&self.own));
+        let starts_at_frame = L::zero().lt(L::load(&self.starts_at_frame));
         let nothing = Vector::new(L::zero(), L::zero(), L::zero());
-        let by_o = (by_o - by_d).or_else(own, by_o);
-        (value, [by_o, by_x, by_y, nothing.or_else(own, -by_d), by_d])
+        let by_o = (by_o - by_d).or_else(starts_at_frame, by_o);
+        (value, [by_o, by_x, by_y, nothing.or_else(starts_at_frame, -by_d), by_d])
     }
 }
 

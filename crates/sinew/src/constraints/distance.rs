@@ -127,7 +127,7 @@ pub(crate) fn project_rod(positions: &mut [Vec4], a: u32, b: u32, rest: f32) -> 
         return value.abs();
     }
     // Both pinned or coincident: rare, so kept out of the hot path.
-    part(positions, a, b, rest)
+    project_degenerate(positions, a, b, rest)
 }
 
 /// Masks the inverse mass in the fourth lane out of arithmetic on positions.
@@ -135,7 +135,7 @@ const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 
 /// Handles a hard rod between coincident particles, or between pinned ones.
 #[cold]
-fn part(positions: &mut [Vec4], a: usize, b: usize, rest: f32) -> f32 {
+fn project_degenerate(positions: &mut [Vec4], a: usize, b: usize, rest: f32) -> f32 {
     let weights = positions[a].w + positions[b].w;
     if weights == 0.0 {
         return 0.0;

@@ -176,12 +176,12 @@ pub(crate) fn project(
     if weights == 0.0 {
         return 0.0;
     }
-    let way = match softness {
+    let moved_by = match softness {
         Softness::Hard | Softness::Share(_) => 0.0,
         _ => (0..points.len()).map(|i| gradients[i].dot(points.at(i) - points.start(i))).sum(),
     };
-    let asks = (value, weights, way);
-    let change = change((softness, bound), substep_context, asks, lambda);
+    let terms = (value, weights, moved_by);
+    let change = change((softness, bound), substep_context, terms, lambda);
     let mut farthest = 0.0_f32;
     for (i, gradient) in gradients.iter().enumerate() {
         let step = *gradient * (-points.inverse_mass(i) * change);
@@ -206,11 +206,11 @@ pub(super) fn change(
     lambda: &mut f32,
 ) -> f32 {
     let unit = softness.unit(weights);
-    let asked = multiplier(softness, substep_context, value, weights, moved, *lambda) * unit;
+    let unclamped = multiplier(softness, substep_context, value, weights, moved, *lambda) * unit;
     let change = match bound {
-        Bound::Equal => asked,
-        Bound::AtMost => (asked + *lambda).max(0.0) - *lambda,
-        Bound::AtLeast => (asked + *lambda).min(0.0) - *lambda,
+        Bound::Equal => unclamped,
+        Bound::AtMost => (unclamped + *lambda).max(0.0) - *lambda,
+        Bound::AtLeast => (unclamped + *lambda).min(0.0) - *lambda,
     };
     // Only soft constraints use the sum; a hard inequality starts afresh in each sweep.
     *lambda = if softness.remembers() { *lambda + change } else { 0.0 };

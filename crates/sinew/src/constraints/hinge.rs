@@ -67,7 +67,7 @@ impl Equation for Hinge {
         let Some((angle, by)) = dihedral(places) else { return 0.0 };
         // Measured from the middle of the range, the shorter way round.
         let (middle, half) = (0.5 * (self.min + self.max), 0.5 * (self.max - self.min));
-        let value = beyond(around(angle - middle), -half, half);
+        let value = beyond(wrapped(angle - middle), -half, half);
         if value != 0.0 {
             gradients.copy_from_slice(&by);
         }
@@ -84,7 +84,7 @@ impl Equation for Hinge {
 }
 
 /// Wraps an angle to -π to π.
-fn around(angle: f32) -> f32 {
+fn wrapped(angle: f32) -> f32 {
     angle - TAU * (angle / TAU).round()
 }
 
@@ -149,7 +149,7 @@ impl Wide<4> for Hinges {
     type Kind = Hinge;
 
     fn of(hinges: [&Hinge; LANES], _: [usize; LANES]) -> Self {
-        let middle = |hinge: &Hinge| around(0.5 * (hinge.min + hinge.max));
+        let middle = |hinge: &Hinge| wrapped(0.5 * (hinge.min + hinge.max));
         let half = |hinge: &Hinge| 0.5 * (hinge.max - hinge.min);
         Self {
             middle: numbers(hinges, middle),

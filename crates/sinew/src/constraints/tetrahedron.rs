@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::area::{keep_within_reach, steeper};
+use super::area::{keep_within_reach, scale_gradients};
 use super::equation::{Equation, Points};
 use super::fault::ConstraintFault;
 use super::softness::Softness;
@@ -121,8 +121,8 @@ impl Wide<4> for Tetrahedra {
         let step = value.abs() / (square * L::splat(4.0)).sqrt();
         let far = is_size(step).and(size.lt(step * step * step));
         if far.any() {
-            let factor = L::load(&steepened(step.array(), size.array()));
-            steeper(far.select(factor, L::splat(1.0)), &mut gradients);
+            let factor = L::load(&scale_factors(step.array(), size.array()));
+            scale_gradients(far.select(factor, L::splat(1.0)), &mut gradients);
         }
         (value, gradients)
     }
@@ -130,7 +130,7 @@ impl Wide<4> for Tetrahedra {
 
 /// The factors, at least 1, by which gradients have to be scaled up so that steps of `step` metres become as long as the edge of a cube of volume `size`, m³.
 #[cold]
-fn steepened(step: [f32; LANES], size: [f32; LANES]) -> [f32; LANES] {
+fn scale_factors(step: [f32; LANES], size: [f32; LANES]) -> [f32; LANES] {
     core::array::from_fn(|lane| {
         let factor = step[lane] / libm::cbrtf(size[lane]);
         if factor > 1.0 && factor.is_finite() { factor } else { 1.0 }

@@ -125,9 +125,9 @@ mod tests {
 
     /// Moves each particle by its own displacement.
     #[derive(Debug)]
-    struct March(Vec<Vec3>, Softness);
+    struct Displaced(Vec<Vec3>, Softness);
 
-    impl Equation for March {
+    impl Equation for Displaced {
         fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
             towards(points, gradients, |i| self.0[i])
         }
@@ -144,10 +144,10 @@ mod tests {
     const STEPS: [Vec3; 3] = [Vec3::X, Vec3::new(0.0, -3.0, 1.0), Vec3::new(1e-3, 0.0, 0.0)];
 
     #[test]
-    fn a_hard_law_moves_each_particle_by_what_it_says_and_a_pinned_one_not_at_all() {
+    fn a_hard_constraint_moves_each_particle_by_its_displacement_and_a_pinned_one_not_at_all() {
         for masses in [[1.0, 1.0, 1.0], [1e-6, 1e6, 3.0], [2.0, f32::INFINITY, 1.0]] {
             let mut particles = points_of(&[Vec3::ZERO; 3], &masses);
-            particles.project(&March(STEPS.to_vec(), Softness::Hard));
+            particles.project(&Displaced(STEPS.to_vec(), Softness::Hard));
             for (i, p) in particles.positions().iter().enumerate() {
                 let wanted = if masses[i].is_finite() { STEPS[i] } else { Vec3::ZERO };
                 assert!((*p - wanted).length() <= 1e-6 * wanted.length(), "{masses:?} {i} {p}");
@@ -156,11 +156,11 @@ mod tests {
     }
 
     #[test]
-    fn a_soft_law_moves_all_by_the_same_share() {
+    fn a_soft_constraint_moves_all_by_the_same_share() {
         let mut particles = points_of(&[Vec3::ZERO; 3], &[1.0, 2.0, 4.0]);
         // ωh = 1, so half of the displacement: 1/(1 + 1/(ωh)²).
         let hertz = 60.0 / core::f32::consts::TAU;
-        particles.project(&March(STEPS.to_vec(), Softness::frequency(hertz, 0.0)));
+        particles.project(&Displaced(STEPS.to_vec(), Softness::frequency(hertz, 0.0)));
         for (p, step) in particles.positions().iter().zip(STEPS) {
             assert!((*p - step * 0.5).length() < 1e-6, "{p}");
         }
@@ -170,7 +170,7 @@ mod tests {
     fn no_way_to_go_or_one_that_is_no_number_is_nothing() {
         for step in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
             let mut particles = points_of(&[Vec3::ZERO; 2], &[]);
-            particles.project(&March(vec![step; 2], Softness::Hard));
+            particles.project(&Displaced(vec![step; 2], Softness::Hard));
             assert_eq!(particles.positions(), [Vec3::ZERO; 2]);
         }
     }

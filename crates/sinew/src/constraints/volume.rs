@@ -217,7 +217,7 @@ mod tests {
     }
 
     /// The cost of correcting a volume error of 1 % by scaling, relative to the cost along the gradient.
-    fn dearer(mesh: &(Vec<Vec3>, Vec<[u32; 3]>), masses: &[f32]) -> f64 {
+    fn relative_cost(mesh: &(Vec<Vec3>, Vec<[u32; 3]>), masses: &[f32]) -> f64 {
         let cost = |correction: SizeCorrection| {
             let mut particles = points_of(&mesh.0, masses);
             let equation = volume(mesh, 1.01, correction);
@@ -257,8 +257,8 @@ mod tests {
     /// physics.md C7: 1.08 times the least cost on a sphere, 22 times on a pancake (about a tenth as high as it is wide).
     #[test]
     fn scaling_is_a_little_dearer_than_the_least_on_a_sphere_and_much_on_a_pancake() {
-        let (even, odd) = (dearer(&sphere(3), &[]), dearer(&globe(1.0), &[]));
-        let pancake = dearer(&globe(0.09), &[]);
+        let (even, odd) = (relative_cost(&sphere(3), &[]), relative_cost(&globe(1.0), &[]));
+        let pancake = relative_cost(&globe(0.09), &[]);
         println!("cut evenly {even:.3}, a globe {odd:.3}, a pancake {pancake:.2} times the least");
         assert!(even > 1.0 && even < 1.06, "{even}");
         assert!((odd - 1.08).abs() < 0.01, "{odd}");

@@ -98,7 +98,7 @@ mod tests {
     const ALL: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
 
     /// Total force on the particles, and torque about their barycentre.
-    fn felt(world: &mut Simulation) -> (DVec3, DVec3) {
+    fn total_load(world: &mut Simulation) -> (DVec3, DVec3) {
         world.begin_substep();
         world.accumulate_forces();
         let particles = &world.particles;
@@ -139,7 +139,7 @@ mod tests {
         let torque = Vec3::new(5.0, -3.0, 8.0);
         let mut world = crate_of_wood();
         world.forces.controls.push(Control::torque("wheel", ALL, torque));
-        let (force, turn) = felt(&mut world);
+        let (force, turn) = total_load(&mut world);
         assert!(force.length() < 2e-6 && (turn - torque.as_dvec3()).length() < 5e-6);
 
         let (push, point) = (Vec3::new(0.0, 7.0, 2.0), Vec3::new(4.0, 0.5, 0.0));
@@ -147,7 +147,7 @@ mod tests {
         let centre =
             (0..8).map(|i| world.particles.position(i) * world.particles.mass(i)).sum::<Vec3>()
                 / 15.0;
-        let (force, turn) = felt(&mut world);
+        let (force, turn) = total_load(&mut world);
         let expected = (torque + (point - centre).cross(push)).as_dvec3();
         assert!((force - push.as_dvec3()).length() < 5e-6, "{force}");
         assert!((turn - expected).length() < 2e-5, "{turn} {expected}");

@@ -126,8 +126,8 @@ pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, RecipeFault> {
         let _ = body.pin(i);
     }
     for members in &skeleton.pieces {
-        let held = |&i: &u32| body.particles[i as usize].mass == f32::INFINITY;
-        if !members.is_empty() && !members.iter().all(held) {
+        let is_pinned = |&i: &u32| body.particles[i as usize].mass == f32::INFINITY;
+        if !members.is_empty() && !members.iter().all(is_pinned) {
             let rest: Vec<Vec3> = members.iter().map(|&i| place(i)).collect();
             body.constraints.push(Constraint::new(
                 members.iter().copied(),
@@ -157,8 +157,8 @@ fn check(number: usize, bone: &Bone) -> Result<(), RecipeFault> {
     ensure(parent, RecipeFault::BoneParent(number))?;
     ensure(LENGTHS.contains(&bone.width), RecipeFault::BoneWidth(number))?;
     // Rounding of a thousandth of the width would be a visible angle.
-    let tells = reach * f32::EPSILON <= 1e-3 * bone.width.min(length);
-    ensure(LENGTHS.contains(&length) && tells, RecipeFault::BoneLength(number))?;
+    let resolved = reach * f32::EPSILON <= 1e-3 * bone.width.min(length);
+    ensure(LENGTHS.contains(&length) && resolved, RecipeFault::BoneLength(number))?;
     ensure(MASSES.contains(&bone.mass), RecipeFault::BoneMass(number))?;
     let angles = |all: [f32; 2]| {
         let within = all.iter().all(|angle| (0.0..=core::f32::consts::PI).contains(angle));

@@ -172,7 +172,7 @@ impl Blueprint {
     }
 
     /// Particles at these positions, metres, that share a mass, kg, evenly and are all connected by rods.
-    pub(super) fn tied(places: &[Vec3], mass: f32, radius: f32, drag: f32) -> Self {
+    pub(super) fn fully_connected(places: &[Vec3], mass: f32, radius: f32, drag: f32) -> Self {
         let count = places.len() as u32;
         let seed = |&place: &Vec3| {
             let seed = ParticleSeed::at(place).with_mass(mass / count as f32);
@@ -188,12 +188,12 @@ impl Blueprint {
     /// Adds a hard rod between two existing particles, with their distance as rest length.
     pub(super) fn rod(&mut self, a: u32, b: u32) {
         let ends = [a, b].map(|i| self.particles[i as usize].position);
-        self.distances.push(Distance::new(a, b, gap(ends[0], ends[1])));
+        self.distances.push(Distance::new(a, b, rest_length(ends[0], ends[1])));
     }
 }
 
 /// The distance of two points, computed in f64 and rounded once; used as a rest length.
-pub(super) fn gap(a: Vec3, b: Vec3) -> f32 {
+pub(super) fn rest_length(a: Vec3, b: Vec3) -> f32 {
     (a.as_dvec3() - b.as_dvec3()).length() as f32
 }
 
@@ -251,7 +251,7 @@ mod tests {
             body.transformed(Quat::from_xyzw(1.0, -2.0, 0.5, 3.0), Vec3::new(3.0, 4.0, -5.0));
         for (d, rest) in turned.distances.iter().zip(&body.distances) {
             let [a, b] = [d.a, d.b].map(|i| turned.particles[i as usize].position);
-            assert!((gap(a, b) - rest.rest).abs() < 2e-6);
+            assert!((rest_length(a, b) - rest.rest).abs() < 2e-6);
         }
         assert_eq!(turned.total_mass(), body.total_mass());
         assert_eq!(turned.parts, body.parts);

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::blueprint::Blueprint;
 use super::fault::{RecipeFault, check_particles, ensure};
-use super::limits::{LENGTHS, MOST_PARTICLES, is_compliance};
+use super::limits::{LENGTHS, MAX_PARTICLES, is_compliance};
 use crate::constraints::Distance;
 use crate::particles::ParticleSeed;
 
@@ -169,7 +169,7 @@ fn check(spec: &ClothSpec) -> Result<(), RecipeFault> {
     let sizes = LENGTHS.contains(&spec.width) && LENGTHS.contains(&spec.height);
     ensure(sizes, RecipeFault::Size)?;
     ensure(spec.columns > 0 && spec.rows > 0, RecipeFault::NoCells)?;
-    ensure(particles <= MOST_PARTICLES, RecipeFault::TooMany)?;
+    ensure(particles <= MAX_PARTICLES, RecipeFault::TooMany)?;
     spec.material.check()
 }
 

@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
-use super::blueprint::{Blueprint, gap};
+use super::blueprint::{Blueprint, rest_length};
 use super::cloth::ClothMaterial;
 use super::fault::RecipeFault;
-use super::mesh::{Closed, Edges, Piece, close, sort};
+use super::mesh::{Edges, Piece, Welded, sort, weld_with_edges};
 use crate::constraints::Distance;
 
 /// Builds cloth from a triangle list: a particle at each welded vertex ([`weld`](super::weld)), a distance along each edge, and, unless the material bends
@@ -23,12 +23,12 @@ pub fn cloth_from_mesh(
     material: &ClothMaterial,
 ) -> Result<Blueprint, RecipeFault> {
     material.check()?;
-    let Closed { positions, triangles, vertices, edges, pieces } =
-        close(positions, indices, material.weld_tolerance)?;
+    let Welded { positions, triangles, vertices, edges, pieces } =
+        weld_with_edges(positions, indices, material.weld_tolerance)?;
     let masses = masses(&positions, &triangles, material.density);
     let particles = positions.iter().zip(masses).map(|(p, mass)| material.seed(*p, mass)).collect();
     let tie = |[a, b]: [u32; 2], compliance| {
-        let rest = gap(positions[a as usize], positions[b as usize]);
+        let rest = rest_length(positions[a as usize], positions[b as usize]);
         Distance::new(a, b, rest).with_compliance(compliance)
     };
     // There are about as many folds as edges, or somewhat fewer.
@@ -80,14 +80,14 @@ fn folds(edges: &Edges, particles: usize) -> Vec<[u32; 2]> {
     pairs
 }
 
-/// Passes sorted pairs to `take`, piece by piece. In a grid the two ends of every pair differ by one of a few steps, and pairs are grouped by step, so that
+/// Passes sorted pairs to `emit`, piece by piece. In a grid the two ends of every pair differ by one of a few steps, and pairs are grouped by step, so that
 /// pairs with consecutive ends follow each other. `steps` gives the steps for a row of that many particles.
 fn by_family<T, const N: usize>(
     pairs: &[T],
     ends: impl Fn(&T) -> [u32; 2],
     pieces: &[Piece],
     steps: impl Fn(u32) -> [u32; N],
-    mut take: impl FnMut([u32; 2]),
+    mut emit: impl FnMut([u32; 2]),
 ) {
     let mut rest = pairs;
     for piece in pieces {
@@ -95,7 +95,7 @@ fn by_family<T, const N: usize>(
             rest.split_at(rest.partition_point(|pair| ends(pair)[0] < piece.particles.end));
         rest = others;
         let Some(columns) = piece.columns else {
-            own.iter().for_each(|pair| take(ends(pair)));
+            own.iter().for_each(|pair| emit(ends(pair)));
             continue;
         };
         let steps = steps(columns);
@@ -104,7 +104,7 @@ fn by_family<T, const N: usize>(
             // In narrow grids some steps are equal.
             if left > 0 && !steps[..i].contains(step) {
                 for pair in own.iter().map(&ends).filter(|[a, b]| b - a == *step) {
-                    take(pair);
+                    emit(pair);
                     left -= 1;
                 }
             }

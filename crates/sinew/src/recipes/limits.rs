@@ -10,7 +10,7 @@ pub(super) const LENGTHS: RangeInclusive<f32> = 1e-6..=1e6;
 pub(super) const MASSES: RangeInclusive<f32> = 1e-9..=1e12;
 
 /// Maximum number of particles that a recipe makes: the largest up to which `f32` represents all integers.
-pub(super) const MOST_PARTICLES: u64 = 1 << 24;
+pub(super) const MAX_PARTICLES: u64 = 1 << 24;
 
 /// Whether `x` is a valid compliance: m/N, 0 for a hard constraint.
 pub(super) fn is_compliance(x: f32) -> bool {

@@ -154,7 +154,7 @@ impl MassProperties {
         let mut rows = self.spread.to_cols_array_2d();
         for i in 0..3 {
             for j in 0..3 {
-                if i != j && rows[i][j].abs() <= UNEVEN * (rows[i][i] * rows[j][j]).sqrt() {
+                if i != j && rows[i][j].abs() <= NEGLIGIBLE * (rows[i][i] * rows[j][j]).sqrt() {
                     rows[i][j] = 0.0;
                 }
             }
@@ -171,7 +171,7 @@ impl MassProperties {
 }
 
 /// A mean of `x y` below this share of the product of the root mean squares of `x` and `y` counts as zero: a few roundings of `f32`.
-const UNEVEN: f64 = 3e-7;
+const NEGLIGIBLE: f64 = 3e-7;
 
 /// `a aᵀ`.
 fn outer(a: DVec3) -> DMat3 {

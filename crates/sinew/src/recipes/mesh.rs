@@ -10,7 +10,7 @@ use core::ops::Range;
 use glam::{DVec3, Vec3};
 
 pub(super) use self::edges::{Edges, sort};
-use super::limits::MOST_PARTICLES;
+use super::limits::MAX_PARTICLES;
 use super::nearest::{NearestSearch, bounds};
 
 /// A mesh with its seams closed: the result of [`weld`], in an order that suits the solver.
@@ -96,14 +96,14 @@ pub enum MeshFault {
 ///
 /// O(n log n) in the number of vertices and triangles. Fails with a [`MeshFault`].
 pub fn weld(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<Weld, MeshFault> {
-    let Closed { positions, triangles, vertices, edges, pieces } =
-        close(positions, indices, tolerance)?;
+    let Welded { positions, triangles, vertices, edges, pieces } =
+        weld_with_edges(positions, indices, tolerance)?;
     let (bends, edges) = (edges.bends().collect(), edges.list.iter().map(|e| e.ends).collect());
     Ok(Weld { positions, triangles, vertices, edges, bends, pieces })
 }
 
 /// A [`Weld`] with its full edge data, which is cheaper to reuse for large meshes.
-pub(super) struct Closed {
+pub(super) struct Welded {
     pub(super) positions: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) vertices: Vec<u32>,
@@ -112,25 +112,25 @@ pub(super) struct Closed {
 }
 
 /// Implementation of [`weld`].
-pub(super) fn close(
+pub(super) fn weld_with_edges(
     positions: &[Vec3],
     indices: &[u32],
     tolerance: f32,
-) -> Result<Closed, MeshFault> {
+) -> Result<Welded, MeshFault> {
     check(positions, indices, tolerance)?;
     let mut used = vec![false; positions.len()];
     for &index in indices {
         used[index as usize] = true;
     }
-    let leaders = leaders(positions, &used, tolerance);
-    let joined = indices.chunks_exact(3).map(|t| [0, 1, 2].map(|k| leaders[t[k] as usize]));
+    let representatives = representatives(positions, &used, tolerance);
+    let joined = indices.chunks_exact(3).map(|t| [0, 1, 2].map(|k| representatives[t[k] as usize]));
     let mut triangles = Vec::with_capacity(joined.len());
     triangles.extend(joined.filter(|&t| has_area(positions, t)));
     if triangles.is_empty() {
         return Err(MeshFault::AllDegenerate);
     }
     let mut particles = number(&mut triangles, positions.len());
-    let first = |v: usize| particles[v] != NONE && leaders[v] == v as u32;
+    let first = |v: usize| particles[v] != NONE && representatives[v] == v as u32;
     let found: Vec<Vec3> =
         (0..positions.len()).filter(|&v| first(v)).map(|v| positions[v]).collect();
     let edges = Edges::of(&mut triangles, found.len());
@@ -138,8 +138,8 @@ pub(super) fn close(
     let places = renumber(&order, &mut particles, &mut triangles);
     let edges = edges.renumbered(&places);
     let kept: Vec<Vec3> = order.iter().map(|&old| found[old as usize]).collect();
-    Ok(Closed {
-        vertices: followed(positions, &kept, &leaders, &particles),
+    Ok(Welded {
+        vertices: followed(positions, &kept, &representatives, &particles),
         positions: kept,
         triangles,
         edges,
@@ -157,7 +157,7 @@ fn check(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<(), Mesh
     if !indices.len().is_multiple_of(3) {
         return Err(MeshFault::NotTriangles(indices.len()));
     }
-    if positions.len() as u64 > MOST_PARTICLES {
+    if positions.len() as u64 > MAX_PARTICLES {
         return Err(MeshFault::TooMany);
     }
     if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
@@ -178,7 +178,7 @@ fn check(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<(), Mesh
 /// Uses a hash grid with several times as many chains as vertices; a chain shared by two cells costs time but does not affect the result. A cell is 8
 /// tolerances wide: a second cell rarely has to be searched, and a cell does not hold many points that are farther apart than the tolerance. The size is
 /// bounded below so that cell numbers are exact in `f64`.
-fn leaders(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
+fn representatives(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
     let [low, high] = bounds(positions.iter().copied()).map(Vec3::as_dvec3);
     let reach = f64::from(tolerance);
     let size = (8.0 * reach).max((high - low).max_element() / (1_u64 << 50) as f64);
@@ -187,16 +187,16 @@ fn leaders(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
     let cell = |p: DVec3| ((p - low) * scale + 1.5).to_array().map(|x| x as i64);
     let mut heads = vec![NONE; 4 * positions.len().next_power_of_two()];
     let mut next = vec![NONE; positions.len()];
-    let mut leaders = vec![NONE; positions.len()];
+    let mut representatives = vec![NONE; positions.len()];
     for v in (0..positions.len()).filter(|&v| used[v]) {
         let at = positions[v].as_dvec3();
         let mut best = (reach * reach, NONE);
         let mut search = |chain: usize| {
-            let mut leader = heads[chain];
-            while leader != NONE {
-                let away = at.distance_squared(positions[leader as usize].as_dvec3());
-                best = nearer(best, (away, leader));
-                leader = next[leader as usize];
+            let mut representative = heads[chain];
+            while representative != NONE {
+                let away = at.distance_squared(positions[representative as usize].as_dvec3());
+                best = nearer(best, (away, representative));
+                representative = next[representative as usize];
             }
         };
         let own = chain(cell(at), heads.len());
@@ -210,18 +210,18 @@ fn leaders(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
             best.1 = v as u32;
             (next[v], heads[own]) = (heads[own], best.1);
         }
-        leaders[v] = best.1;
+        representatives[v] = best.1;
     }
-    leaders
+    representatives
 }
 
 /// The chain of a cell; the number of chains is a power of two. Each coordinate is mixed by the finaliser of `SplitMix64`.
 fn chain(cell: [i64; 3], chains: usize) -> usize {
-    let stir = |hash: u64, x: i64| {
+    let mix = |hash: u64, x: i64| {
         let z = (hash ^ x as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb) ^ z >> 31
     };
-    cell.into_iter().fold(0, stir) as usize & (chains - 1)
+    cell.into_iter().fold(0, mix) as usize & (chains - 1)
 }
 
 /// The nearer of two candidates; the earlier one if they are equally near.
@@ -284,13 +284,20 @@ fn renumber(order: &[u32], particles: &mut [u32], triangles: &mut Vec<[u32; 3]>)
 }
 
 /// The particle of each vertex: that of its representative, or else the nearest.
-fn followed(positions: &[Vec3], kept: &[Vec3], leaders: &[u32], particles: &[u32]) -> Vec<u32> {
+fn followed(
+    positions: &[Vec3],
+    kept: &[Vec3],
+    representatives: &[u32],
+    particles: &[u32],
+) -> Vec<u32> {
     let mut nearest = None;
-    let particle = |(&leader, &position): (&u32, &Vec3)| match particles.get(leader as usize) {
+    let particle = |(&representative, &position): (&u32, &Vec3)| match particles
+        .get(representative as usize)
+    {
         Some(&particle) if particle != NONE => particle,
         _ => nearest.get_or_insert_with(|| NearestSearch::new(kept)).find(position),
     };
-    leaders.iter().zip(positions).map(particle).collect()
+    representatives.iter().zip(positions).map(particle).collect()
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use self::anatomy::{APART, BONES, FIGURE, LIMITS, Limit, PARTS, PartShape};
 use super::blueprint::{Blueprint, Part};
 use super::fault::{RecipeFault, check_mass, ensure};
 use super::limits::LENGTHS;
-use crate::collide::Shape as Solid;
+use crate::collide::Shape;
 use crate::constraints::{Bound, Cone, Constraint, ConstraintKind, Distance, Hinge};
 use crate::particles::ParticleSeed;
 use crate::settings::BodySettings;
@@ -207,9 +207,9 @@ fn shaped(part: &anatomy::Segment, body: &Blueprint, height: f32) -> Part {
         rest,
         size: size.as_vec3(),
         shape: if limb {
-            Solid::capsule(0.5 * size.x as f32, (size.y - size.x) as f32).ok()
+            Shape::capsule(0.5 * size.x as f32, (size.y - size.x) as f32).ok()
         } else {
-            Solid::cuboid(size.as_vec3()).ok()
+            Shape::cuboid(size.as_vec3()).ok()
         },
     }
 }

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::blueprint::Blueprint;
 use super::fault::{RecipeFault, check_mass, check_particles, ensure};
-use super::limits::{LENGTHS, MOST_PARTICLES, is_compliance};
+use super::limits::{LENGTHS, MAX_PARTICLES, is_compliance};
 use crate::constraints::{Bound, Distance};
 use crate::particles::ParticleSeed;
 
@@ -95,7 +95,7 @@ fn check(spec: &RopeSpec) -> Result<(), RecipeFault> {
     ensure(near(spec.from) && near(spec.to), RecipeFault::Ends)?;
     ensure(LENGTHS.contains(&gap), RecipeFault::Apart)?;
     let segments = u64::from(spec.segments);
-    ensure((1..MOST_PARTICLES).contains(&segments), RecipeFault::Segments)?;
+    ensure((1..MAX_PARTICLES).contains(&segments), RecipeFault::Segments)?;
     check_mass(spec.mass)?;
     ensure((0.0..=100.0).contains(&spec.slack), RecipeFault::Slack)?;
     ensure(spec.slack == 0.0 || spec.segments > 1, RecipeFault::SlackOfOne)?;

@@ -10,7 +10,7 @@ use core::ops::RangeInclusive;
 use glam::{DVec3, Vec3};
 
 pub use self::lattice::{SoftLatticeSpec, SoftShape, SoftSurface, soft_lattice, soft_lattice_mesh};
-use super::blueprint::{Blueprint, gap};
+use super::blueprint::{Blueprint, rest_length};
 use super::fault::{RecipeFault, check_particles, ensure};
 use super::limits::LENGTHS;
 use super::mass::MassProperties;
@@ -111,7 +111,7 @@ pub fn soft_mesh(
         let stiffness = f64::from(spec.stretch) * around / (length * length);
         let inverse = [a, b].iter().map(|&i| 1.0 / masses[i as usize]).sum();
         let softness = damped(1.0 / stiffness, inverse, spec.damping);
-        body.distances.push(Distance::new(a, b, gap(p, q)).with_softness(softness));
+        body.distances.push(Distance::new(a, b, rest_length(p, q)).with_softness(softness));
     }
     if spec.bend > 0.0 {
         body.constraints

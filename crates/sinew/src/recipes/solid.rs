@@ -148,9 +148,9 @@ pub fn solid(spec: &SolidSpec) -> Result<Blueprint, RecipeFault> {
     ensure(LENGTHS.contains(&size.max_element()), RecipeFault::Size)?;
     let mass = spec.bulk.mass_of(properties.volume)? as f32;
     let rest = places(&properties, spec.layout);
-    ensure(told_apart(&rest, &properties), RecipeFault::Size)?;
+    ensure(is_resolved(&rest, &properties), RecipeFault::Size)?;
     let count = rest.len() as u32;
-    let mut body = Blueprint::tied(&rest, mass, spec.radius, spec.drag);
+    let mut body = Blueprint::fully_connected(&rest, mass, spec.radius, spec.drag);
     let shape = spec.shape.collider();
     body.parts = vec![Part { name: "solid", particles: (0..count).collect(), rest, size, shape }];
     Ok(body)
@@ -174,7 +174,7 @@ fn places(properties: &MassProperties, layout: SolidLayout) -> Vec<Vec3> {
 }
 
 /// Whether the rounded positions are accurate to a hundredth of the shortest distance between two particles.
-fn told_apart(rest: &[Vec3], properties: &MassProperties) -> bool {
+fn is_resolved(rest: &[Vec3], properties: &MassProperties) -> bool {
     let shortest = 2.0 * properties.principal().0.min_element().sqrt();
     let farthest = rest.iter().fold(0.0, |far: f32, r| far.max(r.abs().max_element()));
     f64::from(farthest) * f64::from(f32::EPSILON) <= 1e-2 * shortest

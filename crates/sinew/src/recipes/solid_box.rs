@@ -46,7 +46,7 @@ impl Default for BoxSpec {
 /// Particle `i` is on the positive side of x, y and z where bit 0, 1 and 2 of `i` is set.
 pub fn box_3d(spec: &BoxSpec) -> Result<Blueprint, RecipeFault> {
     check(spec, &spec.size.to_array())?;
-    let mut body = tied(spec, 8, spec.size);
+    let mut body = connected(spec, 8, spec.size);
     if spec.layout == BoxLayout::Corners {
         body.triangles = FACES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     }
@@ -58,7 +58,7 @@ pub fn box_3d(spec: &BoxSpec) -> Result<Blueprint, RecipeFault> {
 pub fn box_2d(spec: &BoxSpec) -> Result<Blueprint, RecipeFault> {
     check(spec, &spec.size.to_array()[..2])?;
     ensure((0.0..=*LENGTHS.end()).contains(&spec.size.z), RecipeFault::Size)?;
-    let mut body = tied(spec, 4, spec.size.with_z(0.0));
+    let mut body = connected(spec, 4, spec.size.with_z(0.0));
     if spec.layout == BoxLayout::Corners {
         body.triangles = vec![[0, 1, 3], [0, 3, 2]];
     }
@@ -76,7 +76,7 @@ fn check(spec: &BoxSpec, edges: &[f32]) -> Result<(), RecipeFault> {
 }
 
 /// The first `count` corners of a box of `size`, all pairs connected.
-fn tied(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
+fn connected(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
     let reach = match spec.layout {
         BoxLayout::Corners => 0.5,
         BoxLayout::Equimomental => 0.5 / 3.0_f64.sqrt(),
@@ -84,7 +84,7 @@ fn tied(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
     let side = |i: u32, bit: u32| if i >> bit & 1 == 1 { reach } else { -reach };
     let corner = |i| (DVec3::new(side(i, 0), side(i, 1), side(i, 2)) * size.as_dvec3()).as_vec3();
     let rest: Vec<Vec3> = (0..count).map(corner).collect();
-    let mut body = Blueprint::tied(&rest, spec.mass, spec.radius, spec.drag);
+    let mut body = Blueprint::fully_connected(&rest, spec.mass, spec.radius, spec.drag);
     // Rods lose spin unless their gradient is taken at the start of the substep, and an impact on the ground then takes more sweeps.
     body.settings.gradient_at = Some(GradientAt::StepStart);
     body.settings.max_sweeps = Some(8);

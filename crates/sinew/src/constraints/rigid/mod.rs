@@ -116,7 +116,7 @@ impl Fit {
             moments += outer(p, r.as_dvec3() - self.rest);
             momentum += p.cross(points.at(i).as_dvec3() - self.now);
         }
-        turn::keeping(momentum, moments, nearest).unwrap_or(nearest)
+        turn::conserving(momentum, moments, nearest).unwrap_or(nearest)
     }
 
     /// A rotation near the nearest one, so that two Newton steps find that: it maps two of the rest positions, far out and far from collinear, to the

@@ -41,7 +41,7 @@ const FARTHEST: f64 = 0.3;
 
 /// The rotation that gives the shape with `moments`, `Σ m p rᵀ`, the angular momentum `momentum`, `Σ m p × q`; iterated from `nearest`. `None` if there is none
 /// near it.
-pub(super) fn keeping(momentum: DVec3, moments: DMat3, nearest: DQuat) -> Option<DQuat> {
+pub(super) fn conserving(momentum: DVec3, moments: DMat3, nearest: DQuat) -> Option<DQuat> {
     let from_rest = moments.transpose();
     let mut q = nearest;
     for _ in 0..STEPS {

@@ -14,7 +14,7 @@ pub(super) const LEAF: usize = LANES;
 
 /// A charged particle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Item {
+pub(super) struct ChargedParticle {
     /// Position in world space, metres.
     pub at: DVec3,
     /// Its charge, C.
@@ -23,9 +23,9 @@ pub(super) struct Item {
 }
 
 /// The charged particles that take part: those with a charge of at most 10⁵ C, within 1e18 m of the world's origin.
-pub(super) fn charged(particles: &Particles) -> impl Iterator<Item = Item> + '_ {
+pub(super) fn charged(particles: &Particles) -> impl Iterator<Item = ChargedParticle> + '_ {
     let rows = (0..particles.len()).filter(|&i| particles.charge[i] != 0.0);
-    let item = |i: usize| Item {
+    let item = |i: usize| ChargedParticle {
         at: particles.origin[i].as_dvec3() + particles.position[i].truncate().as_dvec3(),
         charge: f64::from(particles.charge[i]),
         row: i as u32,
@@ -47,7 +47,7 @@ pub(super) struct ChargeColumns {
 
 impl ChargeColumns {
     /// Loads the charges in the order of `items`, and clears the forces.
-    pub(super) fn fill(&mut self, particles: &Particles, items: &[Item], constant: f32) {
+    pub(super) fn fill(&mut self, particles: &Particles, items: &[ChargedParticle], constant: f32) {
         let scale = constant.abs().sqrt();
         let rows = || items.iter().map(|item| item.row as usize);
         let padded = items.len().next_multiple_of(LEAF);
@@ -140,11 +140,11 @@ pub(super) struct ChargeNode {
 impl ChargeNode {
     /// Size of the subtree, this node included.
     #[inline]
-    pub(super) fn whole(&self) -> usize {
+    pub(super) fn subtree_len(&self) -> usize {
         2 * self.leaves as usize - 1
     }
 
-    pub(super) fn sum_up(&mut self, items: &[Item]) {
+    pub(super) fn sum_up(&mut self, items: &[ChargedParticle]) {
         let (mut weight, mut centre) = (0.0, DVec3::ZERO);
         for item in items {
             weight += item.charge.abs();

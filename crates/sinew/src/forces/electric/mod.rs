@@ -101,7 +101,7 @@ pub(crate) fn apply(
     tree.items.extend(columns::charged(particles));
     let all_pairs = tree.items.len() <= electric.all_pairs_up_to as usize;
     if !all_pairs {
-        tree.grow();
+        tree.build();
     }
     columns.fill(particles, &tree.items, electric.constant);
     let softening = electric.softening * electric.softening;
@@ -116,8 +116,8 @@ pub(crate) fn apply(
     }
 }
 
-fn apply_fields(particles: &mut Particles, law: &Electric, fields: &[ElectricField]) {
-    let everywhere = if law.is_valid() { law.field } else { Vec3::ZERO };
+fn apply_fields(particles: &mut Particles, electric: &Electric, fields: &[ElectricField]) {
+    let everywhere = if electric.is_valid() { electric.field } else { Vec3::ZERO };
     let local = || fields.iter().filter(|f| f.is_valid() && f.field != Vec3::ZERO);
     if everywhere == Vec3::ZERO && local().next().is_none() {
         return;
@@ -137,8 +137,8 @@ fn apply_fields(particles: &mut Particles, law: &Electric, fields: &[ElectricFie
 ///
 /// For many charges the tree is used, as for their forces, so that the energy ledger matches the forces. It costs some three times as much as those.
 pub(crate) fn energy(particles: &Particles, forces: &Forces) -> f64 {
-    let law = &forces.electric;
-    let mut field = if law.is_valid() { law.field.as_dvec3() } else { glam::DVec3::ZERO };
+    let electric = &forces.electric;
+    let mut field = if electric.is_valid() { electric.field.as_dvec3() } else { glam::DVec3::ZERO };
     for other in &forces.electric_fields {
         if other.is_valid() && other.region == Region::default() {
             field += other.field.as_dvec3();
@@ -150,15 +150,15 @@ pub(crate) fn energy(particles: &Particles, forces: &Forces) -> f64 {
     };
     let moving = (0..particles.len()).filter(|&i| particles.position[i].w > 0.0);
     let sum: f64 = moving.filter(|&i| particles.charge[i] != 0.0).map(in_fields).sum();
-    if law.is_valid() { sum + between(particles, law) } else { sum }
+    if electric.is_valid() { sum + between(particles, electric) } else { sum }
 }
 
-fn between(particles: &Particles, law: &Electric) -> f64 {
+fn between(particles: &Particles, electric: &Electric) -> f64 {
     let items: Vec<_> = columns::charged(particles).collect();
-    let potential = if items.len() <= law.all_pairs_up_to as usize {
-        pairs::potential(&items, law.softening)
+    let potential = if items.len() <= electric.all_pairs_up_to as usize {
+        pairs::potential(&items, electric.softening)
     } else {
-        tree::ChargeTree::of(items).potential(law)
+        tree::ChargeTree::of(items).potential(electric)
     };
-    f64::from(law.constant) * potential
+    f64::from(electric.constant) * potential
 }

@@ -11,14 +11,14 @@
 
 use glam::{Vec3, Vec4};
 
-use super::columns::{ChargeColumns, Item, Targets, add};
+use super::columns::{ChargeColumns, ChargedParticle, Targets, add};
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 
 /// Sources in a block: 128 of them with their sums take 16 KiB, half of a common L1 cache.
 const BLOCK: usize = 128;
 
 /// `Σ q_a q_b/√(‖d‖² + ε²)` over all pairs, C²/m. Coincident charges without softening are left out.
-pub(super) fn potential(items: &[Item], softening: f32) -> f64 {
+pub(super) fn potential(items: &[ChargedParticle], softening: f32) -> f64 {
     let softening = f64::from(softening) * f64::from(softening);
     let mut sum = 0.0;
     for (k, a) in items.iter().enumerate() {

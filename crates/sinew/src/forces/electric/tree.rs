@@ -50,14 +50,14 @@ use core::ops::Range;
 use glam::{DVec3, Vec3, Vec4};
 
 use super::Electric;
-use super::columns::{ChargeColumns, ChargeNode, Group, Item, LEAF, Targets, add};
+use super::columns::{ChargeColumns, ChargeNode, ChargedParticle, Group, LEAF, Targets, add};
 use super::walk::{Walk, make_room};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 
 /// The charges in the order of the tree's leaves, and its nodes from the root on.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ChargeTree {
-    pub items: Vec<Item>,
+    pub items: Vec<ChargedParticle>,
     nodes: Vec<ChargeNode>,
     /// Ranges of leaves that are still to be split.
     pending: Vec<(u32, u32)>,
@@ -68,14 +68,14 @@ pub(super) struct ChargeTree {
 
 impl ChargeTree {
     /// Builds the tree of these charges.
-    pub(super) fn of(items: Vec<Item>) -> Self {
+    pub(super) fn of(items: Vec<ChargedParticle>) -> Self {
         let mut tree = Self { items, ..Self::default() };
-        tree.grow();
+        tree.build();
         tree
     }
 
     /// Sorts the charges into leaves, and computes the nodes.
-    pub(super) fn grow(&mut self) {
+    pub(super) fn build(&mut self) {
         let leaves = self.items.len().div_ceil(LEAF) as u32;
         self.nodes.clear();
         self.pending.clear();
@@ -123,42 +123,42 @@ impl ChargeTree {
     pub(super) fn sum(
         &mut self,
         columns: &mut ChargeColumns,
-        law: &Electric,
+        electric: &Electric,
         instructions: InstructionSet,
     ) {
-        sum_leaves(self, columns, law, instructions);
+        sum_leaves(self, columns, electric, instructions);
     }
 
     /// `Σ q_a q_b/√(‖d‖² + ε²)` over all pairs, near ones individually and far ones by their groups, C²/m.
-    pub(super) fn potential(&mut self, law: &Electric) -> f64 {
-        let softening = f64::from(law.softening) * f64::from(law.softening);
+    pub(super) fn potential(&mut self, electric: &Electric) -> f64 {
+        let softening = f64::from(electric.softening) * f64::from(electric.softening);
         let mut twice = 0.0;
         let mut bunches = Bunches::default();
         while let Some(bunch) = bunches.next(&self.nodes) {
             let (nodes, walk) = (&self.nodes, &mut self.walk);
-            sum_walk(nodes, walk, bunch, law.opening, InstructionSet::best());
+            sum_walk(nodes, walk, bunch, electric.opening, InstructionSet::best());
             let bunch = &self.nodes[bunch];
-            for (eighth, leaf) in (bunch.first..bunch.first + bunch.leaves).enumerate() {
+            for (lane, leaf) in (bunch.first..bunch.first + bunch.leaves).enumerate() {
                 for k in members(&self.items, leaf, leaf + 1) {
                     let target = self.items[k];
-                    twice += target.charge * self.potential_at(k, eighth, softening);
+                    twice += target.charge * self.potential_at(k, lane, softening);
                 }
             }
         }
         0.5 * twice
     }
 
-    /// Potential at charge `k`, without Coulomb's constant, C/m. Its leaf is number `eighth` of the last walk.
-    fn potential_at(&self, k: usize, eighth: usize, softening: f64) -> f64 {
+    /// Potential at charge `k`, without Coulomb's constant, C/m. Its leaf is number `lane` of the last walk.
+    fn potential_at(&self, k: usize, lane: usize, softening: f64) -> f64 {
         let target = self.items[k];
         let mut sum = 0.0;
-        for &far in &self.walk.takes[eighth] {
+        for &far in &self.walk.far_of[lane] {
             let node = &self.nodes[self.walk.far[far as usize] as usize];
             // A node at the same point as the target may contain it.
             let own = members(&self.items, node.first, node.first + node.leaves).contains(&k);
             sum += node.potential(target.at, softening, if own { target.charge } else { 0.0 });
         }
-        for &(start, end) in &self.walk.near[eighth] {
+        for &(start, end) in &self.walk.near[lane] {
             for j in members(&self.items, start, end) {
                 let r2 = (target.at - self.items[j].at).length_squared() + softening;
                 if j != k && r2 > 0.0 {
@@ -183,13 +183,13 @@ impl Bunches {
             self.at += 1;
         }
         let bunch = self.at;
-        self.at += nodes[bunch].whole();
+        self.at += nodes[bunch].subtree_len();
         Some(bunch)
     }
 }
 
 /// Sorts the charges of a leaf by row; insertion sort, for so few.
-fn by_row(items: &mut [Item]) {
+fn by_row(items: &mut [ChargedParticle]) {
     for end in 1..items.len() {
         let mut at = end;
         while at > 0 && items[at - 1].row > items[at].row {
@@ -208,12 +208,16 @@ kernel!(
 
 kernel!(
     /// Adds the forces on the charges of each leaf.
-    fn sum_leaves<L: Lanes>(tree: &mut ChargeTree, columns: &mut ChargeColumns, law: &Electric) {
+    fn sum_leaves<L: Lanes>(
+        tree: &mut ChargeTree,
+        columns: &mut ChargeColumns,
+        electric: &Electric,
+    ) {
         let ChargeColumns { charges, origins, forces } = columns;
         let ChargeTree { items, nodes, walk, groups, .. } = tree;
-        let scale = f64::from(law.constant.abs().sqrt());
-        let softening = law.softening * law.softening;
-        let per_reach = 1.0 / f64::from(law.opening);
+        let scale = f64::from(electric.constant.abs().sqrt());
+        let softening = electric.softening * electric.softening;
+        let per_reach = 1.0 / f64::from(electric.opening);
         let mut bunches = Bunches::default();
         while let Some(n) = bunches.next(nodes) {
             walk.walk::<L>(nodes, n, per_reach);
@@ -221,7 +225,7 @@ kernel!(
             let far = walk.far.iter().map(|&far| &nodes[far as usize]);
             make_room(groups, walk.far.len());
             groups.extend(far.map(|node| Group::of(node, bunch.middle, scale)));
-            for (eighth, leaf) in (bunch.first..bunch.first + bunch.leaves).enumerate() {
+            for (lane, leaf) in (bunch.first..bunch.first + bunch.leaves).enumerate() {
                 let first = leaf as usize * LEAF;
                 let targets = Targets::<L>::of(charges, origins, first, softening);
                 let mut aside = [Vec4::ZERO; LANES];
@@ -230,10 +234,10 @@ kernel!(
                 }
                 let (place, _) = Vector::of(L::run(&aside, 0));
                 let mut total = Vector::splat(Vec3::ZERO);
-                for &far in &walk.takes[eighth] {
+                for &far in &walk.far_of[lane] {
                     total += targets.forces_of_group(place, &groups[far as usize]);
                 }
-                for &(start, end) in &walk.near[eighth] {
+                for &(start, end) in &walk.near[lane] {
                     let near = start as usize * LEAF..end as usize * LEAF;
                     for (charge, origin) in charges[near.clone()].iter().zip(&origins[near]) {
                         total += targets.forces_of(charge, origin);
@@ -246,12 +250,12 @@ kernel!(
 );
 
 /// The charges of leaves `first` to `end`.
-fn members(items: &[Item], first: u32, end: u32) -> Range<usize> {
+fn members(items: &[ChargedParticle], first: u32, end: u32) -> Range<usize> {
     first as usize * LEAF..(end as usize * LEAF).min(items.len())
 }
 
 /// Bounding box of some charges.
-fn bounds(items: &[Item]) -> (DVec3, DVec3) {
+fn bounds(items: &[ChargedParticle]) -> (DVec3, DVec3) {
     let first = items[0].at;
     items.iter().fold((first, first), |(low, high), item| (low.min(item.at), high.max(item.at)))
 }

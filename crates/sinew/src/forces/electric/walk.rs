@@ -14,7 +14,7 @@ pub(super) struct Walk {
     /// Nodes that act as one on some of the leaves.
     pub far: Vec<u32>,
     /// For each leaf, the indices in `far` of those that act on it.
-    pub takes: [Vec<u32>; LANES],
+    pub far_of: [Vec<u32>; LANES],
     /// For each leaf, the ranges of leaves that act on it charge by charge.
     pub near: [Vec<(u32, u32)>; LANES],
 }
@@ -38,16 +38,16 @@ impl Walk {
     pub(super) fn walk<L: Lanes>(&mut self, nodes: &[ChargeNode], n: usize, per_reach: f64) {
         // At least what a leaf needs in most cases among 65 536 charges.
         let longest = |most: usize, len: usize| most.max(len);
-        let takes = self.takes.iter().map(Vec::len).fold(512, longest);
+        let far_of = self.far_of.iter().map(Vec::len).fold(512, longest);
         let near = self.near.iter().map(Vec::len).fold(64, longest);
         let far = self.far.len().max(1024);
         make_room(&mut self.far, far);
-        self.takes.iter_mut().for_each(|list| make_room(list, takes));
+        self.far_of.iter_mut().for_each(|list| make_room(list, far_of));
         self.near.iter_mut().for_each(|list| make_room(list, near));
         let bunch = &nodes[n];
         let middle = bunch.middle;
         let mut places = [Vec4::ZERO; LANES];
-        let leaves = nodes[n..n + bunch.whole()].iter().filter(|node| node.leaves == 1);
+        let leaves = nodes[n..n + bunch.subtree_len()].iter().filter(|node| node.leaves == 1);
         for (place, leaf) in places.iter_mut().zip(leaves) {
             *place = (leaf.middle - middle).as_vec3().extend(leaf.radius as f32);
         }
@@ -60,27 +60,27 @@ impl Walk {
             while n >= below[depth].end {
                 depth -= 1;
             }
-            let looking = below[depth].leaves;
+            let active = below[depth].leaves;
             let size = L::splat((node.reach * per_reach) as f32) + radius;
             let d = places - Vector::splat((node.centre - middle).as_vec3());
             let beyond = (size * size).lt(d.length_squared()).bits();
             // Coincident charges act as a single charge, however near.
-            let far = looking & if node.reach == 0.0 { all } else { beyond };
-            let near = looking & !far;
+            let far = active & if node.reach == 0.0 { all } else { beyond };
+            let near = active & !far;
             if far != 0 {
                 let number = self.far.len() as u32;
                 self.far.push(n as u32);
-                each(far, |leaf| self.takes[leaf].push(number));
+                each(far, |leaf| self.far_of[leaf].push(number));
             }
             if near == 0 {
-                n += node.whole();
+                n += node.subtree_len();
                 continue;
             }
             if node.leaves == 1 {
-                each(near, |leaf| note(&mut self.near[leaf], node.first));
+                each(near, |leaf| push_leaf(&mut self.near[leaf], node.first));
             } else {
                 depth += 1;
-                below[depth] = Below { end: n + node.whole(), leaves: near };
+                below[depth] = Below { end: n + node.subtree_len(), leaves: near };
             }
             n += 1;
         }
@@ -106,7 +106,7 @@ fn each(mut bits: u32, mut of: impl FnMut(usize)) {
 
 /// Appends a leaf to the ranges.
 #[inline]
-fn note(ranges: &mut Vec<(u32, u32)>, leaf: u32) {
+fn push_leaf(ranges: &mut Vec<(u32, u32)>, leaf: u32) {
     match ranges.last_mut() {
         Some((_, end)) if *end == leaf => *end += 1,
         _ => ranges.push((leaf, leaf + 1)),

@@ -128,7 +128,7 @@ impl Load {
         }
         forces.clear();
         forces.resize(points.len(), DVec3::ZERO);
-        let mut sum = Sum::default();
+        let mut sum = SkinSums::default();
         for corners in hull.triangles() {
             let at = corners.map(|v| v as usize);
             let (area, wetting) = sum.add(at.map(|v| points[v]), up, level);
@@ -141,7 +141,7 @@ impl Load {
                 sum.middle += points[v] * pressure;
             }
         }
-        sum.cover(hull.rim(), points, forces, up, level);
+        sum.add_lid(hull.rim(), points, forces, up, level);
         // On a skin that is inside out (by its winding, or by deformation) the fluid is still outside.
         let outward = if sum.volume < 0.0 { -1.0 } else { 1.0 };
         let mut load = Self::default();
@@ -166,7 +166,7 @@ impl Load {
 
 /// Sums over the skin.
 #[derive(Default)]
-struct Sum {
+struct SkinSums {
     volume: f64,
     area: f64,
     wetted: f64,
@@ -174,7 +174,7 @@ struct Sum {
     middle: DVec3,
 }
 
-impl Sum {
+impl SkinSums {
     /// One triangle: adds its part of the volume; returns its outward vector area, m², and its wetting. A triangle that is not finite counts as zero.
     fn add(&mut self, [a, b, c]: [DVec3; 3], up: DVec3, level: f64) -> (DVec3, Wetting) {
         let area = (b - a).cross(c - a) * 0.5;
@@ -187,7 +187,7 @@ impl Sum {
     }
 
     /// The lid: a fan over the rim about its middle. The force on the middle is distributed equally to the vertices of the rim.
-    fn cover(
+    fn add_lid(
         &mut self,
         rim: &[[u32; 2]],
         points: &[DVec3],
@@ -200,17 +200,17 @@ impl Sum {
         }
         let share = 1.0 / rim.len() as f64;
         let middle = rim.iter().map(|&[a, _]| points[a as usize]).sum::<DVec3>() * share;
-        let mut borne = DVec3::ZERO;
+        let mut on_middle = DVec3::ZERO;
         for &[a, b] in rim {
             // Reversed: the skin is on the left of a rim edge, the lid on its right.
             let at = [b as usize, a as usize];
             let (area, wetting) = self.add([points[at[0]], points[at[1]], middle], up, level);
             forces[at[0]] -= area * wetting.weights[0];
             forces[at[1]] -= area * wetting.weights[1];
-            borne -= area * wetting.weights[2];
+            on_middle -= area * wetting.weights[2];
         }
         for &[a, _] in rim {
-            forces[a as usize] += borne * share;
+            forces[a as usize] += on_middle * share;
         }
     }
 }

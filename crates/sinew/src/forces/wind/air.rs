@@ -139,10 +139,10 @@ pub(crate) struct Air {
     /// air at all.
     triangles: Vec<Vec4>,
     /// The response of each triangle: `C_D`, `C_L` and `g`.
-    answers: Vec<Vec4>,
-    balls: Vec<(u32, Felt)>,
+    responses: Vec<Vec4>,
+    balls: Vec<(u32, BallAir)>,
     /// Number of triangles at each particle.
-    crowd: Vec<u32>,
+    triangle_count: Vec<u32>,
 }
 
 impl Air {
@@ -154,14 +154,14 @@ impl Air {
 
 /// The air at a ball, and the ball's response.
 #[derive(Clone, Copy, Debug, Default)]
-struct Felt {
+struct BallAir {
     velocity: Vec3,
     /// `½ρ`, kg/m³; 0 where there is no air.
     density: f32,
     /// `C_D` times the silhouette, m².
     drag: f32,
     /// Inverse effective mass, 1/kg: `g` of the derivation.
-    give: f32,
+    inverse_mass: f32,
 }
 
 /// Response of eight triangles to the air, in the order in which they are packed: `C_D`, `C_L`, and `g` of the derivation, 1/kg.
@@ -169,7 +169,7 @@ struct Felt {
 struct AirResponse<L> {
     drag: L,
     lift: L,
-    give: L,
+    inverse_mass: L,
 }
 
 /// Samples the air at the time `time`, seconds.
@@ -181,43 +181,40 @@ pub(crate) fn sample(
     air: &mut Air,
     instructions: InstructionSet,
 ) {
-    let Air { triangles, answers, balls, crowd } = air;
+    let Air { triangles, responses, balls, triangle_count } = air;
     triangles.clear();
-    answers.clear();
+    responses.clear();
     balls.clear();
     if !flows.iter().any(AirFlow::is_valid) {
         return;
     }
     let there = |corners: &[u32; 3]| corners.iter().all(|&i| (i as usize) < particles.len());
-    crowd.clear();
-    crowd.resize(particles.len(), 0);
+    triangle_count.clear();
+    triangle_count.resize(particles.len(), 0);
     for &i in surfaces.iter().filter(|corners| there(corners)).flatten() {
-        crowd[i as usize] += 1;
+        triangle_count[i as usize] += 1;
     }
     // A triangle with a missing row is left without air: its response `g` is zero.
-    let yields = |&i: &u32| crowd[i as usize] as f32 * particles.inverse_mass(i as usize);
-    let give = |corners: &[u32; 3]| corners.iter().map(yields).sum::<f32>() / 9.0;
-    answers.extend(
-        surfaces.iter().map(|corners| {
-            Vec4::new(0.0, 0.0, if there(corners) { give(corners) } else { 0.0 }, 0.0)
-        }),
-    );
-    answers.resize(surfaces.len().next_multiple_of(LANES), Vec4::ZERO);
-    triangles.resize(answers.len(), Vec4::ZERO);
-    let loose =
-        |&i: &usize| crowd[i] == 0 && particles.radius(i) > 0.0 && particles.inverse_mass(i) > 0.0;
+    let yields = |&i: &u32| triangle_count[i as usize] as f32 * particles.inverse_mass(i as usize);
+    let inverse_mass = |corners: &[u32; 3]| corners.iter().map(yields).sum::<f32>() / 9.0;
+    responses.extend(surfaces.iter().map(|corners| {
+        Vec4::new(0.0, 0.0, if there(corners) { inverse_mass(corners) } else { 0.0 }, 0.0)
+    }));
+    responses.resize(surfaces.len().next_multiple_of(LANES), Vec4::ZERO);
+    triangles.resize(responses.len(), Vec4::ZERO);
+    let loose = |&i: &usize| {
+        triangle_count[i] == 0 && particles.radius(i) > 0.0 && particles.inverse_mass(i) > 0.0
+    };
     if flows.iter().any(|flow| flow.is_valid() && flow.on_particles) {
-        balls.extend(
-            (0..particles.len())
-                .filter(loose)
-                .map(|i| (i as u32, Felt { give: particles.inverse_mass(i), ..Felt::default() })),
-        );
+        balls.extend((0..particles.len()).filter(loose).map(|i| {
+            (i as u32, BallAir { inverse_mass: particles.inverse_mass(i), ..BallAir::default() })
+        }));
     }
     for flow in flows.iter().filter(|flow| flow.is_valid()) {
         let current = Current::of(flow, time);
-        blend(particles, surfaces, current, triangles, answers, instructions);
-        for (i, felt) in balls.iter_mut().filter(|_| flow.on_particles) {
-            felt.blend(&current, particles, *i as usize);
+        blend(particles, surfaces, current, triangles, responses, instructions);
+        for (i, local_air) in balls.iter_mut().filter(|_| flow.on_particles) {
+            local_air.blend(&current, particles, *i as usize);
         }
     }
 }
@@ -231,13 +228,13 @@ pub(crate) fn apply(
     instructions: InstructionSet,
 ) {
     if air.is_at_triangles() {
-        surfaces.accelerate(particles, &Dragging { air, h }, false, instructions);
+        surfaces.accelerate(particles, &AirForce { air, h }, false, instructions);
     }
-    for &(i, felt) in &air.balls {
+    for &(i, local_air) in &air.balls {
         let i = i as usize;
-        if felt.density > 0.0 && i < particles.len() {
+        if local_air.density > 0.0 && i < particles.len() {
             let held = 0.5 * (particles.lag(i).max(h) + h);
-            let force = felt.on_ball(felt.velocity - particles.velocity(i), held);
+            let force = local_air.on_ball(local_air.velocity - particles.velocity(i), held);
             if force.is_finite() {
                 particles.push_force(i, force);
             }
@@ -289,66 +286,66 @@ kernel!(
         surfaces: &[[u32; 3]],
         current: Current<'_>,
         triangles: &mut [Vec4],
-        answers: &mut [Vec4],
+        responses: &mut [Vec4],
     ) {
         let flow = current.flow;
         // Steady air everywhere needs no position.
         let same = current.noise.is_none() && flow.region.extent == Extent::Everywhere;
-        let eights = triangles.chunks_exact_mut(LANES).zip(answers.chunks_exact_mut(LANES));
-        for (corners, (felt, answers)) in surfaces.chunks(LANES).zip(eights) {
+        let eights = triangles.chunks_exact_mut(LANES).zip(responses.chunks_exact_mut(LANES));
+        for (corners, (local_air, responses)) in surfaces.chunks(LANES).zip(eights) {
             let mut middles = [Vec4::ZERO; LANES];
-            for ((middle, corners), answer) in middles.iter_mut().zip(corners).zip(&*answers) {
-                if answer.z > 0.0 && same {
+            for ((middle, corners), response) in middles.iter_mut().zip(corners).zip(&*responses) {
+                if response.z > 0.0 && same {
                     *middle = Vec4::W;
-                } else if answer.z > 0.0 {
+                } else if response.z > 0.0 {
                     let place = WorldPoint::middle(particles, corners.map(|i| i as usize));
                     *middle = place.relative_to(Vec3::ZERO).extend(current.share(place));
                 }
             }
             let (middle, share) = Vector::<L>::of(L::run(&middles, 0));
             let blows = L::zero().lt(share);
-            let (velocity, density) = Vector::of(L::run(felt, 0));
+            let (velocity, density) = Vector::of(L::run(local_air, 0));
             let faster = velocity + current.at(middle) * share;
             let other = L::splat(0.5 * flow.density) * share;
             let denser = density.lt(other).and(blows);
-            let [drag, lift, give, rest] = L::run(answers, 0);
+            let [drag, lift, inverse_mass, rest] = L::run(responses, 0);
             let drag = denser.select(L::splat(flow.drag), drag);
             let lift = denser.select(L::splat(flow.lift), lift);
             let density = denser.select(other, density);
-            L::put_run(felt, 0, faster.or_else(blows, velocity).with(density));
-            L::put_run(answers, 0, [drag, lift, give, rest]);
+            L::put_run(local_air, 0, faster.or_else(blows, velocity).with(density));
+            L::put_run(responses, 0, [drag, lift, inverse_mass, rest]);
         }
     }
 );
 
 /// The force of the air on triangles in a substep of `h` seconds.
-struct Dragging<'a> {
+struct AirForce<'a> {
     air: &'a Air,
     h: f32,
 }
 
-impl SurfaceForce for Dragging<'_> {
+impl SurfaceForce for AirForce<'_> {
     /// The velocity of the air, m/s, and the triangles' response, without the time factor.
     type Local<L: Lanes> = (Vector<L>, AirResponse<L>);
-    const ASKS_MOTION: bool = true;
+    const NEEDS_MOTION: bool = true;
 
     #[inline(always)]
     fn at<L: Lanes>(&self, numbers: &[u32; LANES]) -> Option<Self::Local<L>> {
-        let Air { triangles, answers, .. } = self.air;
-        felt(L::rows(triangles, numbers), L::rows(answers, numbers))
+        let Air { triangles, responses, .. } = self.air;
+        local_air(L::rows(triangles, numbers), L::rows(responses, numbers))
     }
 
     #[inline(always)]
     fn at_pairs<L: Lanes>(&self, first: usize) -> [Option<Self::Local<L>>; 2] {
-        let Air { triangles, answers, .. } = self.air;
-        let (flow, answer) = (L::pairs(triangles, first), L::pairs(answers, first));
-        [felt(flow.0, answer.0), felt(flow.1, answer.1)]
+        let Air { triangles, responses, .. } = self.air;
+        let (flow, response) = (L::pairs(triangles, first), L::pairs(responses, first));
+        [local_air(flow.0, response.0), local_air(flow.1, response.1)]
     }
 
     #[inline(always)]
     fn third<L: Lanes>(
         &self,
-        (velocity, answer): (Vector<L>, AirResponse<L>),
+        (velocity, response): (Vector<L>, AirResponse<L>),
         twice_the_area: Vector<L>,
         motion: &Motion<L>,
     ) -> Vector<L> {
@@ -356,8 +353,8 @@ impl SurfaceForce for Dragging<'_> {
         // A force acts from the middle of the last substep to the middle of this one. The longer estimate is used, because not every integrator does that.
         let held = L::splat(0.5) * (motion.lag.max(h) + h);
         let relative = velocity - motion.sum * L::splat(THIRD);
-        let answer = AirResponse { give: held * answer.give, ..answer };
-        let force = answer.on_sheet(twice_the_area * L::splat(0.5), relative);
+        let response = AirResponse { inverse_mass: held * response.inverse_mass, ..response };
+        let force = response.on_sheet(twice_the_area * L::splat(0.5), relative);
         // Speeds beyond 1e19 m/s overflow when squared: the force is dropped there. A triangle of no area has no force either.
         let largest = force.x.abs() + force.y.abs() + force.z.abs();
         let pushed = largest.lt(L::splat(f32::INFINITY));
@@ -368,31 +365,31 @@ impl SurfaceForce for Dragging<'_> {
 
 /// The air at eight triangles and their response, from packed columns; `None` where there is no air.
 #[inline(always)]
-fn felt<L: Lanes>(
+fn local_air<L: Lanes>(
     flow: [L; 4],
-    [drag, lift, give, _]: [L; 4],
+    [drag, lift, inverse_mass, _]: [L; 4],
 ) -> Option<(Vector<L>, AirResponse<L>)> {
     let (velocity, density) = Vector::of(flow);
-    let answer = AirResponse { drag: density * drag, lift: density * lift, give };
-    L::zero().lt(density).any().then_some((velocity, answer))
+    let response = AirResponse { drag: density * drag, lift: density * lift, inverse_mass };
+    L::zero().lt(density).any().then_some((velocity, response))
 }
 
 impl<L: Lanes> AirResponse<L> {
     /// The force on sheets of the given area vectors (m²) from air that moves at `v` relative to them (m/s); N. Here `drag` and `lift` include the density, and
-    /// `give` the time for which the force is held.
+    /// `inverse_mass` the time for which the force is held.
     #[inline(always)]
     fn on_sheet(&self, area: Vector<L>, v: Vector<L>) -> Vector<L> {
         let one = L::splat(1.0);
         let (size, speed) = (area.length(), v.length());
         let facing = area.dot(v);
         let slowing = self.drag * facing.abs();
-        let x = self.give * slowing;
+        let x = self.inverse_mass * slowing;
         let overshoots = one.lt(x);
         let force = v * (overshoots.select(slowing / x, slowing));
         let x = overshoots.select(one, x);
         let across = (area * speed - v * (facing / speed)) * (facing / size);
         let lift = across * self.lift;
-        let y = lift * (self.give / speed);
+        let y = lift * (self.inverse_mass / speed);
         let (room, taken) = (L::splat(0.5) * x * (L::splat(2.0) - x), y.length_squared());
         let lift = lift * room.lt(taken).select((room / taken).sqrt(), one);
         let exposed = L::zero().lt(size).and(L::zero().lt(speed));
@@ -400,7 +397,7 @@ impl<L: Lanes> AirResponse<L> {
     }
 }
 
-impl Felt {
+impl BallAir {
     /// Adds a flow's velocity, and takes its density and coefficient if it is denser than the air so far.
     fn blend(&mut self, current: &Current, particles: &Particles, i: usize) {
         let place = WorldPoint::of(particles, i);
@@ -419,7 +416,7 @@ impl Felt {
     #[inline]
     fn on_ball(&self, v: Vec3, tau: f32) -> Vec3 {
         let slowing = self.density * self.drag * v.length();
-        let x = tau * self.give * slowing;
+        let x = tau * self.inverse_mass * slowing;
         v * if x > 1.0 { slowing / x } else { slowing }
     }
 }

@@ -26,7 +26,12 @@ fn sheet(normal: Vec3, mass: f32, velocity: Vec3) -> (Particles, Vec<[u32; 3]>) 
 }
 
 /// Force on all particles, N, over a substep of `h` seconds.
-fn felt(particles: &mut Particles, surfaces: &[[u32; 3]], flows: &[AirFlow], h: f32) -> Vec3 {
+fn total_force(
+    particles: &mut Particles,
+    surfaces: &[[u32; 3]],
+    flows: &[AirFlow],
+    h: f32,
+) -> Vec3 {
     let mut air = Air::default();
     sample(particles, surfaces, flows, 0.0, &mut air, InstructionSet::best());
     particles.clear_sums(0.0);
@@ -54,7 +59,7 @@ fn drag_is_dynamic_pressure_times_silhouette_and_depends_on_relative_velocity_al
         for (wind, own) in moving {
             let (mut particles, surfaces) = sheet(normal, 10.0, own);
             let flow = AirFlow { lift: 0.0, ..AirFlow::steady(wind) };
-            let force = felt(&mut particles, &surfaces, &[flow], H);
+            let force = total_force(&mut particles, &surfaces, &[flow], H);
             assert!(force.abs_diff_eq(Vec3::X * expected, 2e-5 * 29.0), "{degrees}°: {force}");
         }
     }
@@ -70,8 +75,8 @@ fn lift_is_across_the_wind_and_lifts_a_kite_whichever_way_round_its_triangles_ar
             let (mut particles, mut surfaces) = sheet(normal, 10.0, Vec3::ZERO);
             surfaces[1].swap(1, 2);
             let of = |drag: f32, lift: f32| AirFlow { drag, lift, ..AirFlow::steady(wind) };
-            let both = felt(&mut particles, &surfaces, &[of(1.0, 1.3)], H);
-            let lift = both - felt(&mut particles, &surfaces, &[of(1.0, 0.0)], H);
+            let both = total_force(&mut particles, &surfaces, &[of(1.0, 1.3)], H);
+            let lift = both - total_force(&mut particles, &surfaces, &[of(1.0, 0.0)], H);
             // The angle of attack is 90° minus the angle of the normal.
             let (sin, cos) = (libm::cos(degrees.to_radians()), libm::sin(degrees.to_radians()));
             let expected = 0.5 * 1.225 * 1.3 * 64.0 * sin.abs() * cos;
@@ -118,10 +123,10 @@ fn a_falling_ball_reaches_its_terminal_speed_and_a_particle_of_a_sheet_is_no_bal
 
     let (mut particles, surfaces) = sheet(Vec3::Y, 1.0, Vec3::X * 9.0);
     particles.radius.fill(0.5);
-    let edge_on = felt(&mut particles, &surfaces, &[AirFlow::default()], H);
+    let edge_on = total_force(&mut particles, &surfaces, &[AirFlow::default()], H);
     assert!(edge_on.length() < 1e-4, "{edge_on}");
     let none = AirFlow { on_particles: false, ..AirFlow::default() };
-    assert_eq!(felt(&mut world.particles, &[], &[none], H), Vec3::ZERO);
+    assert_eq!(total_force(&mut world.particles, &[], &[none], H), Vec3::ZERO);
 }
 
 /// Kinetic energy of the particles relative to air at `wind`, J.
@@ -205,7 +210,7 @@ fn a_flow_blows_in_its_region_only_and_flows_that_overlap_are_one_air() {
     let at = |place: Vec3, flows: &[AirFlow]| {
         let (mut particles, surfaces) = sheet(Vec3::Y, 10.0, Vec3::ZERO);
         (0..4).for_each(|i| particles.displace(i, place));
-        felt(&mut particles, &surfaces, flows, H).y
+        total_force(&mut particles, &surfaces, flows, H).y
     };
     let square = |v: f32| 0.5 * 1.225 * 1.28 * v * v;
     let near = |a: f32, b: f32| (a - b).abs() < 1e-4;
@@ -233,17 +238,17 @@ fn broken_air_and_broken_triangles_are_left_out() {
     ];
     assert!(good.is_valid() && broken.iter().all(|flow| !flow.is_valid()));
     let (mut particles, mut surfaces) = sheet(Vec3::Y, 10.0, Vec3::ZERO);
-    assert_eq!(felt(&mut particles, &surfaces, &broken, H), Vec3::ZERO);
-    let whole = felt(&mut particles, &surfaces, &[good], H);
+    assert_eq!(total_force(&mut particles, &surfaces, &broken, H), Vec3::ZERO);
+    let whole = total_force(&mut particles, &surfaces, &[good], H);
     // A missing row, no area, no direction: no force, and no NaN.
     surfaces.extend([[0, 1, 99], [0, 0, 1], [2, 2, 2]]);
-    assert!(felt(&mut particles, &surfaces, &[good], H).abs_diff_eq(whole, 1e-4));
+    assert!(total_force(&mut particles, &surfaces, &[good], H).abs_diff_eq(whole, 1e-4));
     particles.set_velocity(0, Vec3::splat(f32::MAX));
-    assert!(felt(&mut particles, &surfaces, &[good], H).is_finite());
+    assert!(total_force(&mut particles, &surfaces, &[good], H).is_finite());
     for i in 0..4 {
         particles.position[i].w = 0.0;
     }
-    assert_eq!(felt(&mut particles, &surfaces, &[good], H), Vec3::ZERO);
+    assert_eq!(total_force(&mut particles, &surfaces, &[good], H), Vec3::ZERO);
 }
 
 /// A crumpled, moving sheet of `n` by `n` particles, some pinned, some with origins of their own, and with triangles that have no area, have missing rows, or

@@ -165,7 +165,7 @@ impl Pressure<'_> {
 
 impl SurfaceForce for Pressure<'_> {
     type Local<L: Lanes> = (Vector<L>, L);
-    const ASKS_MOTION: bool = false;
+    const NEEDS_MOTION: bool = false;
 
     #[inline(always)]
     fn at<L: Lanes>(&self, numbers: &[u32; LANES]) -> Option<Self::Local<L>> {

@@ -28,7 +28,7 @@ pub(crate) struct PackedSurfaces {
     /// Indices of the triangles that are in no cell run.
     others: Vec<u32>,
     /// For each particle, the index of its stretch of consecutive particles with one origin.
-    stretches: Vec<u32>,
+    origin_runs: Vec<u32>,
 }
 
 /// Eight cells in a row: sixteen triangles of a list. The first triangle of each cell has the corners 0, 1, 2, the second 1, 2, 3.
@@ -38,7 +38,7 @@ struct CellRun {
     /// Rows of the first cell's corners; from cell to cell each increases by one.
     corners: [u32; 4],
     /// Whether corners of one cell may have different origins.
-    apart: bool,
+    mixed_origins: bool,
 }
 
 /// Up to eight arbitrary triangles; unused lanes repeat the first one.
@@ -47,7 +47,7 @@ struct GatheredTriangles {
     numbers: [u32; LANES],
     corners: [[u32; LANES]; 3],
     count: usize,
-    apart: bool,
+    mixed_origins: bool,
 }
 
 /// A force on triangles. It must not depend on their winding.
@@ -55,7 +55,7 @@ pub(super) trait SurfaceForce {
     /// Per-triangle input for eight triangles, besides their areas.
     type Local<L: Lanes>: Copy;
     /// Whether it needs the velocities of the corners.
-    const ASKS_MOTION: bool;
+    const NEEDS_MOTION: bool;
 
     /// The input for eight triangles; `None` if there is no force on any of them.
     fn at<L: Lanes>(&self, numbers: &[u32; LANES]) -> Option<Self::Local<L>>;
@@ -133,7 +133,7 @@ impl PackedSurfaces {
             while number < end {
                 let left = &surfaces[number..end];
                 if let Some(corners) = cells(left).filter(|_| left[..2 * LANES].iter().all(there)) {
-                    packed.push(CellRun { first: number as u32, corners, apart: false });
+                    packed.push(CellRun { first: number as u32, corners, mixed_origins: false });
                     number += 2 * LANES;
                     continue;
                 }
@@ -151,30 +151,35 @@ impl PackedSurfaces {
                 let [a, b, c] = surfaces[number as usize];
                 (corners[0][lane], corners[1][lane], corners[2][lane]) = (a, b, c);
             }
-            gathered.push(GatheredTriangles { numbers, corners, count: eight.len(), apart: false });
+            gathered.push(GatheredTriangles {
+                numbers,
+                corners,
+                count: eight.len(),
+                mixed_origins: false,
+            });
         }
     }
 
     /// Notes which triangles may have corners with different origins. Particles that constraints connect share one.
     fn note_origins(&mut self, origin: &[Vec3]) {
-        let Self { cells, gathered, stretches, .. } = self;
-        let (mut stretch, mut last) = (0, origin.first());
-        stretches.clear();
-        stretches.extend(origin.iter().map(|own| {
-            stretch += u32::from(last != Some(own));
+        let Self { cells, gathered, origin_runs, .. } = self;
+        let (mut origin_run, mut last) = (0, origin.first());
+        origin_runs.clear();
+        origin_runs.extend(origin.iter().map(|own| {
+            origin_run += u32::from(last != Some(own));
             last = Some(own);
-            stretch
+            origin_run
         }));
-        let of = |row: u32| stretches[row as usize];
+        let of = |row: u32| origin_runs[row as usize];
         for run in cells {
             let one = of(run.corners[0]);
-            run.apart = (run.corners.iter())
+            run.mixed_origins = (run.corners.iter())
                 .any(|&row| of(row) != one || of(row + LANES as u32 - 1) != one);
         }
         for eight in gathered {
             let [a, b, c] = &eight.corners;
             let is_apart = |i: usize| of(b[i]) != of(a[i]) || of(c[i]) != of(a[i]);
-            eight.apart = (0..LANES).any(is_apart);
+            eight.mixed_origins = (0..LANES).any(is_apart);
         }
     }
 
@@ -182,7 +187,7 @@ impl PackedSurfaces {
     pub(super) fn accelerate(
         &self,
         particles: &mut Particles,
-        law: &impl SurfaceForce,
+        force: &impl SurfaceForce,
         separate: bool,
         instructions: InstructionSet,
     ) {
@@ -196,7 +201,7 @@ impl PackedSurfaces {
             return;
         }
         particles.acceleration_dirty = true;
-        with(instructions, Accelerate { particles, cells, gathered, law });
+        with(instructions, Accelerate { particles, cells, gathered, force });
     }
 }
 
@@ -222,7 +227,7 @@ struct Accelerate<'a, F> {
     particles: &'a mut Particles,
     cells: &'a [CellRun],
     gathered: &'a [GatheredTriangles],
-    law: &'a F,
+    force: &'a F,
 }
 
 impl<F: SurfaceForce> Work for Accelerate<'_, F> {
@@ -230,20 +235,20 @@ impl<F: SurfaceForce> Work for Accelerate<'_, F> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { particles, cells, gathered, law } = self;
+        let Self { particles, cells, gathered, force } = self;
         for run in cells {
-            run.accelerate::<L, F>(particles, law);
+            run.accelerate::<L, F>(particles, force);
         }
         for eight in gathered {
-            eight.accelerate::<L, F>(particles, law);
+            eight.accelerate::<L, F>(particles, force);
         }
     }
 }
 
 impl CellRun {
     #[inline(always)]
-    fn accelerate<L: Lanes, F: SurfaceForce>(&self, particles: &mut Particles, law: &F) {
-        let [first, second] = law.at_pairs::<L>(self.first as usize);
+    fn accelerate<L: Lanes, F: SurfaceForce>(&self, particles: &mut Particles, force: &F) {
+        let [first, second] = force.at_pairs::<L>(self.first as usize);
         if first.is_none() && second.is_none() {
             return;
         }
@@ -254,7 +259,7 @@ impl CellRun {
         let (r, other) = Vector::of(L::run(position, c));
         let (s, last) = Vector::of(L::run(position, d));
         let mut edges = [q - p, r - p, q - s, r - s];
-        if self.apart {
+        if self.mixed_origins {
             let rows = [run_rows(a), run_rows(b), run_rows(c), run_rows(d)];
             edges[0] = shifted(edges[0], &rows[0], &rows[1], origin);
             edges[1] = shifted(edges[1], &rows[0], &rows[2], origin);
@@ -263,17 +268,17 @@ impl CellRun {
         }
         let none = Vector::splat(Vec3::ZERO);
         let [mut near, mut far] = [Motion { sum: none, lag: L::zero() }; 2];
-        if F::ASKS_MOTION {
+        if F::NEEDS_MOTION {
             let shared = Motion::of(L::run(velocity, b)).and(L::run(velocity, c));
             near = shared.and(L::run(velocity, a));
             far = shared.and(L::run(velocity, d));
         }
         let (mut on_first, mut on_second) = (none, none);
         if let Some(local) = first {
-            on_first = law.third(local, edges[0].cross(edges[1]), &near);
+            on_first = force.third(local, edges[0].cross(edges[1]), &near);
         }
         if let Some(local) = second {
-            on_second = law.third(local, edges[2].cross(edges[3]), &far);
+            on_second = force.third(local, edges[2].cross(edges[3]), &far);
         }
         let both = on_first + on_second;
         add_run(acceleration, a, on_first * own);
@@ -285,25 +290,25 @@ impl CellRun {
 
 impl GatheredTriangles {
     #[inline(always)]
-    fn accelerate<L: Lanes, F: SurfaceForce>(&self, particles: &mut Particles, law: &F) {
-        let Some(local) = law.at::<L>(&self.numbers) else { return };
+    fn accelerate<L: Lanes, F: SurfaceForce>(&self, particles: &mut Particles, force: &F) {
+        let Some(local) = force.at::<L>(&self.numbers) else { return };
         let Particles { position, origin, velocity, acceleration, .. } = particles;
         let [a, b, c] = &self.corners;
         let (p, own) = Vector::<L>::of(L::rows(position, a));
         let (q, one) = Vector::of(L::rows(position, b));
         let (r, other) = Vector::of(L::rows(position, c));
         let (mut along, mut across) = (q - p, r - p);
-        if self.apart {
+        if self.mixed_origins {
             along = shifted(along, a, b, origin);
             across = shifted(across, a, c, origin);
         }
         let mut motion = Motion { sum: Vector::splat(Vec3::ZERO), lag: L::zero() };
-        if F::ASKS_MOTION {
+        if F::NEEDS_MOTION {
             motion = Motion::of(L::rows(velocity, b))
                 .and(L::rows(velocity, c))
                 .and(L::rows(velocity, a));
         }
-        let third = law.third(local, along.cross(across), &motion);
+        let third = force.third(local, along.cross(across), &motion);
         let mut more = [[Vec4::ZERO; LANES]; 3];
         L::put_run(&mut more[0], 0, (third * own).with(L::zero()));
         L::put_run(&mut more[1], 0, (third * one).with(L::zero()));
@@ -387,7 +392,7 @@ mod tests {
 
     impl SurfaceForce for Trial {
         type Local<L: Lanes> = L;
-        const ASKS_MOTION: bool = true;
+        const NEEDS_MOTION: bool = true;
 
         #[inline(always)]
         fn at<L: Lanes>(&self, numbers: &[u32; LANES]) -> Option<L> {
@@ -463,12 +468,12 @@ mod tests {
 
     fn accelerated(
         particles: &mut Particles,
-        law: &Trial,
+        force: &Trial,
         (packed, separate): (&PackedSurfaces, bool),
         instructions: InstructionSet,
     ) -> Vec<Vec3> {
         particles.clear_sums(0.0);
-        packed.accelerate(particles, law, separate, instructions);
+        packed.accelerate(particles, force, separate, instructions);
         (0..particles.len()).map(|i| particles.acceleration(i)).collect()
     }
 

@@ -37,14 +37,14 @@ const SAME_PLACE: f32 = 0.05;
 
 impl Skeleton {
     pub(super) fn of(bones: &[Bone]) -> Self {
-        let mut made =
+        let mut skeleton =
             Self { points: Vec::new(), members: Vec::new(), pieces: Vec::new(), sides: Vec::new() };
         for bone in bones {
-            made.add(bones, bone);
+            skeleton.add(bones, bone);
         }
-        made.weigh(bones);
-        made.gather(bones);
-        made
+        skeleton.distribute_mass(bones);
+        skeleton.merge_fixed(bones);
+        skeleton
     }
 
     /// Adds the particles of a bone, and the shared ones to its parent.
@@ -99,7 +99,7 @@ impl Skeleton {
     }
 
     /// Distributes the masses.
-    fn weigh(&mut self, bones: &[Bone]) {
+    fn distribute_mass(&mut self, bones: &[Bone]) {
         for (bone, members) in bones.iter().zip(&self.members) {
             let share = |k: usize| match k {
                 HEAD | TAIL => END,
@@ -117,7 +117,7 @@ impl Skeleton {
     }
 
     /// Merges bones that are fixed to each other into one piece.
-    fn gather(&mut self, bones: &[Bone]) {
+    fn merge_fixed(&mut self, bones: &[Bone]) {
         let mut owner: Vec<usize> = Vec::new();
         for (number, bone) in bones.iter().enumerate() {
             let fixed = bone.parent.filter(|_| bone.joint == Joint::Fixed);

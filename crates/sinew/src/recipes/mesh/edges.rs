@@ -28,13 +28,13 @@ impl Edges {
     /// and the triangle.
     pub(super) fn of(triangles: &mut Vec<[u32; 3]>, particles: usize) -> Self {
         let lowers = |&[a, b, c]: &[u32; 3]| [a.min(b), b.min(c), c.min(a)];
-        let starts = dealt(particles, triangles.iter().flat_map(lowers));
+        let starts = bucket_starts(particles, triangles.iter().flat_map(lowers));
         let mut next = starts.clone();
-        let mut dealt_out = vec![0; 3 * triangles.len()];
+        let mut bucketed = vec![0; 3 * triangles.len()];
         for (triangle, corners) in (0..).zip(triangles.iter()) {
             for (k, lower) in (0..).zip(lowers(corners)) {
                 let place = &mut next[lower as usize];
-                dealt_out[*place as usize] = 3 * triangle + k;
+                bucketed[*place as usize] = 3 * triangle + k;
                 *place += 1;
             }
         }
@@ -49,7 +49,7 @@ impl Edges {
         let (mut repeated, mut sides) = (Vec::new(), Vec::new());
         for (lower, span) in (0..).zip(starts.windows(2)) {
             sides.clear();
-            sides.extend(dealt_out[span[0] as usize..span[1] as usize].iter().map(side));
+            sides.extend(bucketed[span[0] as usize..span[1] as usize].iter().map(side));
             // Among equal sides that of the earlier triangle comes first.
             sides.sort_unstable();
             sides.dedup_by(|later, first| {
@@ -68,7 +68,7 @@ impl Edges {
             }
         }
         without(triangles, repeated);
-        Self { starts: dealt(particles, list.iter().map(|edge| edge.ends[0])), list }
+        Self { starts: bucket_starts(particles, list.iter().map(|edge| edge.ends[0])), list }
     }
 
     /// The same edges after renumbering the particles.
@@ -84,7 +84,10 @@ impl Edges {
             }
         }
         sort(&mut self.list, places.len(), |edge| edge.ends[0], |edge| edge.ends[1].into());
-        Self { starts: dealt(places.len(), self.list.iter().map(|edge| edge.ends[0])), ..self }
+        Self {
+            starts: bucket_starts(places.len(), self.list.iter().map(|edge| edge.ends[0])),
+            ..self
+        }
     }
 
     /// The edges whose lower end is `particle`.
@@ -144,7 +147,7 @@ pub(super) struct Neighbours {
 impl Neighbours {
     /// Built from sorted pairs of particles, which makes the neighbours of each particle sorted too.
     pub(super) fn of(pairs: impl Iterator<Item = [u32; 2]> + Clone, particles: usize) -> Self {
-        let starts = dealt(particles, pairs.clone().flatten());
+        let starts = bucket_starts(particles, pairs.clone().flatten());
         let mut next = starts.clone();
         let mut list = vec![0; starts[particles] as usize];
         // The lower neighbours first, in the order of the lower ends, and then the higher ones.
@@ -174,7 +177,7 @@ pub(in crate::recipes) fn sort<T: Copy>(
     particle: impl Fn(&T) -> u32,
     key: impl Fn(&T) -> u64,
 ) {
-    let starts = dealt(particles, items.iter().map(&particle));
+    let starts = bucket_starts(particles, items.iter().map(&particle));
     let mut next = starts.clone();
     // Sorts keys with item numbers: equal keys stay in order, and the sort is compiled once instead of for each item type.
     let mut order = vec![(0, 0); items.len()];
@@ -200,7 +203,7 @@ pub(super) fn join(high: u32, low: u32) -> u64 {
 }
 
 /// Bucket offsets: where the items of each particle begin when they are bucketed by particle, and the end of the last bucket.
-fn dealt(particles: usize, items: impl Iterator<Item = u32>) -> Vec<u32> {
+fn bucket_starts(particles: usize, items: impl Iterator<Item = u32>) -> Vec<u32> {
     let mut starts = vec![0; particles + 1];
     items.for_each(|item| starts[item as usize + 1] += 1);
     let mut sum = 0;

@@ -31,7 +31,7 @@ pub(super) struct Finder<'a> {
     border: Vec<[u32; 2]>,
     /// The attempt in which each particle was last put into a row; counts from 1.
     put: Vec<u32>,
-    tries: u32,
+    attempt: u32,
 }
 
 /// The particles of a grid, row by row.
@@ -42,7 +42,7 @@ pub(super) struct ParticleGrid {
 }
 
 /// A candidate placement of the grid's corners on the border.
-struct Corners {
+struct Placement {
     /// Sum of the cosines of the four corner angles: the closer to right angles, the smaller.
     bluntness: f64,
     /// Where on the border the first row begins, and whether it runs backwards along the border.
@@ -58,7 +58,7 @@ impl<'a> Finder<'a> {
             edges,
             border: vec![[NONE; 2]; particles],
             put: vec![0; particles],
-            tries: 0,
+            attempt: 0,
         }
     }
 
@@ -71,25 +71,25 @@ impl<'a> Finder<'a> {
     pub(super) fn find(&mut self, piece: &[u32]) -> Option<ParticleGrid> {
         let border = self.walk_border(piece)?;
         let sides = self.sides(piece, border.len())?;
-        let mut ways = self.ways(&border, sides);
+        let mut placements = self.placements(&border, sides);
         let [columns, rows] = sides;
         // The most rectangular candidate is right in most cases. In a mesh where all of the border consists of possible corners, such as a fan, there are many
         // candidates; the search is limited to a few passes over the whole piece.
-        ways.sort_by(|a, b| {
-            let place = |way: &Corners| self.positions[border[way.first] as usize];
+        placements.sort_by(|a, b| {
+            let place = |placement: &Placement| self.positions[border[placement.first] as usize];
             a.bluntness.total_cmp(&b.bluntness).then_with(|| compare(place(a), place(b)))
         });
-        let mut patience = 4 * piece.len();
-        ways.iter().find_map(|way| {
+        let mut budget = 4 * piece.len();
+        placements.iter().find_map(|placement| {
             let along = |steps: usize| {
                 let steps = steps % border.len();
-                let back = if way.backwards { border.len() - steps } else { steps };
-                border[(way.first + back) % border.len()]
+                let back = if placement.backwards { border.len() - steps } else { steps };
+                border[(placement.first + back) % border.len()]
             };
-            if patience == 0 {
+            if budget == 0 {
                 return None;
             }
-            let order = self.fill(sides, along, &mut patience)?;
+            let order = self.fill(sides, along, &mut budget)?;
             debug_assert_eq!(order.len(), columns * rows);
             Some(ParticleGrid { order, columns: columns as u32 })
         })
@@ -140,7 +140,7 @@ impl<'a> Finder<'a> {
     }
 
     /// All placements of a grid with these sides on a border, up to rotation and reflection.
-    fn ways(&self, border: &[u32], [columns, rows]: [usize; 2]) -> Vec<Corners> {
+    fn placements(&self, border: &[u32], [columns, rows]: [usize; 2]) -> Vec<Placement> {
         let length = border.len();
         let at = |place: usize| border[place % length];
         // A corner belongs to one cell, so it has one or two triangles and at most three edges.
@@ -158,11 +158,11 @@ impl<'a> Finder<'a> {
                 .map(|place| place % length)
         };
         let possible = (0..turns).map(corners).filter(|four| four.iter().all(|&k| !blunt[k]));
-        possible.map(|four| self.way(border, four, columns == rows)).collect()
+        possible.map(|four| self.placement(border, four, columns == rows)).collect()
     }
 
     /// Chooses the starting corner and the direction. From the second and the fourth corner, the longer side is behind.
-    fn way(&self, border: &[u32], corners: [usize; 4], square: bool) -> Corners {
+    fn placement(&self, border: &[u32], corners: [usize; 4], square: bool) -> Placement {
         let length = border.len();
         let place = |k: usize| self.positions[border[k % length] as usize];
         let cosine = |k: usize| {
@@ -184,7 +184,7 @@ impl<'a> Finder<'a> {
         } else {
             best % 2 == 1
         };
-        Corners { bluntness: (a + c) + (b + d), first, backwards }
+        Placement { bluntness: (a + c) + (b + d), first, backwards }
     }
 
     /// Visits all cells, row by row; `None` if one does not fit. `along` gives the border from the first corner on.
@@ -192,20 +192,20 @@ impl<'a> Finder<'a> {
         &mut self,
         [columns, rows]: [usize; 2],
         along: impl Fn(usize) -> u32,
-        patience: &mut usize,
+        budget: &mut usize,
     ) -> Option<Vec<u32>> {
-        self.tries += 1;
+        self.attempt += 1;
         let length = 2 * (columns + rows) - 4;
         let mut order = Vec::with_capacity(columns * rows);
         // For each upper side of the cells of a row, the corner of the triangle above it.
         let mut above = vec![NONE; columns - 1];
         order.extend((0..columns).map(&along));
-        order.iter().for_each(|&v| self.put[v as usize] = self.tries);
+        order.iter().for_each(|&v| self.put[v as usize] = self.attempt);
         for row in 1..rows {
             let mut c = along(length - row);
             self.put(&mut order, c)?;
             for (column, above) in above.iter_mut().enumerate() {
-                *patience = patience.checked_sub(1)?;
+                *budget = budget.checked_sub(1)?;
                 let upper = (row - 1) * columns + column;
                 let [a, b] = [order[upper], order[upper + 1]];
                 let below = self.edges.between(a, b)?.across(*above)?;
@@ -226,10 +226,10 @@ impl<'a> Finder<'a> {
     /// Appends a particle to a row; `None` if it is in one already.
     fn put(&mut self, order: &mut Vec<u32>, particle: u32) -> Option<()> {
         let put = &mut self.put[particle as usize];
-        if *put == self.tries {
+        if *put == self.attempt {
             return None;
         }
-        *put = self.tries;
+        *put = self.attempt;
         order.push(particle);
         Some(())
     }

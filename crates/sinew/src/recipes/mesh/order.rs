@@ -28,7 +28,7 @@ pub(super) fn ordered(positions: &[Vec3], edges: &Edges) -> (Vec<u32>, Vec<Piece
             None => {
                 let search =
                     search.get_or_insert_with(|| BreadthFirst::new(edges, positions.len()));
-                order.extend(search.short_ties(piece));
+                order.extend(search.narrow_order(piece));
                 None
             }
         };
@@ -42,14 +42,14 @@ struct BreadthFirst<'a> {
     edges: &'a Edges,
     neighbours: Neighbours,
     /// The search in which each particle was last visited; counts from 1.
-    seen: Vec<u32>,
+    visited: Vec<u32>,
     searches: u32,
     /// The place of each particle in the order that is being measured.
     places: Vec<u32>,
 }
 
 /// Maximum number of attempts to find a longer path from periphery to periphery. Two are enough in most cases.
-const TRIES: u32 = 6;
+const MAX_ATTEMPTS: u32 = 6;
 
 impl<'a> BreadthFirst<'a> {
     fn new(edges: &'a Edges, particles: usize) -> Self {
@@ -57,7 +57,7 @@ impl<'a> BreadthFirst<'a> {
         Self {
             edges,
             neighbours: Neighbours::of(ties, particles),
-            seen: vec![0; particles],
+            visited: vec![0; particles],
             searches: 0,
             places: vec![NONE; particles],
         }
@@ -66,14 +66,14 @@ impl<'a> BreadthFirst<'a> {
     /// The connected piece of a particle in breadth-first order, the number of levels, and where the last level begins.
     fn levels(&mut self, from: u32) -> (Vec<u32>, usize, usize) {
         self.searches += 1;
-        self.seen[from as usize] = self.searches;
+        self.visited[from as usize] = self.searches;
         let mut found = vec![from];
         let (mut depth, mut level) = (0, 0..1);
         loop {
             for place in level.clone() {
                 for &next in self.neighbours.around(found[place]) {
-                    if self.seen[next as usize] != self.searches {
-                        self.seen[next as usize] = self.searches;
+                    if self.visited[next as usize] != self.searches {
+                        self.visited[next as usize] = self.searches;
                         found.push(next);
                     }
                 }
@@ -87,7 +87,7 @@ impl<'a> BreadthFirst<'a> {
 
     /// Orders a connected piece for a small bandwidth. The old order is that of the mesh's author, often in rings or rows. It is kept if it has the smaller
     /// bandwidth, or if it has more edges in step and at most twice the bandwidth.
-    fn short_ties(&mut self, piece: Vec<u32>) -> Vec<u32> {
+    fn narrow_order(&mut self, piece: Vec<u32>) -> Vec<u32> {
         let breadth_first = self.breadth_first(&piece);
         let [old, new] = [&piece, &breadth_first].map(|order| self.measure(order));
         let stays = old.bandwidth <= new.bandwidth
@@ -98,17 +98,17 @@ impl<'a> BreadthFirst<'a> {
     /// The order of Cuthill and `McKee` (*Reducing the bandwidth of sparse symmetric matrices*, 1969): breadth first from a peripheral particle; the new
     /// neighbours of each particle are sorted by their number of neighbours, fewest first, then by their old order.
     fn breadth_first(&mut self, piece: &[u32]) -> Vec<u32> {
-        let begin = self.edge_of(piece);
+        let begin = self.peripheral(piece);
         self.searches += 1;
-        self.seen[begin as usize] = self.searches;
+        self.visited[begin as usize] = self.searches;
         let mut order = Vec::with_capacity(piece.len());
         order.push(begin);
         let mut place = 0;
         while let Some(&here) = order.get(place) {
             let fresh = order.len();
             for &next in self.neighbours.around(here) {
-                if self.seen[next as usize] != self.searches {
-                    self.seen[next as usize] = self.searches;
+                if self.visited[next as usize] != self.searches {
+                    self.visited[next as usize] = self.searches;
                     order.push(next);
                 }
             }
@@ -120,11 +120,11 @@ impl<'a> BreadthFirst<'a> {
 
     /// A particle at the periphery (George and Liu, *An implementation of a pseudoperipheral node finder*, 1979): repeatedly goes to a farthest particle, as
     /// long as the distance grows.
-    fn edge_of(&mut self, piece: &[u32]) -> u32 {
+    fn peripheral(&mut self, piece: &[u32]) -> u32 {
         let fewest = |list: &[u32], own: &Self| list.iter().copied().min_by_key(|&v| own.degree(v));
         let mut best = fewest(piece, self).unwrap_or_default();
         let mut farthest = 0;
-        for _ in 0..TRIES {
+        for _ in 0..MAX_ATTEMPTS {
             let (found, depth, last) = self.levels(best);
             if depth <= farthest {
                 break;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::constraints::checks::{Random, evaluate};
 use crate::recipes::blueprint::checks::assert_at_rest;
-use crate::recipes::blueprint::gap;
+use crate::recipes::blueprint::rest_length;
 use crate::{Plane, Simulation};
 
 fn adult() -> Blueprint {
@@ -60,8 +60,8 @@ fn parts_agree_with_their_particles() {
         for (i, a) in part.particles.iter().enumerate() {
             for (j, b) in part.particles.iter().enumerate() {
                 let [a, b] = [a, b].map(|k| body.particles[*k as usize].position);
-                let rest = gap(part.rest[i], part.rest[j]);
-                assert!((gap(a, b) - rest).abs() < 1e-6, "{} {i} {j}", part.name);
+                let rest = rest_length(part.rest[i], part.rest[j]);
+                assert!((rest_length(a, b) - rest).abs() < 1e-6, "{} {i} {j}", part.name);
             }
         }
     }
@@ -95,7 +95,7 @@ fn trunk_frames_are_rigid_and_limits_leave_room_to_move() {
     }
     for d in body.distances.iter().filter(|d| d.bound != Bound::Equal) {
         let [a, b] = [d.a, d.b].map(|i| body.particles[i as usize].position);
-        let room = (gap(a, b) - d.rest).abs();
+        let room = (rest_length(a, b) - d.rest).abs();
         assert!(room > 0.003, "{d:?} leaves {room} m");
     }
 }

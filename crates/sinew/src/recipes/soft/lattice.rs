@@ -7,9 +7,9 @@ use glam::{DVec3, UVec3, Vec3};
 use super::{DAMPING_RATIOS, damped, sound};
 use crate::constraints::{Constraint, ConstraintKind, Distance, Tetrahedron};
 use crate::particles::ParticleSeed;
-use crate::recipes::blueprint::{Blueprint, gap};
+use crate::recipes::blueprint::{Blueprint, rest_length};
 use crate::recipes::fault::{RecipeFault, check_particles, ensure};
-use crate::recipes::limits::{LENGTHS, MOST_PARTICLES};
+use crate::recipes::limits::{LENGTHS, MAX_PARTICLES};
 use crate::recipes::solid::Bulk;
 use crate::settings::BodySettings;
 
@@ -123,7 +123,7 @@ const COURANT: f64 = 1.0 / 8.0;
 /// # Errors
 /// A [`RecipeFault`] if a value is out of range.
 pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, RecipeFault> {
-    let lattice = cut(spec)?;
+    let lattice = lattice_of(spec)?;
     let places: Vec<Vec3> = lattice.points.iter().map(|p| p.as_vec3()).collect();
     let volumes: Vec<f64> = lattice.tetrahedra.iter().map(|t| lattice.volume(t)).collect();
     let volume = volumes.iter().sum::<f64>();
@@ -147,7 +147,7 @@ pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, RecipeFault> {
     for (&[a, b], tie) in &lattice.ties {
         let inverse = [a, b].iter().map(|&i| 1.0 / masses[i as usize]).sum();
         let softness = damped(1.0 / (shear * tie), inverse, spec.damping);
-        let rest = gap(places[a as usize], places[b as usize]);
+        let rest = rest_length(places[a as usize], places[b as usize]);
         body.distances.push(Distance::new(a, b, rest).with_softness(softness));
     }
     for (&t, &volume) in lattice.tetrahedra.iter().zip(&volumes) {
@@ -182,7 +182,7 @@ pub fn soft_lattice_mesh(spec: &SoftLatticeSpec) -> Result<SoftSurface, RecipeFa
     Ok(SoftSurface { positions, indices, vertices: body.vertices })
 }
 
-fn cut(spec: &SoftLatticeSpec) -> Result<Lattice, RecipeFault> {
+fn lattice_of(spec: &SoftLatticeSpec) -> Result<Lattice, RecipeFault> {
     ensure((1e-3..=1e12).contains(&spec.stiffness), RecipeFault::Stiffness)?;
     ensure((0.25..=0.49).contains(&spec.poisson), RecipeFault::Poisson)?;
     ensure(DAMPING_RATIOS.contains(&spec.damping), RecipeFault::DampingRatio)?;
@@ -190,7 +190,7 @@ fn cut(spec: &SoftLatticeSpec) -> Result<Lattice, RecipeFault> {
     let check = |lengths: &[f32], cells: u32, count: u64| {
         ensure(lengths.iter().all(|length| LENGTHS.contains(length)), RecipeFault::Size)?;
         ensure(cells > 0, RecipeFault::NoCells)?;
-        ensure(count <= MOST_PARTICLES, RecipeFault::TooMany)
+        ensure(count <= MAX_PARTICLES, RecipeFault::TooMany)
     };
     match spec.shape {
         SoftShape::Box { size, cells } => {
@@ -251,7 +251,7 @@ fn outer(triangles: &[[u32; 3]]) -> Vec<u32> {
 }
 
 /// Minimum stiffness of an edge, as a share of that in a cubic cell: the formula gives a negative value for a cell that is too long.
-const LEAST_TIE: f64 = 0.05;
+const MIN_STIFFNESS: f64 = 0.05;
 
 /// A box centred on the origin, in `cells` of five tetrahedra.
 ///
@@ -271,7 +271,7 @@ fn block(size: DVec3, cells: UVec3) -> Lattice {
     let volume = cell.x * cell.y * cell.z;
     let along = |axis: usize| {
         let ideal = 4.0 * inverse[axis] - inverse.x - inverse.y - inverse.z;
-        volume * ideal.max(LEAST_TIE * inverse[axis])
+        volume * ideal.max(MIN_STIFFNESS * inverse[axis])
     };
     // Shares of one cell: an inner edge along an axis belongs to four cells, a diagonal to two.
     let edges = [0, 1, 2].map(|axis| 0.25 * along(axis));
