@@ -110,7 +110,7 @@ const EDITS: [Edit; 24] = [
 ];
 
 #[test]
-fn nobody_sees_that_steps_at_rest_are_not_taken() {
+fn skipped_steps_at_rest_change_no_bit() {
     let mut asleep = level();
     for _ in 0..200 {
         asleep.step(DT).unwrap();

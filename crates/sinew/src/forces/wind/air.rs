@@ -195,8 +195,9 @@ pub(crate) fn sample(
         triangle_count[i as usize] += 1;
     }
     // A triangle with a missing row is left without air: its response `g` is zero.
-    let yields = |&i: &u32| triangle_count[i as usize] as f32 * particles.inverse_mass(i as usize);
-    let inverse_mass = |corners: &[u32; 3]| corners.iter().map(yields).sum::<f32>() / 9.0;
+    let weighted =
+        |&i: &u32| triangle_count[i as usize] as f32 * particles.inverse_mass(i as usize);
+    let inverse_mass = |corners: &[u32; 3]| corners.iter().map(weighted).sum::<f32>() / 9.0;
     responses.extend(surfaces.iter().map(|corners| {
         Vec4::new(0.0, 0.0, if there(corners) { inverse_mass(corners) } else { 0.0 }, 0.0)
     }));
