@@ -129,10 +129,10 @@ fn excluded_layers_and_sensors_do_not_collide_and_a_sensor_reports() {
         let mut world = Simulation::default();
         world.colliders.push(floor(layers, sensor));
         ball(&mut world, Vec3::Y * 0.5, Vec3::ZERO, 0.1, Material::default());
-        let mut told = 0;
+        let mut reported = 0;
         for _ in 0..60 {
             let report = world.step(DT).unwrap();
-            told += report.impacts.len();
+            reported += report.impacts.len();
             for impact in &report.impacts {
                 assert_eq!(
                     (impact.first, impact.second),
@@ -143,7 +143,7 @@ fn excluded_layers_and_sensors_do_not_collide_and_a_sensor_reports() {
             }
         }
         assert_eq!(world.particles.position(0).y < 0.0, passes);
-        assert_eq!(told > 0, layers == Layers::default(), "{told}");
+        assert_eq!(reported > 0, layers == Layers::default(), "{reported}");
     }
 }
 

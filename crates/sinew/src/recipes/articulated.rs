@@ -1,7 +1,7 @@
 //! Articulated bodies (physics.md B3, C5): rigid bones, joined where they share particles, with limits on the angles between them.
 //!
 //! A chain, a door, a lamp, an animal. Two bones that share one particle turn freely about it; two that share two particles turn about the line through them. A
-//! [`Cone`] or a [`Hinge`] limits the angles of a joint, so that an elbow bends one way only.
+//! [`Cone`](crate::constraints::Cone) or a [`Hinge`](crate::constraints::Hinge) limits the angles of a joint, so that an elbow bends one way only.
 
 mod joints;
 
