@@ -1,4 +1,4 @@
-//! Constraints that break: at a force, or at a strain.
+//! Constraints that break at a force or at a strain.
 
 use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
@@ -10,11 +10,11 @@ use crate::components::{BodyConstraints, BreakAt, ConstraintOf, CreationOrder};
 use crate::schedule::SinewClock;
 use crate::world::{LinkAt, SinewWorld};
 
-/// A constraint, a spring or an attachment broke, because of its [`BreakAt`]: a message, and an event to be observed on what broke and, where that belongs to
-/// a body, on the body. It is still there when the event is sent, and is despawned right after.
+/// A constraint, a spring or an attachment broke, because it exceeded its [`BreakAt`]. It is a message, and an event that can be observed on what broke and, if
+/// that belongs to a body, on the body. What broke still exists when the event is sent, and is despawned right after.
 ///
-/// What breaks in a tick is said at the end of [`SinewSystems::Scatter`](crate::SinewSystems::Scatter), after the contacts of the tick, in the order in
-/// which the constraints were created. The message is written once, with the constraint as its `entity`.
+/// The events of a tick are sent at the end of [`SinewSystems::Scatter`](crate::SinewSystems::Scatter), after the contacts of the tick, in the order in which
+/// the constraints were created. The message is written once, with the constraint as its `entity`.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -25,33 +25,33 @@ use crate::world::{LinkAt, SinewWorld};
 /// ```
 #[derive(Message, EntityEvent, Reflect, Clone, Debug, PartialEq)]
 pub struct Broke {
-    /// Who is told: the constraint, or its body.
+    /// The target of the event: the constraint, or its body.
     pub entity: Entity,
     /// The constraint or the spring that broke, or the entity with the [`AttachTo`].
     pub constraint: Entity,
-    /// The body that it belongs to, if it does.
+    /// The body that it belongs to, if any.
     pub body: Option<Entity>,
-    /// The particles that it bound.
+    /// The particles that it connected.
     pub particles: Vec<Entity>,
-    /// The middle of these, metres in the world.
+    /// The mean position of these particles, metres in the world.
     pub point: Vec3,
-    /// With what force it held, N. Zero if that was not measured, because it has no limit.
+    /// The force that it carried, N. Zero if that was not measured, because it has no force limit.
     pub force: f32,
-    /// By how much it was stretched, as a share of its rest length; zero of what has none.
+    /// Its elongation as a fraction of its rest length; zero if it has no rest length.
     pub strain: f32,
 }
 
-/// One that may break, and where in the solver's lists it is. Scratch.
+/// A constraint that may break, and its place in the solver's lists. Scratch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Breakable {
     at: LinkAt,
     limits: BreakAt,
-    /// What breaks: the constraint, or the attachment that it is a joint of.
+    /// What breaks: the constraint, or the attachment that it belongs to.
     breaks: Entity,
     body: Option<Entity>,
 }
 
-/// Those that may break, as of the lists of this tick.
+/// The constraints that may break, for the solver's lists of this tick.
 #[derive(Resource, Default)]
 pub(crate) struct Breakables {
     all: Vec<(CreationOrder, Entity, Breakable)>,
@@ -59,7 +59,7 @@ pub(crate) struct Breakables {
     count: usize,
 }
 
-/// Says which constraints may break, and has the loads of those measured that may by a force, and the strains of those that may by that.
+/// Lists the constraints that may break, and enables the measurement of loads for those with a force limit and of strains for those with a strain limit.
 pub(crate) fn gather_breakables(
     mut world: ResMut<SinewWorld>,
     mut breakables: ResMut<Breakables>,
@@ -128,20 +128,20 @@ pub(crate) fn gather_breakables(
     simulation.measure_strains(by_strain.filter_map(|(.., one)| one.at.distance()));
 }
 
-/// Breaks what had to hold too much.
+/// Breaks the constraints that exceed a limit.
 pub(crate) fn break_constraints(
     world: Res<SinewWorld>,
     clock: Res<SinewClock>,
     breakables: Res<Breakables>,
     mut commands: Commands,
 ) {
-    // A fixed clock that stood still took no tick.
+    // With a time step of zero, no tick was taken.
     if breakables.all.is_empty() || clock.seconds == world.simulation.time {
         return;
     }
     let mut broken: Vec<Broke> = Vec::new();
     for (.., one) in &breakables.all {
-        // Of an attachment with several joints, the first that gives way.
+        // Of an attachment with several constraints, the first that breaks is reported.
         if broken.iter().any(|known| known.constraint == one.breaks) {
             continue;
         }
@@ -154,7 +154,7 @@ pub(crate) fn break_constraints(
 }
 
 impl Breakable {
-    /// How it broke, if it did.
+    /// The event, if the constraint exceeds a limit.
     fn broke(&self, world: &SinewWorld) -> Option<Broke> {
         let (simulation, tables) = (&world.simulation, &world.tables);
         let particles = &simulation.particles;
@@ -205,7 +205,7 @@ impl Breakable {
     }
 }
 
-/// Says that something broke, and takes it away.
+/// Sends the event, and despawns what broke.
 fn snap(world: &mut World, broke: Broke) {
     let constraint = broke.constraint;
     if world.get_entity(constraint).is_err() {
@@ -219,7 +219,7 @@ fn snap(world: &mut World, broke: Broke) {
     }
     world.flush();
     let Ok(mut entity) = world.get_entity_mut(constraint) else { return };
-    // An attachment on the body itself goes alone.
+    // An attachment on the body itself is removed as a component; the body stays.
     if entity.contains::<AttachTo>() && !entity.contains::<AttachmentOf>() {
         entity.remove::<AttachTo>();
         world.flush();

@@ -1,14 +1,14 @@
-//! Carrying particles along with a frame that somebody moves: the same whether a `Transform` was changed or a command asked for it.
+//! Moves particles with a frame, in the same way whether a game changed a `Transform` or issued a command.
 //!
-//! Velocities turn with the frame and otherwise stay, so that a portal carries a flying, spinning box through: if they kept their direction,
-//! those of its particles would no longer be those of a rigid spin. In `f64`, so that no shape loses a digit on the way, however far it is.
+//! Velocities turn with the frame and otherwise stay, so that a portal carries a flying, spinning box through: if they kept their direction, they would no
+//! longer be those of a rigid spin. Computed in `f64`, so that no shape loses precision, however far the motion is.
 
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
 use crate::components::Particle;
 
-/// A rigid motion of the whole world, for some particles.
+/// A rigid motion of the world, applied to some particles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carry {
     from: DVec3,
@@ -18,7 +18,7 @@ pub(crate) struct Carry {
 }
 
 impl Carry {
-    /// What leads from one place of a frame to another; scales do not count. `None` if one of them is no place: not finite, or no rotation.
+    /// The motion from one placement of a frame to another, without scale. `None` if one of them is invalid: not finite, or without a rotation.
     pub(crate) fn between(from: &Transform, to: &Transform) -> Option<Self> {
         let (a, b) = (unit(from.rotation)?, unit(to.rotation)?);
         if !(from.translation.is_finite() && to.translation.is_finite()) {
@@ -28,18 +28,18 @@ impl Carry {
         Some(Self { from: from.translation.as_dvec3(), to: to.translation.as_dvec3(), turn })
     }
 
-    /// A turn about a point, metres; `None` if it is none.
+    /// A rotation about a point, metres; `None` if either is invalid.
     pub(crate) fn about(point: DVec3, turn: Quat) -> Option<Self> {
         let turn = unit(turn)?;
         point.is_finite().then_some(Self { from: point, to: point, turn: Some(turn) })
     }
 
-    /// Whether it leads nowhere.
+    /// Whether it moves nothing.
     pub(crate) fn is_none(&self) -> bool {
         self.from == self.to && self.turn.is_none()
     }
 
-    /// Takes a particle along.
+    /// Applies the motion to a particle.
     pub(crate) fn take(&self, particle: &mut Particle) {
         let arm = particle.exact() - self.from;
         match self.turn {
@@ -51,7 +51,7 @@ impl Carry {
         }
     }
 
-    /// Takes a frame along; its scale stays.
+    /// Applies the motion to a frame; its scale stays.
     pub(crate) fn take_frame(&self, frame: &mut Transform) {
         let arm = frame.translation.as_dvec3() - self.from;
         match self.turn {
@@ -66,7 +66,7 @@ impl Carry {
     }
 }
 
-/// A quaternion brought to unit length, or `None` if it has no direction. Nothing here asserts: a broken one is to be refused, not to end the game.
+/// Normalises a quaternion; `None` if it has no direction. Unlike `Quat`'s own methods this does not assert: a broken rotation must be refused, not panic.
 fn unit(q: Quat) -> Option<DQuat> {
     let q = DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into());
     let length = q.length();

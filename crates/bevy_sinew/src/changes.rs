@@ -1,4 +1,4 @@
-//! Whether anything in a column of components changed: asked of whole tables at once, because that is all that a warm tick asks of most components.
+//! Change detection over whole tables at once: for most components a warm tick only needs to know whether any of them changed.
 
 use bevy::ecs::change_detection::{ContiguousRef, Tick};
 use bevy::ecs::query::ArchetypeFilter;
@@ -6,10 +6,10 @@ use bevy::prelude::*;
 
 use crate::components::ExtractedTransform;
 
-/// Ticks looked at in one go, so that the compiler compares several at once. They are few enough that what changed early ends the search early.
+/// How many ticks are compared at a time: enough that the compiler vectorises the comparison, few enough that an early change ends the search early.
 const STRIDE: usize = 64;
 
-/// When each component of a table's column was added and changed, seen by a system.
+/// The added and changed ticks of a table's column, relative to the last run of a system.
 #[derive(Clone, Copy)]
 pub(crate) struct ChangeTicks<'w> {
     added: &'w [Tick],
@@ -43,17 +43,17 @@ impl<'w> ChangeTicks<'w> {
         self.any_newer(self.added)
     }
 
-    /// The places of those that changed.
+    /// The positions of the components that changed.
     pub(crate) fn changed(&self) -> impl Iterator<Item = usize> + use<'w> {
         self.newer(self.changed)
     }
 
-    /// The places of those that were added.
+    /// The positions of the components that were added.
     pub(crate) fn added(&self) -> impl Iterator<Item = usize> + use<'w> {
         self.newer(self.added)
     }
 
-    /// When the one at a place did.
+    /// The tick at which the component at a position changed.
     pub(crate) fn when(&self, place: usize) -> Tick {
         self.changed[place]
     }
@@ -71,7 +71,7 @@ impl<'w> ChangeTicks<'w> {
     }
 }
 
-/// How many there are in all tables that a query matches, and whether any changed since the system that asks last ran.
+/// The number of components in all tables that a query matches, and whether any of them changed since the calling system last ran.
 pub(crate) fn census<'a, T: Component, F: ArchetypeFilter>(
     query: &Query<Ref<'a, T>, F>,
 ) -> (usize, bool) {
@@ -79,15 +79,15 @@ pub(crate) fn census<'a, T: Component, F: ArchetypeFilter>(
         Ok(tables) => tables.fold((0, false), |(count, changed), column| {
             (count + column.len(), changed || ChangeTicks::of(&column).any_changed())
         }),
-        // A component that is kept in a sparse set has no column.
+        // A component with sparse-set storage has no column.
         Err(_) => query.iter().fold((0, false), |(count, changed), component| {
             (count + 1, changed || component.is_changed())
         }),
     }
 }
 
-/// A run condition: whether a body may be elsewhere in the world than the simulation left it. Of one that has a parent that is not known before it is looked at,
-/// nor in the tick after it had one.
+/// Run condition: whether a body may be at another place in the world than the simulation left it. A body with a parent has to be examined to find out, so the
+/// condition holds while there is one, and for one more tick.
 pub(crate) fn any_may_have_moved(
     transforms: Query<Ref<Transform>, With<ExtractedTransform>>,
     known: Query<Ref<ExtractedTransform>>,

@@ -1,11 +1,11 @@
-//! How hard the solver tries: configuration, as a resource that may be edited live, and what single bodies ask for beside it.
+//! Settings of the solver: a resource for the world, and a component for single bodies. Both may be edited at any time.
 
 use bevy::prelude::*;
 use sinew::{BodySettings, SolverSettings};
 
 use crate::same::{same_fields, same_variants};
 
-/// Settings of the solver for the whole world. Values outside their range are clamped to it.
+/// Settings of the solver for the whole world. Values outside their range are clamped.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -17,50 +17,52 @@ use crate::same::{same_fields, same_variants};
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct SolverConfig {
-    /// Substeps in a tick, 1 to 256. Default 10, which is meant for all that is soft. Boxes and ragdolls do with 4, in half the time;
-    /// [`SolverSettings::substeps`] says what that costs.
+    /// Substeps in a tick, 1 to 256. More of them make everything stiffer and more accurate, and are preferable to more sweeps. Default 10, which is meant for
+    /// cloth, ropes and soft bodies. Boxes and ragdolls need only 4, in two thirds to three quarters of the time; [`SolverSettings::substeps`] lists what that
+    /// costs in accuracy.
     pub substeps: u32,
-    /// The most sweeps over all constraints in a substep, 1 to 1000. Default 4. Large cloth takes them as [`microsteps`](Self::microsteps), and
-    /// solid soft bodies that yield enough take one ([`BodySolver::single_sweep_below`]).
+    /// The maximum number of sweeps (passes over all constraints) in a substep, 1 to 1000. Default 4. Large cloth uses them as
+    /// [`microsteps`](Self::microsteps), and solid soft bodies that are soft enough are swept once ([`BodySolver::single_sweep_below`]).
     pub max_sweeps: u32,
-    /// Error in metres at which a substep stops sweeping early, 0 or more. Default 1e-4.
+    /// Error, metres, at which a substep stops sweeping early, 0 or more. Default 1e-4.
     pub tolerance: f32,
-    /// Along which gradients hard distances and rigid shapes are corrected. Default to the nearest point.
+    /// At which positions the gradients of hard distances and rigid shapes are evaluated. Default [`GradientAt::Current`].
     pub gradient_at: GradientAt,
-    /// In which order constraints are enforced. Default one after the other.
+    /// In which order constraints are solved. Default [`Order::GaussSeidel`].
     pub order: Order,
-    /// How a step through time is made. Default Verlet.
+    /// How particles are integrated. Default [`Integrator::Verlet`].
     pub integrator: Integrator,
-    /// The most that anything may move at, m/s: what is faster after a tick is slowed down to it. Default 500; zero is no limit.
+    /// Maximum speed, m/s: a particle that is faster after a tick is slowed down to it. Default 500; zero is no limit.
     pub max_speed: f32,
-    /// Whether what nothing outside holds keeps its angular momentum though corrections to the nearest point do not. Default so.
+    /// Whether bodies that nothing else holds keep their angular momentum, although corrections with [`GradientAt::Current`] lose some. Default true.
     pub keep_spin: bool,
-    /// Whether hard distances are also held over long ranges ([`SolverSettings::long_range`](sinew::SolverSettings::long_range)): by long range attachments to
-    /// pins, within large grid cloth, and in ropes by a direct solver. Cloth and ropes then do not stretch under their weight, in a wind, or by what hangs
-    /// on them. Default so.
+    /// Whether hard distances are also solved over long ranges ([`SolverSettings::long_range`](sinew::SolverSettings::long_range)): by long range attachments
+    /// to pins, by spans within large grid cloth, and in ropes by a direct solver. Cloth and ropes then do not stretch under their weight, in a wind, or under
+    /// a load. Default true.
     pub long_range: bool,
-    /// Whether large cloth takes its sweeps as smaller substeps of its own ([`SolverSettings::microsteps`](sinew::SolverSettings::microsteps)), which holds it
-    /// as well at half of the work. Default so.
+    /// Whether large cloth uses its sweeps as smaller substeps of its own ([`SolverSettings::microsteps`](sinew::SolverSettings::microsteps)), which is as
+    /// accurate at half the cost. Default true.
     pub microsteps: bool,
-    /// Whether velocities are forgotten in every substep, so that everything walks to rest: the lectures' statics. Default not.
+    /// Whether velocities are set to zero in every substep, so that everything moves to its rest state. Default false. To find a rest state once, use
+    /// [`Relax`](crate::Relax).
     pub statics: bool,
-    /// Whether the time that each body takes is measured, for its [`BodyReport`](crate::BodyReport). Default not.
+    /// Whether the time that each body takes is measured, for its [`BodyReport`](crate::BodyReport). Default false.
     pub timed: bool,
-    /// Whether the threads of [`SinewWorkers`](crate::SinewWorkers) help. They never change a result. Default so.
+    /// Whether the threads of [`SinewWorkers`](crate::SinewWorkers) are used. They never change a result. Default true.
     pub threads: bool,
 }
 
-/// What one body asks of the solver, where that differs from [`SolverConfig`]: put it onto the body. What is `None` is as in the world.
+/// Settings of the solver for one body, which override [`SolverConfig`]: put it on the body. A field that is `None` has the value of the world.
 ///
-/// Bodies that constraints connect are solved together: with the most sweeps and the smallest tolerance that any of them asks for, along the start
-/// of the step if all of them do, in the order that the first of them wants, and with their spin if any of them keeps it.
+/// Bodies that constraints connect are solved together. They use the most sweeps and the smallest tolerance of any of them, [`GradientAt::StepStart`] if all of
+/// them do, the order of the one that was created first, and `keep_spin` if any of them has it.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::{BodySolver};
 /// # fn spawn(mut commands: Commands) {
-/// // Stiffer than the rest of the world.
+/// // Cloth that is solved more accurately than the rest of the world.
 /// let solver = BodySolver { max_sweeps: Some(40), ..default() };
 /// commands.spawn((Cloth::grid(1.0, 1.0, 16, 16), solver));
 /// # }
@@ -68,66 +70,66 @@ pub struct SolverConfig {
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodySolver {
-    /// The most sweeps in a substep, 1 to 1000.
+    /// The maximum number of sweeps in a substep, 1 to 1000.
     pub max_sweeps: Option<u32>,
-    /// Substeps shorter than this, seconds, are swept once, whatever `max_sweeps` are: for what yields so much that a neighbour hardly moves it in so short a time. Solid
-    /// soft bodies ask for it. Not positive or NaN: none are.
+    /// Substeps shorter than this, seconds, are swept once, whatever `max_sweeps` is: for bodies so soft that a particle is hardly moved by its neighbours in
+    /// so short a time. Solid soft bodies set it. If it is not positive or NaN, no substep is affected.
     pub single_sweep_below: Option<f32>,
-    /// Error in metres at which sweeping stops early, 0 or more.
+    /// Error, metres, at which sweeping stops early, 0 or more.
     pub tolerance: Option<f32>,
-    /// The same as a speed, m/s, 0 or more: the error may be as large as what that goes in a substep, so that a body is as quiet with many substeps
-    /// as with few ([`BodySettings`](sinew::BodySettings) says why). Where there is a `tolerance`, that counts.
+    /// The tolerance as a speed, m/s, 0 or more: the error may be as large as the distance at that speed in a substep, so that a body is as still with many
+    /// substeps as with few ([`BodySettings`](sinew::BodySettings) explains why). A `tolerance` takes precedence.
     pub tolerance_speed: Option<f32>,
-    /// Along which gradients it is corrected.
+    /// At which positions the gradients of its hard distances and rigid shapes are evaluated.
     pub gradient_at: Option<GradientAt>,
-    /// In which order its constraints are enforced.
+    /// In which order its constraints are solved.
     pub order: Option<Order>,
-    /// Whether it is given back the spin that sweeps take from it or give to it ([`SolverConfig::keep_spin`]).
+    /// Whether the angular momentum that sweeps take from it or add to it is corrected ([`SolverConfig::keep_spin`]).
     pub keep_spin: Option<bool>,
-    /// How fast what its particles do against each other dies away, 1/s, 0 and up: friction in its joints, or in its stuff. It falls, flies and spins
-    /// as without. A negative or non-finite one counts as 0. Default 0; recipes may ask for some.
+    /// Damping rate of the motion of its particles relative to each other, 1/s, 0 or more: friction in its joints, or internal friction. Its fall, flight and
+    /// spin are not affected. A negative or non-finite value counts as 0. Default 0; some recipes set it.
     pub damping: f32,
 }
 
-/// Along which gradient a hard distance or a rigid shape is corrected.
+/// At which positions the gradient of a hard distance or a rigid shape is evaluated: the direction in which it is corrected.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum GradientAt {
-    /// To the nearest point. Robust; bleeds spin. The default.
+    /// At the current positions: a projection to the nearest point. Robust, but loses spin. The default.
     #[default]
     Current,
-    /// Along the gradient at the start of the substep (SHAKE): keeps spin and energy. Boxes ask for it.
+    /// At the start of the substep (SHAKE): keeps spin and energy. Boxes use it.
     StepStart,
 }
 
-/// How the solver goes through the constraints of a body.
+/// In which order the constraints of a body are solved.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Order {
-    /// One after the other, again and again (Gauss–Seidel). The default.
+    /// One after the other, each from the result of the one before it, in repeated sweeps (Gauss–Seidel). The default.
     #[default]
     GaussSeidel,
-    /// Always the one that is violated most; pays below some 200 constraints.
+    /// Always the constraint with the largest error; faster than the default below about 200 constraints.
     MostViolatedFirst,
-    /// All from the same positions, each particle to the mean of what is asked of it; converges slowly.
+    /// All from the same positions; each particle moves to the mean of its corrections. Converges slowly.
     Jacobi,
 }
 
-/// How a world steps through time. [`sinew::integrate`] compares them.
+/// How particles are integrated over time. [`sinew::integrate`] compares the integrators.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Integrator {
-    /// Order 2, keeps energy. The default.
+    /// Second order, keeps energy. The default.
     #[default]
     Verlet,
-    /// Order 2: kick, drift, kick.
+    /// Second order: kick, drift, kick.
     Leapfrog,
-    /// Order 1, bounded energy.
+    /// First order, bounded energy.
     SemiImplicitEuler,
-    /// Order 1, gains energy on what swings. To compare with.
+    /// First order, gains energy in oscillations. For comparison.
     ExplicitEuler,
 }
 
@@ -158,7 +160,7 @@ impl From<BodySolver> for BodySettings {
             order: body.order.map(Into::into),
             keep_spin: body.keep_spin,
             damping: body.damping,
-            // Set from the component of that name.
+            // Set from the `Representation` component.
             representation: sinew::Representation::default(),
         }
     }

@@ -1,8 +1,8 @@
-//! Dragging bodies with the mouse: what every demo rewrites.
+//! Dragging bodies with the mouse.
 //!
-//! A pointer that is pressed casts a ray into the world: it meets rigid bodies by their shapes, cloth and soft bodies by their triangles, and particles, or
-//! the nearest particle beside it. That is told to Bevy's picking as from any other backend, so that what lies above it, such as a UI, keeps the press for
-//! itself. What is caught is held where it was caught by a soft constraint, which is there only while it is.
+//! When a pointer is pressed, a ray is cast into the world. It hits rigid bodies by their shapes, cloth and soft bodies by their triangles, and particles; if
+//! it hits nothing, the nearest particle beside it is selected. The hit is reported to Bevy's picking as by any other backend, so that anything in front of it,
+//! such as a UI, receives the press instead. The selected point is held by a soft constraint, which exists only during the drag.
 
 use core::f32::consts::TAU;
 
@@ -27,8 +27,8 @@ use crate::schedule::{SinewSystems, SinewTick, time_passes};
 use crate::step::RegisterParticleConstraint;
 use crate::world::SinewWorld;
 
-/// Lets a pointer drag bodies and particles. It is not part of [`SinewPlugins`](crate::SinewPlugins): add it beside them. Inert in an app without picking
-/// (`DefaultPlugins` has it) or without a pointer, except for what a game does with [`MouseDrag`] itself.
+/// Lets a pointer drag bodies and particles. It is not part of [`SinewPlugins`](crate::SinewPlugins): add it beside them. It has no effect in an app without
+/// picking (`DefaultPlugins` includes it) or without a pointer, except where a game sets [`MouseDrag::grabbed`] itself.
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -40,13 +40,13 @@ use crate::world::SinewWorld;
 #[derive(Default)]
 pub struct MouseDragPlugin;
 
-/// What is being dragged, and how. A game may set [`grabbed`](Self::grabbed) itself: a hand, a tractor beam.
+/// Settings of dragging, and what is being dragged. A game may set [`grabbed`](Self::grabbed) itself: for a hand, or a tractor beam.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::MouseDrag;
 /// # use bevy::picking::pointer::PointerButton;
-/// /// The right button drags, and gently.
+/// /// Drag with the right button, gently.
 /// fn set_up(mut drag: ResMut<MouseDrag>) {
 ///     drag.button = Some(PointerButton::Secondary);
 ///     drag.frequency = 1.0;
@@ -54,31 +54,31 @@ pub struct MouseDragPlugin;
 /// ```
 #[derive(Resource, Clone, Debug)]
 pub struct MouseDrag {
-    /// The button that grabs; `None` switches the pointer off. Default the primary one.
+    /// The button that drags; `None` disables the pointer. Default the primary button.
     pub button: Option<PointerButton>,
-    /// How far beside the pointer a particle may be, as the tangent of the angle seen from the camera, where the pointer is over nothing that could be
-    /// dragged. Default 0.04, some 2°.
+    /// How far beside the pointer a particle may be where the pointer is not over a body, as the tangent of the angle seen from the camera. Default 0.04, about
+    /// 2°.
     pub reach: f32,
-    /// How eagerly the body follows: the frequency of a critically damped spring that carries all of it, Hz, 0 to 15. Default 2.2: there in a quarter of
-    /// a second.
+    /// How quickly the body follows: the frequency of a critically damped spring that carries the whole body, Hz, 0 to 15. Default 2.2, which takes a quarter
+    /// of a second.
     pub frequency: f32,
-    /// The hardest pull, as an acceleration of all that hangs on the pointer, m/s². Default 500.
+    /// Maximum pull, as an acceleration of the whole island that is dragged, m/s². Default 500.
     pub max_acceleration: f32,
-    /// What is held now.
+    /// What is being dragged; `None` for nothing.
     pub grabbed: Option<Grab>,
 }
 
-/// A point of a body, and where it is pulled to.
+/// A point of a body, and the target to which it is pulled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grab {
-    /// The particles that the point is between, each once, and how much each has of it. The shares sum up to 1.
+    /// The particles that define the point, each once, with their weights, which add up to 1.
     pub anchor: Vec<(Entity, f32)>,
-    /// Where it is to go, metres.
+    /// The target, metres.
     pub target: Vec3,
 }
 
 impl Grab {
-    /// A particle.
+    /// Grabs a single particle.
     pub fn particle(particle: Entity, target: Vec3) -> Self {
         Self { anchor: vec![(particle, 1.0)], target }
     }
@@ -107,21 +107,21 @@ impl Plugin for MouseDragPlugin {
                 (pick.in_set(PickingSystems::Backend), follow_pointer.after(PickingSystems::Hover))
                     .run_if(resource_exists::<Messages<PointerInput>>),
             )
-            // Where time stands still nothing is pulled, and looking at a body changes nothing.
+            // While time is paused nothing is pulled, so selecting a body changes nothing.
             .add_systems(SinewTick, hold.before(SinewSystems::Build).run_if(time_passes));
     }
 }
 
-/// What pointers do.
+/// The state of the pointers.
 #[derive(Resource, Default)]
 struct Pointing {
-    /// What is under those that were pressed in this frame.
+    /// The hits under the pointers that were pressed in this frame.
     under: Vec<Caught>,
-    /// The one that holds what is grabbed.
+    /// The hit that is being dragged.
     holds: Option<Caught>,
 }
 
-/// What the ray of a pointer through a camera caught: where, of what, and which particles the point is between.
+/// A hit of a pointer's ray through a camera: the point, its body, and the particles that define the point.
 #[derive(Clone, Debug)]
 struct Caught {
     pointer: PointerId,
@@ -131,7 +131,7 @@ struct Caught {
     anchor: Vec<(Entity, f32)>,
 }
 
-/// Tells Bevy's picking what lies under a pointer that was pressed: a body that can be caught, or a collider in front of it.
+/// Reports to Bevy's picking what is under a pointer that was pressed: a body that can be dragged, or a collider in front of it.
 fn pick(
     drag: Res<MouseDrag>,
     rays: Res<RayMap>,
@@ -149,7 +149,7 @@ fn pick(
         }
         for (&id, &ray) in rays.iter().filter(|(id, _)| id.pointer == input.pointer_id) {
             let Ok((camera, layers)) = cameras.get(id.camera) else { continue };
-            // One that sees nothing, such as that which egui draws through, is nobody's eye.
+            // A camera that renders no layer, such as the one that egui uses, is no viewpoint.
             if layers.is_some_and(|layers| *layers == RenderLayers::none()) {
                 continue;
             }
@@ -167,8 +167,8 @@ fn pick(
     }
 }
 
-/// Takes what a press is for, if it is one of ours. Another backend, such as that for meshes, may have told of the body before us: whoever did, it is for
-/// the body, a part of it, or what is drawn of either, and bubbles up from there.
+/// Starts a drag from a press on a body. Another backend, such as the one for meshes, may have reported the same body first: in any case the press targets the
+/// body, a part of it, or a mesh of either, from which it bubbles up.
 fn catch(
     press: OnPress,
     mut drag: ResMut<MouseDrag>,
@@ -191,7 +191,7 @@ fn catch(
     }
 }
 
-/// Leads what is held with its pointer, as far from the camera as it was caught, and lets go when the button goes up.
+/// Moves the target with the pointer, at the depth at which the point was grabbed, and ends the drag when the button is released.
 fn follow_pointer(
     mut drag: ResMut<MouseDrag>,
     mut pointing: ResMut<Pointing>,
@@ -223,7 +223,7 @@ fn follow_pointer(
     }
 }
 
-/// Keeps the constraints that hold what is grabbed: there are none while nothing is.
+/// Maintains the constraints of the drag; there are none without a drag.
 fn hold(
     mut commands: Commands,
     drag: Res<MouseDrag>,
@@ -248,7 +248,7 @@ fn hold(
     }
 }
 
-/// The three constraints that pull a point along the axes; `None` where there is nothing to be pulled, or no number to pull it to.
+/// The three constraints that pull a point along the axes; `None` if the particles are gone, or a number is invalid.
 fn wanted(
     grab: &Grab,
     drag: &MouseDrag,
@@ -268,7 +268,7 @@ fn wanted(
     if !(target.is_finite() && mass > 0.0 && omega > 0.0) {
         return None;
     }
-    // A spring that would carry all that hangs on the point.
+    // A spring that would carry the whole island.
     let softness = Softness::spring(mass * omega * omega, 2.0 * mass * omega);
     let (particles, shares): (Vec<Entity>, Vec<f32>) = grab.anchor.iter().copied().unzip();
     Some(Vec3::AXES.map(|axis| GrabConstraint {
@@ -280,7 +280,7 @@ fn wanted(
     }))
 }
 
-/// Pulls a point between particles to a plane across an axis, through a target.
+/// Pulls a combination of particles to the plane through a target across an axis.
 #[derive(Component, Clone, Debug, PartialEq)]
 struct GrabConstraint {
     #[entities]
@@ -307,7 +307,8 @@ impl ParticleConstraint for GrabConstraint {
     }
 }
 
-/// `C = n · (Σ bᵢ pᵢ - t)`, metres, with the shares `Σ bᵢ = 1`: linear, with the gradients `bᵢ n`. The target stands in the world, so no momentum is kept.
+/// `C = n · (Σ bᵢ pᵢ - t)`, metres, with the weights `Σ bᵢ = 1`: linear, with the gradients `bᵢ n`. The target is fixed in the world, so momentum is not
+/// conserved.
 #[derive(Debug)]
 struct PointOnPlane {
     shares: Vec<f32>,
@@ -335,7 +336,7 @@ impl Equation for PointOnPlane {
     }
 }
 
-/// What is under a ray; the particles that the point is between, if it can be caught.
+/// A hit under a ray, with the particles that define the point, if it can be dragged.
 struct Under {
     entity: Entity,
     distance: f32,
@@ -344,7 +345,7 @@ struct Under {
     anchor: Option<Vec<(Entity, f32)>>,
 }
 
-/// What can be caught, and by which particles.
+/// The queries that find the particles of a hit.
 #[derive(SystemParam)]
 struct Anchors<'w, 's> {
     particles: Query<'w, 's, (Entity, &'static Particle, &'static ParticleRow), Without<Pinned>>,
@@ -357,7 +358,7 @@ struct Anchors<'w, 's> {
 }
 
 impl Anchors<'_, '_> {
-    /// What lies under a ray: what it meets first, or the particle nearest beside it.
+    /// The hit under a ray: the first one along the ray, or the nearest particle beside it.
     fn under(&self, world: &SinewWorld, ray: Ray3d, reach: f32) -> Option<Under> {
         let hit = world.cast_ray(ray, f32::MAX, &QueryFilter::default());
         let met = hit.map(|hit| Under {
@@ -370,7 +371,7 @@ impl Anchors<'_, '_> {
         if met.as_ref().is_some_and(|met| met.anchor.is_some()) {
             return met;
         }
-        // A wall keeps what is behind it from being caught.
+        // A collider hides the particles behind it.
         let far = met.as_ref().map_or(f32::INFINITY, |met| met.distance);
         let columns = world.particles();
         let candidates = self.particles.iter().map(|(entity, particle, row)| {
@@ -387,7 +388,7 @@ impl Anchors<'_, '_> {
         beside.or(met)
     }
 
-    /// The particles that a point of a body is between. `particle` is one of those that were met.
+    /// The particles that define a point of a body, with their weights. `particle` is one of those that were hit.
     fn anchor(&self, body: Entity, particle: Entity, point: Vec3) -> Vec<(Entity, f32)> {
         let alone = || vec![(particle, 1.0)];
         if !self.bodies.contains(body) {
@@ -395,7 +396,7 @@ impl Anchors<'_, '_> {
         }
         let parts = self.parts.get(body).into_iter().flat_map(BodyParts::iter).chain([body]);
         let poses = parts.filter_map(|part| self.poses.get(part).ok());
-        // Of several that share the particle, the one whose particles are nearest to the point.
+        // Of several rigid parts that share the particle, the one whose particles are nearest to the point.
         let near = |pose: &RigidPose| {
             let places = pose.particles.iter().filter_map(|&own| self.weighed.get(own).ok());
             let (mut sum, mut count) = (Vec3::ZERO, 0.0_f32);
@@ -410,7 +411,7 @@ impl Anchors<'_, '_> {
         let own = triangles.iter().filter(|corners| corners.contains(&particle));
         let found = own.filter_map(|corners| {
             let shares = self.between(corners, point)?;
-            // Inside a triangle no share is less than zero.
+            // Inside a triangle no weight is negative.
             let least = shares.iter().map(|&(_, share)| share).fold(f32::INFINITY, f32::min);
             Some((least, shares))
         });
@@ -418,13 +419,13 @@ impl Anchors<'_, '_> {
         best.map_or_else(alone, |(_, shares)| shares)
     }
 
-    /// How much each of some particles has of a point: with their masses `m`, their centre `c` and `S = Σ m (p - c)(p - c)ᵀ`,
+    /// The weights of particles that define a point: with their masses `m`, their centre of mass `c` and `S = Σ m (p - c)(p - c)ᵀ`,
     ///
     /// ```text
     /// bᵢ = mᵢ (1/M + (pᵢ - c) · S⁻¹ (x - c))        Σ bᵢ = 1,   Σ bᵢ pᵢ = x
     /// ```
     ///
-    /// of all shares that make up the point those that move the particles least. Of a flat or straight figure the point is that in its plane or on its line.
+    /// Of all weights that define the point, these move the particles least. For flat or straight bodies the point is projected to their plane or line.
     fn between(&self, particles: &[Entity], point: Vec3) -> Option<Vec<(Entity, f32)>> {
         let own: Vec<(Entity, DVec3, f64)> = particles
             .iter()
@@ -440,7 +441,7 @@ impl Anchors<'_, '_> {
             let arm = *place - centre;
             spread += DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z) * *mass;
         }
-        // What is flat has an inverse in its plane alone: a millionth of its size stands in for the rest.
+        // A flat body has no inverse outside of its plane: a millionth of its size regularises it.
         let size = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
         let braced = spread + DMat3::from_diagonal(DVec3::splat(1e-6 * size));
         let towards = braced.inverse() * (point.as_dvec3() - centre);
@@ -451,7 +452,7 @@ impl Anchors<'_, '_> {
     }
 }
 
-/// The particle nearest to the ray as seen from its origin and nearer than `far` metres; of those that the ray goes through, the nearest to the origin.
+/// The particle with the smallest angle to the ray, seen from its origin, and nearer than `far` metres; of those that the ray hits, the nearest to the origin.
 fn beside(
     ray: Ray3d,
     reach: f32,
@@ -466,7 +467,7 @@ fn beside(
             continue;
         }
         let beside = ((away - *ray.direction * depth).length() - radius).max(0.0) / depth;
-        // A metre in front counts as much as a third of the reach beside.
+        // One metre of distance counts as much as 30 % of the reach beside the ray.
         let score = beside + depth * reach * 0.3;
         if beside <= reach && best.is_none_or(|(least, ..)| score < least) {
             best = Some((score, entity, at));

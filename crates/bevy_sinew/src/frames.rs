@@ -1,37 +1,37 @@
-//! Where entities are in the world, on top of their parents: computed afresh, as `GlobalTransform` is a frame old in the fixed schedule.
+//! World transforms of entities through their parents, computed on demand, as `GlobalTransform` is a frame old in the fixed schedule.
 //!
-//! The solver works in the world; a place there is a translation, a rotation and a scale along the entity's own axes. Parents that are scaled alike in all
-//! directions keep it that. One that is not shears what is turned in it, unless it is turned by right angles: there is no such place, and what would be
-//! there is refused.
+//! The solver works in world coordinates; a placement there is a translation, a rotation and a scale along the entity's own axes. Uniformly scaled parents
+//! preserve this form. A non-uniformly scaled parent shears a rotated child, unless it is rotated by right angles: that is no such placement, and the child is
+//! refused.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-/// Transforms and parents, to be read.
+/// Read access to transforms and parents.
 #[derive(SystemParam)]
 pub(crate) struct Frames<'w, 's> {
     transforms: Query<'w, 's, &'static Transform>,
     parents: Query<'w, 's, &'static ChildOf>,
 }
 
-/// Why something has no place where its transform and its parents would put it.
+/// Why an entity has no valid placement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Misplaced {
     /// A parent shears it.
     Sheared,
-    /// It is round, or a figure of one proportion, and is scaled differently in different directions.
+    /// It is round, or a figure, and is scaled non-uniformly.
     Uneven,
 }
 
 impl Frames<'_, '_> {
-    /// Where an entity is. What has no transform is where its parents are.
+    /// The world transform of an entity. An entity without a transform is at its parent.
     pub(crate) fn of(&self, entity: Entity) -> Result<Transform, Misplaced> {
         let own = |entity| self.transforms.get(entity).ok().copied();
         on_top(own(entity).unwrap_or_default(), entity, own, &self.parents)
     }
 }
 
-/// Where something is that is at `inner` in the frame of an entity's parents.
+/// The world transform of `inner` in the frame of an entity's parents.
 pub(crate) fn on_top(
     inner: Transform,
     entity: Entity,
@@ -45,7 +45,7 @@ pub(crate) fn on_top(
     })
 }
 
-/// A place in the world as its own in a frame; its scale stays.
+/// Converts a world transform to the frame `above`; its scale is kept.
 pub(crate) fn into(above: &Transform, place: &Transform) -> Transform {
     let back = above.rotation.inverse();
     Transform {
@@ -55,7 +55,7 @@ pub(crate) fn into(above: &Transform, place: &Transform) -> Transform {
     }
 }
 
-/// The same in a world at hand.
+/// The world transform of an entity, from a `World`.
 pub(crate) fn in_world(world: &World, entity: Entity) -> Result<Transform, Misplaced> {
     let mut frame = world.get::<Transform>(entity).copied().unwrap_or_default();
     let mut at = entity;
@@ -68,7 +68,7 @@ pub(crate) fn in_world(world: &World, entity: Entity) -> Result<Transform, Mispl
     Ok(frame)
 }
 
-/// By how much a scale enlarges in all directions alike, mirrored or not; refused if it is not the same in all.
+/// The factor of a uniform scale, without its sign; an error for any other scale.
 pub(crate) fn even_factor(scale: Vec3) -> Result<f32, Misplaced> {
     let factor = scale.abs();
     if is_even(factor) { Ok(factor.x) } else { Err(Misplaced::Uneven) }
@@ -79,7 +79,7 @@ pub(crate) fn is_even(scale: Vec3) -> bool {
     scale.x == scale.y && scale.y == scale.z
 }
 
-/// What is at `inner` in a frame that is at `outer`; `None` if that shears it.
+/// The composition of two transforms; `None` if `outer` shears `inner`.
 pub fn compose(outer: &Transform, inner: &Transform) -> Option<Transform> {
     let translation = outer.transform_point(inner.translation);
     let (s, r) = (outer.scale, inner.rotation);
@@ -87,12 +87,12 @@ pub fn compose(outer: &Transform, inner: &Transform) -> Option<Transform> {
         let (rotation, scale) = (outer.rotation * r, s * inner.scale);
         return Some(Transform { translation, rotation, scale });
     }
-    // The axes of what is inside, stretched: square to each other if nothing is sheared.
+    // The stretched axes of the inner frame; they are perpendicular if nothing is sheared.
     let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| s * (r * axis));
     let lengths = axes.map(Vec3::length);
     let [x, y, z] = [0, 1, 2].map(|i| axes[i] / lengths[i]);
     let skew = x.dot(y).abs().max(y.dot(z).abs()).max(z.dot(x).abs());
-    // Written so that NaN is sheared: a scale of zero leaves no axis.
+    // Written so that NaN counts as sheared: a scale of zero leaves no axis.
     #[allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN is sheared")]
     if !(skew < 1e-4) {
         return None;

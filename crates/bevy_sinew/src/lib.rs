@@ -1,5 +1,8 @@
-//! Particle physics for Bevy: Verlet particles, springs and positional constraints as plain ECS data, which become boxes, ropes, ragdolls
-//! and cloth.
+//! Particle physics for Bevy: rigid bodies, ropes, cloth, soft bodies and ragdolls, all made of particles and constraints that are plain ECS data.
+//!
+//! The solver uses position-based dynamics (PBD, in its extended form XPBD). It moves *positions* until the constraints between particles hold, and derives the
+//! velocities from the motion, so that a stiff rod, or cloth that does not stretch, needs no tiny time step. [`guide::method`] explains the method; the
+//! [`guide`] has a chapter for each topic.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -18,32 +21,52 @@
 //! }
 //! ```
 //!
-//! # What a game touches
+//! With `DefaultPlugins` instead of `MinimalPlugins`, a camera, a light and a mesh on the box, this draws a box that falls onto the ground. The simulation is
+//! the same in both.
 //!
-//! - A **particle** is an entity with [`Particle`] and [`Mass`]; [`Pinned`], [`PinnedTo`], [`Radius`], [`Charge`], [`Drag`] and [`ExternalForce`] say
-//!   more.
-//! - A **spring** or a **constraint** is an entity: [`Spring`], [`DistanceConstraint`], [`AngleConstraint`], [`VolumeConstraint`], … and those of a
-//!   game's own ([`ParticleConstraint`]). Add, change or despawn one and the next tick knows.
-//! - A **body** is an entity with a recipe: [`RigidBox`], [`RigidMesh`], [`Rope`], [`Cloth`], [`SoftBody`], [`Articulated`], [`Ragdoll`]. It builds
-//!   its particles, and takes them with it.
-//! - What **moves a body** is its velocity ([`LinearVelocity`], [`AngularVelocity`]: spawned with it, or written at any time), a force
-//!   ([`ExternalForce`], [`ExternalTorque`], [`ControlForce`] for one at a point), an impulse ([`ExternalImpulse`]), or a command for any of them and for
-//!   teleports ([`BodyCommandsExt`]). [`Mass`], [`Radius`], [`Charge`] and [`Drag`] on a body mean the body, and are shared out onto its particles.
-//! - The **surroundings** are [`Gravity`], [`AirDrag`], [`Electric`] (resources), [`Wind`], [`AirFlow`], [`Fluid`], [`ElectricField`] (entities,
-//!   everywhere or in a [`Region`]), [`Attractor`] and, for a world in 2D, [`Flatland`]. A body [`Floats`] by its shape.
-//! - A **collider** is an entity with a shape, [`Collider`], that stands still or that the game moves by its `Transform`; [`Ground`] and [`BoundingBox`] are names for two of them. [`SurfaceMaterial`],
-//!   [`CollisionLayers`] and [`Sensor`] say more. Whatever a recipe builds meets colliders and all other bodies: rigid ones by their shape, others by
-//!   what of them lets nothing through ([`ContactShape::Auto`]). [`BodyContacts`] says it otherwise, [`ContactsDisabled`] takes a body out.
-//! - A **parent** is honoured: bodies, colliders and regions stand where Bevy would draw them ([`ParticleBody`] says what holds for one that moves).
-//! - **Time** has a pause, single steps and a speed of its own: [`SinewControl`]. [`Relax`] and [`RelaxWorld`] bring a body or everything to rest without
-//!   waiting for it.
-//! - **Questions** to the world are asked through [`SinewQuery`]: rays, shapes on their way, overlaps, the nearest particle, and where a character comes to
-//!   ([`SinewWorld::move_and_slide`]).
-//!   [`Weighs`] has what the game moves press on what it stands on.
-//! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`WorldCenterOfMass`],
-//!   [`Inertia`]; [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
+//! # Terms
 //!
-//! SI units throughout: metres, seconds, kilograms, newtons.
+//! | term | meaning |
+//! |---|---|
+//! | particle | a point mass: a position, a velocity, a mass ([`Particle`]) |
+//! | constraint | a condition on particles, such as a distance or a volume, that the solver enforces by moving them; a *rod* is a [`DistanceConstraint`] |
+//! | body | particles and constraints that belong to one entity; a *recipe* component, such as [`Cloth`], describes and builds them |
+//! | tick, substep | a tick is one step of the simulation, 1/64 s by default; it is divided into substeps (10 by default), each of which predicts positions, corrects them and derives velocities |
+//! | sweep | one pass over the constraints within a substep, one after the other (Gauss–Seidel); more sweeps make a body stiffer |
+//! | hard, soft | a hard constraint holds exactly, as far as the sweeps go; a soft one has a *compliance*, the inverse of a spring's stiffness ([`Softness`]) |
+//! | pinned | a pinned particle has infinite mass for everything else, and moves only as its pin says ([`Pinned`], [`PinnedTo`]) |
+//! | static, kinematic | a [`Collider`] without a body is static, or kinematic where the game moves its `Transform`: it pushes bodies, and nothing pushes it |
+//! | island | particles that constraints connect, directly or through others: they are solved together |
+//! | set aside | an entity with an invalid component is left out of the simulation, and reported once by a [`Refused`] message, until it is corrected |
+//! | row, column | where the solver keeps particles: a column (an array) for each property, a row (an index) for each particle |
+//! | the lectures | M. Tarini's game-physics lectures on Verlet integration and position-based dynamics, whose method the solver follows |
+//!
+//! # What a game uses
+//!
+//! - A **particle** is an entity with [`Particle`] and [`Mass`], and optionally [`Pinned`], [`PinnedTo`], [`Radius`], [`Charge`], [`Drag`] and
+//!   [`ExternalForce`].
+//! - A **spring** or a **constraint** is an entity of its own: [`Spring`], [`DistanceConstraint`], [`AngleConstraint`], [`VolumeConstraint`], …, or a component
+//!   of the game ([`ParticleConstraint`]). Adding, changing or despawning one takes effect in the next tick.
+//! - A **body** is an entity with a recipe: [`RigidBox`], [`RigidMesh`], [`Rope`], [`Cloth`], [`SoftBody`], [`Articulated`], [`Ragdoll`]. The recipe builds its
+//!   particles, and they are despawned with it.
+//! - A body is **moved** by its velocity ([`LinearVelocity`], [`AngularVelocity`]: spawned with it, or written at any time), by a force ([`ExternalForce`],
+//!   [`ExternalTorque`], [`ControlForce`] for one at a point), by an impulse ([`ExternalImpulse`]), or by a command for any of these and for teleports
+//!   ([`BodyCommandsExt`]). [`Mass`], [`Radius`], [`Charge`] and [`Drag`] on a body apply to the body, and are distributed to its particles.
+//! - The **environment** is [`Gravity`], [`AirDrag`] and [`Electric`] (resources), [`Wind`], [`AirFlow`], [`Fluid`] and [`ElectricField`] (entities, which act
+//!   everywhere or in a [`Region`]), [`Attractor`] and, for a 2D world, [`Flatland`]. [`Floats`] makes a body float by its own shape.
+//! - A **collider** is an entity with a shape, [`Collider`], static or moved by the game through its `Transform`; [`Ground`] and [`BoundingBox`] are shorthands
+//!   for two shapes. [`SurfaceMaterial`], [`CollisionLayers`] and [`Sensor`] configure it. Bodies that a recipe builds collide with colliders and with all
+//!   other bodies: rigid bodies by their shape, others by the cheapest representation that has no holes ([`ContactShape::Auto`]). [`BodyContacts`] overrides
+//!   this, and [`ContactsDisabled`] switches collisions off.
+//! - **Parents** are respected: bodies, colliders and regions are where Bevy draws them ([`ParticleBody`] describes moving parents).
+//! - **Time** can be paused, stepped tick by tick, slowed down or sped up: [`SinewControl`]. [`Relax`] and [`RelaxWorld`] find the rest state of a body, or of
+//!   everything, within one tick.
+//! - **Queries** go through [`SinewQuery`]: ray casts, shape casts, overlaps, the nearest particle, and a move-and-slide for character controllers
+//!   ([`SinewWorld::move_and_slide`]). [`Weighs`] gives a kinematic collider a weight that presses on what it stands on.
+//! - **Results** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`WorldCenterOfMass`],
+//!   [`Inertia`]; [`SinewWorld::report`] reports sweeps and errors of the solver, and [`Refused`] messages what was set aside.
+//!
+//! All units are SI: metres, seconds, kilograms, newtons. One Bevy unit is one metre.
 //!
 //! # How a tick flows
 //!
@@ -52,51 +75,55 @@
 //!                                                                                                  \--> meshes, once a frame
 //! ```
 //!
-//! One tick is the schedule [`SinewTick`], which one system runs in `FixedPostUpdate`; its sets are [`SinewSystems`]:
+//! One tick is the schedule [`SinewTick`]. A single system in `FixedPostUpdate` runs it. Its sets are [`SinewSystems`]:
 //!
-//! 1. **Build**: new or changed recipes become particles and constraints, in world coordinates, where their `Transform` is.
-//! 2. **Gather**: every particle is copied into its row of the solver's columns; bad ones are set aside, each with one message. Rows follow the
-//!    order of creation ([`CreationOrder`]). Constraints are compiled again only if something came, went or changed. A `Transform` that somebody
-//!    else moved teleports its body, here and nowhere else.
+//! 1. **Build**: new or changed recipes become particles and constraints, in world coordinates, at the `Transform` of their entity.
+//! 2. **Gather**: every particle is copied into its row of the solver's columns; invalid ones are set aside, with one message each. Rows follow the order of
+//!    creation ([`CreationOrder`]). Constraints are compiled again only if one was added, removed or changed. A `Transform` that anything but the simulation
+//!    changed teleports its body; that happens here, and nowhere else.
 //! 3. **Substeps**: [`SubstepSchedule`] runs [`SolverConfig::substeps`] times, if there are particles; each phase is a system in its own set of
 //!    [`PhaseSystems`].
-//! 4. **Scatter**: the columns go back into [`Particle`].
-//! 5. **Extract**: transforms and velocities are read off.
+//! 4. **Scatter**: the columns are copied back into [`Particle`].
+//! 5. **Extract**: transforms and velocities of bodies are computed from their particles.
 //!
 //! # The ECS is the state
 //!
-//! What is not in a component or a resource does not survive a tick, and [`SinewWorld`] is scratch. Which types are state stands in one list,
-//! [`StateTypes`]: components of the simulation, its clock, its configuration, the counter of creation, and what a game adds by
+//! Only components and resources survive a tick; [`SinewWorld`] is scratch memory. The types that make up the state are listed in [`StateTypes`]: components of
+//! the simulation, its clock, its configuration, the creation counter, and what a game adds with
 //! [`register_particle_constraint`](RegisterParticleConstraint::register_particle_constraint) and [`RegisterState`].
 //!
-//! - [`SinewSnapshot::capture`] takes all of it out of a world; [`SinewSnapshot::restore`] makes a world what it was, in place or in another app. The
-//!   simulation goes on bit for bit, and [`SinewSnapshot::hash`] proves it. Recipes are part of it: one that did not change builds nothing anew.
-//! - With the feature `serialize` a snapshot goes to RON or to bytes and back (`to_ron`, `to_bytes`, `from_ron`, `from_bytes`): `examples/save_load.rs`.
-//! - With the feature `ggrs` there is `SinewRollbackPlugin`, for netcode by `bevy_ggrs` 0.22: `examples/rollback.rs`.
+//! - [`SinewSnapshot::capture`] copies all of it out of a world; [`SinewSnapshot::restore`] puts it back, in place or into another app. The simulation then
+//!   continues bit for bit, and [`SinewSnapshot::hash`] verifies it. Recipes are part of the snapshot: an unchanged recipe does not rebuild its body.
+//! - With the feature `serialize` a snapshot is written to RON or to bytes and read back (`to_ron`, `to_bytes`, `from_ron`, `from_bytes`):
+//!   `examples/save_load.rs`.
+//! - With the feature `ggrs` there is `SinewRollbackPlugin`, for rollback netcode with `bevy_ggrs` 0.22: `examples/rollback.rs`.
 //!
-//! Not part of it are what is drawn (meshes, materials, easing between ticks) and messages. A body that is restored into another app has no `Mesh3d` there
-//! until the game gives it one, except for ropes, whose tubes are made anew.
+//! A snapshot does not hold what is drawn (meshes, materials, interpolation between ticks), nor messages. A body restored into another app has no `Mesh3d`
+//! there until the game adds one, except for ropes, whose tubes are generated.
 //!
 //! # The order of messages
 //!
-//! Within a tick, messages and events come in this order, the same in every run: it follows from the order of creation ([`CreationOrder`]), never from
-//! archetypes, queries or what entities are called.
+//! Within a tick, messages and events are sent in the following order, which is the same in every run. It follows from the order of creation
+//! ([`CreationOrder`]), never from archetypes, query order or entity ids.
 //!
-//! 1. **Build** and **Gather**: [`Refused`], part by part; where several bodies ask for the same thing ([`ExternalImpulse`], waiting commands), in the
-//!    order of creation. Then [`RelaxFinished`], the world first, then bodies in the order of creation.
-//! 2. **Scatter**: [`Refused`] for what went non-finite, row by row. Then contacts, one after the other of those with [`ContactEvents`], in the order of
-//!    creation: for each, what ended ([`ContactEnded`]), what began ([`ContactStarted`]), and what there is ([`ContactImpulse`]), each list by whom it
-//!    touches: bodies, loose particles, colliders, in the order of creation.
+//! 1. **Build**: [`Refused`] for recipes, then [`BodyBuilt`], in the order of creation.
+//! 2. **Gather**: [`Refused`], system by system; where a system handles several bodies (for [`ExternalImpulse`], or pending commands), in the order of
+//!    creation. Then [`RelaxFinished`], for the world first, then for bodies in the order of creation.
+//! 3. **Scatter**: [`Refused`] for particles that became non-finite, row by row. Then contacts, for each entity with [`ContactEvents`] in the order of
+//!    creation: first those that ended ([`ContactEnded`]), then those that began ([`ContactStarted`]), then all current ones ([`ContactImpulse`]). Each of
+//!    these lists has bodies first, then loose particles, then colliders, each in the order of creation. Then [`Broke`], in the order of creation.
 //!
-//! Observers run when the commands of the system that sends are applied, in that same order. At a [speed](SinewControl::relative_speed) of 2, two whole ticks
-//! follow one another. What is despawned in between ends its contacts at once.
+//! Observers run when the commands of the sending system are applied, in the same order. At a [speed](SinewControl::relative_speed) of 2, two complete ticks
+//! follow one another. Despawning an entity between ticks ends its contacts at once.
 //!
 //! # Threads
 //!
-//! A tick runs on one thread, the one that runs `FixedPostUpdate`; within it, the solver shares out what is worth it among the threads of
-//! [`SinewWorkers`]: by default those of Bevy's compute pool. They never change a bit of the result; [`SolverConfig::threads`] switches them off.
+//! A tick runs on the thread that runs `FixedPostUpdate`. Within it, the solver distributes work that is large enough among the threads of [`SinewWorkers`], by
+//! default those of Bevy's compute pool. The number of threads never changes a bit of the result; [`SolverConfig::threads`] switches them off.
 //!
-//! # A force of one's own
+//! # A custom force
+//!
+//! A system in [`SubstepSchedule`] adds its own forces, by the row of each particle:
 //!
 //! ```
 //! # use bevy::prelude::*;
@@ -119,16 +146,16 @@
 //! app.add_systems(SubstepSchedule, thrust.in_set(PhaseSystems::AccumulateForces));
 //! ```
 //!
-//! # A constraint of one's own
+//! # A custom constraint
 //!
-//! A component that implements [`ParticleConstraint`], which says what must hold, marks its particles `#[entities]`, and one line,
-//! [`register_particle_constraint`](RegisterParticleConstraint::register_particle_constraint): `examples/custom_constraint.rs` is all of it. The
-//! constraints that come with the plugin come in by the same door.
+//! Implement [`ParticleConstraint`] for a component: it lists its particles and returns what must hold between them. Mark the particles `#[entities]`, and
+//! register the component with [`register_particle_constraint`](RegisterParticleConstraint::register_particle_constraint). `examples/custom_constraint.rs` is
+//! complete. The constraints of this crate are registered in the same way.
 //!
 //! # Beside Avian
 //!
-//! Avian is a rigid-body engine; both may run in one app, each with its own bodies. Eight names of the two preludes are the same. An explicit import wins
-//! over both globs, so one list settles it (`tests/beside-avian` compiles it):
+//! Avian is a rigid-body engine. Both can run in one app, each with its own bodies. The preludes share eight names. An explicit import takes precedence over a
+//! glob, so one list of imports resolves them (`tests/beside-avian` compiles it):
 //!
 //! ```ignore
 //! use avian3d::prelude::*;
@@ -142,63 +169,66 @@
 //! };
 //! ```
 //!
-//! | Avian 0.7 | here | why it differs |
+//! | Avian 0.7 | here | difference |
 //! |---|---|---|
 //! | `PhysicsPlugins` | [`SinewPlugins`] | |
-//! | `RigidBody::Dynamic` and `Collider` | a recipe: [`RigidBox`], [`RigidMesh`], … | a body is made of particles; the recipe brings mass, inertia and shape |
-//! | `RigidBody::Static`, `Kinematic` and `Collider` | [`Collider`] alone | what has no particles is moved by its `Transform` or stands |
-//! | `Friction`, `Restitution` | [`SurfaceMaterial`] | one component, with the lectures' planar friction in it |
+//! | `RigidBody::Dynamic` and `Collider` | a recipe: [`RigidBox`], [`RigidMesh`], … | a body is made of particles; the recipe supplies mass, inertia and shape |
+//! | `RigidBody::Static`, `Kinematic` and `Collider` | [`Collider`] alone | an entity without particles is static, or kinematic where its `Transform` is written |
+//! | `Friction`, `Restitution` | [`SurfaceMaterial`] | one component; besides Coulomb friction it has a planar drag ([`GroundDrag`]) |
 //! | `CollisionLayers { memberships, filters }` | the same, 32 bits each | |
-//! | `Sensor`, `CollisionStart`, `CollisionEnd`, `CollidingEntities` | [`Sensor`], [`ContactStarted`], [`ContactEnded`], [`Touching`] | asked for by [`ContactEvents`]; messages and entity events |
-//! | `LinearVelocity`, `AngularVelocity`, `Mass` | the same | sums over the body's particles; writing them changes the body |
+//! | `Sensor`, `CollisionStart`, `CollisionEnd`, `CollidingEntities` | [`Sensor`], [`ContactStarted`], [`ContactEnded`], [`Touching`] | enabled by [`ContactEvents`] on an entity; messages and entity events |
+//! | `LinearVelocity`, `AngularVelocity`, `Mass` | the same | aggregates of the body's particles; writing one changes the body |
 //! | `ComputedCenterOfMass` | [`WorldCenterOfMass`] | in the world, since a soft body has no fixed frame |
 //! | `ConstantForce`, `Forces` | [`ExternalForce`], [`ControlForce`], [`BodyCommandsExt`] | |
-//! | `DistanceJoint`, `SphericalJoint`, `RevoluteJoint`, `FixedJoint` | [`DistanceConstraint`], [`ConeConstraint`], [`HingeConstraint`], [`Articulated`] | constraints name particles; a shared particle is a ball joint |
-//! | `JointDamping`, compliance | [`Softness`] | compliance, frequency with damping, or share |
-//! | `SpatialQuery`, `MoveAndSlide` | [`SinewQuery`] | one parameter for all questions; its [`move_and_slide`](SinewWorld::move_and_slide) knows a floor from a wall |
+//! | `DistanceJoint`, `SphericalJoint`, `RevoluteJoint`, `FixedJoint` | [`DistanceConstraint`], [`ConeConstraint`], [`HingeConstraint`], [`Articulated`] | constraints are between particles; a shared particle is a ball joint |
+//! | `JointDamping`, compliance | [`Softness`] | a compliance, a frequency with a damping ratio, or a share of the error |
+//! | `SpatialQuery`, `MoveAndSlide` | [`SinewQuery`] | one system parameter for all queries; its [`move_and_slide`](SinewWorld::move_and_slide) distinguishes floors from walls |
 //! | `Sleeping`, `SleepingDisabled` | [`Sleep`], [`SleepingDisabled`] | |
-//! | `SubstepCount`, `SolverConfig` | [`SolverConfig`], [`BodySolver`] | a body may ask for its own |
-//! | `Position`, `Rotation` | `Transform` | extracted once a tick, and read again only where a game changed it |
+//! | `SubstepCount`, `SolverConfig` | [`SolverConfig`], [`BodySolver`] | a body may have its own settings |
+//! | `Position`, `Rotation` | `Transform` | written once a tick, and read only where the game changed it |
 //! | `PhysicsSchedule`, `SubstepSchedule` | [`SinewTick`], [`SubstepSchedule`] | every phase is a set of [`PhaseSystems`] |
-//! | `PhysicsInterpolationPlugin` | [`Interpolate`] | the same crate behind it |
+//! | `PhysicsInterpolationPlugin` | [`Interpolate`] | both use `bevy_transform_interpolation` |
 //!
 //! # Features
 //!
-//! | feature | default | what it brings |
+//! | feature | default | adds |
 //! |---|---|---|
-//! | `gizmos` | yes | particles and constraints as lines |
-//! | `drag` | yes | [`MouseDragPlugin`] |
-//! | `interpolation` | yes | [`Interpolate`], through `bevy_transform_interpolation` |
+//! | `gizmos` | yes | [`SinewGizmoPlugin`]: particles, constraints and contacts drawn as lines |
+//! | `drag` | yes | [`MouseDragPlugin`]: dragging bodies with the mouse |
+//! | `interpolation` | yes | [`Interpolate`]: transforms interpolated between ticks, through `bevy_transform_interpolation` |
 //! | `serialize` | no | snapshots of the whole state to RON and to bytes, and back |
-//! | `ggrs` | no | `SinewRollbackPlugin`: rollback netcode by `bevy_ggrs` 0.22 |
+//! | `ggrs` | no | `SinewRollbackPlugin`: rollback netcode with `bevy_ggrs` 0.22 |
 //!
-//! # The map
+//! # Map of the source
 //!
-//! | folder | what it holds |
+//! | module | contents |
 //! |---|---|
 //! | [`guide`] | how the method works and how to use it, chapter by chapter |
-//! | `attach` | what ties bodies to each other and to what a game moves: [`AttachTo`] |
-//! | `bevy_version` | what Bevy names differently from version to version |
+//! | `attach` | attachments of bodies to each other and to entities that the game moves: [`AttachTo`] |
+//! | `bevy_version` | names that differ between Bevy versions |
 //! | `breaking` | constraints that break at a force or a strain: [`BreakAt`] |
-//! | `carry` | taking particles along with what is moved |
-//! | `changes` | whether anything in a table changed |
-//! | `commands` | impulses, velocities, teleports and reversal of whole bodies |
+//! | `carry` | rigid motions applied to particles when their body is moved |
+//! | `changes` | change detection over whole tables |
+//! | `commands` | forces, impulses, velocities, teleports and reversal of whole bodies |
 //! | `components` | what a game spawns, edits and reads: the state |
-//! | `frames` | where entities are in the world, on top of their parents |
-//! | `rows` | which rows a list of particles stands in |
+//! | `config` | settings of the solver: [`SolverConfig`], [`BodySolver`] |
+//! | `drag` | dragging bodies with the mouse: [`MouseDragPlugin`], added beside [`SinewPlugins`] |
+//! | `frames` | world transforms of entities, through their parents |
+//! | `messages` | error reports: [`Refused`] |
+//! | `move_and_slide` | move-and-slide for character controllers |
+//! | `plugin` | the plugins, and the order of all systems |
+//! | `query` | ray casts, shape casts, overlaps, the nearest particle |
 //! | `recipes` | bodies that build themselves |
-//! | `query` | questions to the world: rays, shapes on their way, what is near |
-//! | `move_and_slide` | the question of a character controller: how far, and along what |
-//! | `schedule` | the sets, the phases, the driver of the substeps, and how fast time passes |
-//! | `threads` | who helps the solver: [`SinewWorkers`] |
-//! | `step` | layout, gather, links, representation, scatter, extract: components to columns and back |
-//! | `world` | the columns and tables, scratch of a tick |
-//! | `drag` | dragging bodies with the mouse: [`MouseDragPlugin`], to be added beside [`SinewPlugins`] |
+//! | `rows` | the mapping from particle entities to rows |
+//! | `same` | macros that convert between this crate's types and the solver's |
+//! | `schedule` | the sets, the phases, the substep driver, and the speed of time |
+//! | `show` | meshes, tubes and gizmos; the simulation never reads them |
 //! | `state` | which types are state; snapshots, files, rollback |
-//! | `show` | meshes, tubes and gizmos: nothing there is read back |
-//! | `messages` | what is said when something is wrong |
+//! | `step` | the systems around the substeps: layout, gather, constraints, scatter, extract |
+//! | `threads` | threads for the solver: [`SinewWorkers`] |
+//! | `world` | the solver's columns and the tables beside them, scratch of a tick |
 //!
-//! Everything physical is in the crate [`sinew`], which knows no engine.
+//! The physics itself is in the crate [`sinew`], which does not depend on Bevy.
 
 mod attach;
 mod bevy_version;
@@ -290,7 +320,7 @@ pub use step::RegisterParticleConstraint;
 pub use threads::{ComputePool, SinewWorkers};
 pub use world::{ParticlesMut, SinewWorld};
 
-/// What the workspace's tests look at from outside and no game can see: tests within would have this crate compiled twice. No part of the interface.
+/// Functions that the workspace's tests call from outside (unit tests inside the crate would compile it twice). Not part of the public interface.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::frames::compose;
@@ -298,17 +328,17 @@ pub mod internals {
     pub use crate::step::contact_shape::gap;
 }
 
-/// What a game's first day wants in scope: some fifty names, none of which is in Bevy's prelude. Everything else is at the root of the crate: other
-/// constraints than rods and springs, phases and constraints of a game's own, regions, what says otherwise than the defaults.
+/// The names that most games need: some fifty, none of which is in Bevy's prelude. Everything else is at the root of the crate: constraints other than rods and
+/// springs, phases and custom constraints, regions, and components that override defaults.
 ///
-/// Some of them are in Avian's prelude, too; the crate's [table](crate#beside-avian) says which.
+/// Some of the names are in Avian's prelude, too; the crate docs [list them](crate#beside-avian).
 pub mod prelude {
-    // What a world is made of.
+    // The world and its settings.
     pub use crate::{
         AirDrag, BoundingBox, Gravity, Ground, Interpolate, SinewControl, SinewPlugins, SinewWorld,
         SolverConfig,
     };
-    // Particles, and what holds them.
+    // Particles and constraints.
     pub use crate::{
         DistanceConstraint, GravityScale, Mass, Particle, Pinned, PinnedTo, Radius, Softness,
         Spring,
@@ -327,6 +357,6 @@ pub mod prelude {
     };
     // Attachments.
     pub use crate::{Anchor, AttachTo, BodyBuilt, BreakAt, Broke};
-    // Time and questions.
+    // Time and queries.
     pub use crate::{SinewCommandsExt, SinewQuery};
 }

@@ -1,4 +1,4 @@
-//! Move and slide: what a game's own character controller asks, for something that the game moves by its `Transform`.
+//! Move and slide: for character controllers that move an entity by its `Transform`.
 
 use core::time::Duration;
 
@@ -9,33 +9,34 @@ use crate::components::Collider;
 use crate::query::{QueryFilter, QueryHit, frame};
 use crate::world::SinewWorld;
 
-/// How something [moves and slides](SinewWorld::move_and_slide). What is not in its range is clamped to it.
+/// Settings of [move and slide](SinewWorld::move_and_slide). Values outside their range are clamped.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub struct MoveAndSlideConfig {
-    /// Against gravity, of any length but zero. Default +y.
+    /// The direction against gravity, of any length but zero. Default +y.
     pub up: Vec3,
-    /// The steepest slope that it can stand on, rad from the level, 0 to π/2. What is steeper is a wall from below, and slides down from above. Default π/4.
+    /// The steepest slope to stand on, radians from the horizontal, 0 to π/2. A steeper surface acts as a wall from below, and the shape slides down it from
+    /// above. Default π/4.
     pub max_slope: f32,
-    /// How far it keeps off everything, metres, 1e-4 to 1. Default 0.01.
+    /// The gap that is kept to everything, metres, 1e-4 to 1. Default 0.01.
     pub skin_width: f32,
-    /// How often it may turn in one call, 1 to 32. Default 8.
+    /// Maximum number of changes of direction in one call, 1 to 32. Default 8.
     #[doc(alias = "max_slides")]
     pub move_and_slide_iterations: u32,
-    /// How often it may be pushed out of what overlaps it at the start, 0 to 32; 0 for never. Default 8.
+    /// Maximum number of iterations that push the shape out of initial overlaps, 0 to 32; 0 disables that. Default 8.
     pub depenetration_iterations: u32,
 }
 
-/// Where something that [moved and slid](SinewWorld::move_and_slide) has come to.
+/// The result of a [move and slide](SinewWorld::move_and_slide).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MoveAndSlideOutput {
-    /// The new place of its origin, metres.
+    /// The new position, metres.
     pub position: Vec3,
-    /// The velocity that is left, m/s: without what led into what it met.
+    /// The remaining velocity, m/s: without the components into the surfaces that were hit.
     pub projected_velocity: Vec3,
-    /// The floor that it stands on, within two skin widths below; none in the air, and none while it rises from the floor.
+    /// The floor within two skin widths below; `None` in the air, and while the shape moves up from the floor.
     pub ground: Option<QueryHit>,
-    /// What was in its way, in that order, once for each time: walls, floors and ceilings.
+    /// The surfaces that were hit, in order, repeated hits included: walls, floors and ceilings.
     pub hits: Vec<QueryHit>,
 }
 
@@ -49,7 +50,7 @@ impl Default for MoveAndSlideConfig {
 }
 
 impl MoveAndSlideConfig {
-    /// Whether something can stand on a surface with this unit normal: which of the hits are floors.
+    /// Whether a surface with this unit normal is a floor, on which the shape can stand.
     pub fn is_floor(&self, normal: Vec3) -> bool {
         self.settings().is_floor(normal)
     }
@@ -67,13 +68,13 @@ impl MoveAndSlideConfig {
 }
 
 impl SinewWorld {
-    /// Moves a shape without dents by a velocity, m/s, for a time, as far as it can, sliding along what is in the way: colliders, [`Ground`](crate::Ground),
-    /// [`BoundingBox`](crate::BoundingBox), bodies, cloth, loose particles. It goes through nothing, however fast it is, and keeps a skin's width off everything;
-    /// what overlaps it at the start pushes it out first. It stands on a floor by its weight without sliding down.
+    /// Moves a convex shape by a velocity, m/s, for a duration, as far as possible, sliding along the obstacles: colliders, [`Ground`](crate::Ground),
+    /// [`BoundingBox`](crate::BoundingBox), bodies, cloth, loose particles. It passes through nothing at any speed, and keeps a skin width of distance. It is
+    /// pushed out of initial overlaps first. On a floor it does not slide down under gravity.
     ///
-    /// Nothing is changed: the game keeps the new place and the velocity. Things are met where the last tick left them. It pushes nobody
-    /// ([`Weighs`](crate::Weighs) has it press on what it stands on), climbs no steps, and follows no platform: a game does that with
-    /// [`cast_shape`](Self::cast_shape) and another call. A shape or a number that is broken does not move, nor does one with dents.
+    /// Nothing is changed: the game applies the returned position and velocity. Obstacles are where the last tick left them. The shape pushes no bodies
+    /// ([`Weighs`](crate::Weighs) lets it press on what it stands on), climbs no steps, and follows no moving platform: a game implements these with
+    /// [`cast_shape`](Self::cast_shape) and another call. A shape or a number that is invalid, or a shape that is not convex, does not move.
     ///
     /// ```
     /// # use bevy::prelude::*;

@@ -1,4 +1,4 @@
-//! The plugins: one for the simulation, and a group with what most games want beside it.
+//! The plugins: one for the simulation, and a group that most games add.
 
 use bevy::app::PluginGroupBuilder;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
@@ -28,8 +28,8 @@ use crate::step::{
 use crate::threads::{self, SinewWorkers};
 use crate::world::{SinewWorld, load_deferred};
 
-/// Everything that acts by itself: the simulation, the gizmos, and the easing of transforms between ticks for bodies that opt in. Dragging with the mouse
-/// is a plugin to be added beside it, [`MouseDragPlugin`](crate::MouseDragPlugin).
+/// The simulation, the gizmos, and the interpolation of transforms between ticks for bodies with [`Interpolate`](crate::Interpolate). Dragging with the mouse
+/// is a separate plugin, [`MouseDragPlugin`](crate::MouseDragPlugin).
 ///
 /// Parts can be left out as from any plugin group: `SinewPlugins.build().disable::<SinewGizmoPlugin>()`.
 pub struct SinewPlugins;
@@ -45,7 +45,7 @@ impl PluginGroup for SinewPlugins {
     }
 }
 
-/// Eases the transforms of bodies with [`Interpolate`](crate::Interpolate) between ticks, through `bevy_transform_interpolation`.
+/// Interpolates the transforms of bodies with [`Interpolate`](crate::Interpolate) between ticks, through `bevy_transform_interpolation`.
 #[cfg(feature = "interpolation")]
 pub struct EasePlugin;
 
@@ -72,12 +72,12 @@ impl Plugin for EasePlugin {
                 .before(Easing::UpdateEasingTick)
                 .run_if(schedule::is_uneven),
         );
-        // A game may have added it for its own transforms, and then it is the game's.
+        // A game may have added the plugin for its own transforms; its settings then apply.
         if app.is_plugin_added::<TransformInterpolationPlugin>() {
             return;
         }
         app.add_plugins(TransformInterpolationPlugin::default());
-        // Handing a dozen systems to threads takes tens of microseconds, in every tick: where nothing is eased they are not even asked.
+        // Scheduling a dozen systems on threads takes tens of microseconds in every tick, so they are skipped where nothing is interpolated.
         let sets = (Easing::Reset, Easing::UpdateStart).run_if(anything_eased);
         app.configure_sets(FixedFirst, sets)
             .configure_sets(FixedLast, Easing::UpdateEnd.run_if(anything_eased))
@@ -85,7 +85,7 @@ impl Plugin for EasePlugin {
     }
 }
 
-/// Whether there is a transform that is eased, ours or a game's.
+/// Run condition: whether any transform is interpolated, by this crate or by the game.
 #[cfg(feature = "interpolation")]
 fn anything_eased(
     eased: Query<
@@ -100,14 +100,14 @@ fn anything_eased(
     !eased.is_empty()
 }
 
-/// The simulation itself. Works with `MinimalPlugins` as with `DefaultPlugins`; without a renderer it draws nothing and minds nothing.
+/// The simulation. It works with `MinimalPlugins` and with `DefaultPlugins`; without a renderer nothing is drawn, and there are no errors.
 pub struct SinewPlugin {
     tick: InternedScheduleLabel,
 }
 
 impl SinewPlugin {
-    /// Runs the tick in another schedule than `FixedPostUpdate`, such as the one of a rollback plugin. Its step is `Time::delta` there; steps
-    /// should be alike, for ropes and cloth whip where they change by more than a fifth from one to the next.
+    /// Runs the tick in another schedule than `FixedPostUpdate`, such as that of a rollback plugin. The step is `Time::delta` in that schedule. Steps should
+    /// have nearly equal lengths: ropes and cloth whip if one differs from the one before it by more than a fifth.
     pub fn in_schedule(schedule: impl ScheduleLabel) -> Self {
         Self { tick: schedule.intern() }
     }
@@ -121,7 +121,7 @@ impl Default for SinewPlugin {
 
 impl Plugin for SinewPlugin {
     fn build(&self, app: &mut App) {
-        // For apps that do not register types by themselves; what is state the list of that registers.
+        // For apps that do not register types automatically. The types of the state are registered with their list.
         app.register_type::<commands::RelaxWorld>()
             .register_type::<Refused>()
             .register_type::<ContactStarted>()
@@ -227,8 +227,8 @@ impl Plugin for SinewPlugin {
                 .in_set(SinewSystems::Extract),
         );
         app.add_systems(Last, links::note_gone);
-        // Before transforms are propagated and bounds computed, which look at what is written here. Where there is nothing to write, an executor asks
-        // a condition in a tenth of the time that it takes to hand a system to a thread.
+        // Before transforms are propagated and bounds are computed, which read what is written here. If there is nothing to write, evaluating a condition takes
+        // a tenth of the time of running a system on a thread.
         app.add_systems(
             PostUpdate,
             (

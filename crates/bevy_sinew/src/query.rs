@@ -1,4 +1,4 @@
-//! Questions to the world, for a game's systems: what a ray or a shape meets on its way, what a shape overlaps, which particle is nearest.
+//! Spatial queries: ray casts, shape casts, overlaps, and the nearest particle.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -7,39 +7,39 @@ use sinew::{ContactParticipant, Filter, Frame, Shape};
 use crate::components::{Collider, CollisionLayers};
 use crate::world::SinewWorld;
 
-/// What a [question](SinewWorld::cast_ray) is about. The default is everything but sensors.
+/// What a [query](SinewWorld::cast_ray) considers. Default everything but sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct QueryFilter {
-    /// What it meets, and what meets it; everything if `None`.
+    /// Layers of the query: it considers entities whose layers collide with these. `None` considers all layers.
     pub layers: Option<CollisionLayers>,
-    /// Whether colliders are left out, grounds and bounding boxes among them.
+    /// Whether colliders are left out, including grounds and bounding boxes.
     pub no_colliders: bool,
     /// Whether bodies and loose particles are left out.
     pub no_bodies: bool,
-    /// Whether sensors count, too.
+    /// Whether sensors are included.
     pub sensors: bool,
-    /// One that does not count: who asks.
+    /// One entity to leave out, for instance the one that moves.
     pub except: Option<Entity>,
 }
 
-/// What a ray or a shape met.
+/// A hit of a ray or a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[doc(alias = "RayHit")]
 #[doc(alias = "ShapeHit")]
 pub struct QueryHit {
-    /// Whom: a body, a loose particle, a collider, a ground or a bounding box.
+    /// The entity that was hit: a body, a loose particle or a collider.
     pub entity: Entity,
-    /// The particle that was met, or that is nearest of what was; none of what stands by itself.
+    /// The particle that was hit, or the one nearest to the hit; `None` for a static or kinematic collider.
     pub particle: Option<Entity>,
-    /// How far from where it began, metres.
+    /// Distance from the start of the cast, metres.
     pub distance: f32,
-    /// Where, metres.
+    /// The point that was hit, metres.
     pub point: Vec3,
-    /// Unit vector out of what was met.
+    /// Unit normal at the point, out of the entity that was hit.
     pub normal: Vec3,
 }
 
-/// All questions to the simulation, as a parameter of a system: those of [`SinewWorld`], which it hands on. Many systems may ask at once.
+/// System parameter for spatial queries: it dereferences to [`SinewWorld`], which has them. Any number of systems may use it at once.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -72,21 +72,21 @@ impl core::ops::Deref for SinewQuery<'_> {
     }
 }
 
-/// They look at the world as the last tick left it, one thing after the other: some nanoseconds for each particle and collider. What has been despawned since
-/// is still there for them, until the next tick.
+/// Spatial queries. They use the state that the last tick left, and test all particles and colliders, one after the other: some nanoseconds each. Entities that
+/// have been despawned since are still found, until the next tick.
 impl SinewWorld {
-    /// What a ray meets first within `max` metres: a collider, a ground, a wall of a bounding box from inside, a rigid body by its shape, a surface from either
-    /// side, or a particle's ball.
+    /// The first hit of a ray within `max` metres: a collider, a ground, a wall of a bounding box from inside, a rigid body by its shape, a surface from either
+    /// side, or the ball of a particle.
     pub fn cast_ray(&self, ray: Ray3d, max: f32, filter: &QueryFilter) -> Option<QueryHit> {
         let filter = self.filter(filter);
         let hit = self.simulation.cast_ray(ray.origin, *ray.direction, max, &filter)?;
         self.named(&hit)
     }
 
-    /// What a shape without dents meets first that goes up to `max` metres from a place along a direction, without turning: a collider, a ground, a wall of a
-    /// bounding box, a rigid body by its shape, a surface from either side, or a particle's ball. It goes through nothing, however far it goes. What it overlaps
-    /// at the start it meets at once, at a distance of 0. A shape with a broken number meets nothing, and neither do planes, meshes and landscapes that are
-    /// to go somewhere.
+    /// The first hit of a convex shape that is moved up to `max` metres from a placement along a direction, without rotation: a collider, a ground, a wall of a
+    /// bounding box from inside, a rigid body by its shape, a surface from either side, or the ball of a particle. The cast is exact at any distance. An
+    /// initial overlap is a hit at the distance 0. A shape with an invalid number hits nothing, and neither do planes, meshes and heightfields as the moving
+    /// shape.
     #[doc(alias = "sweep")]
     pub fn cast_shape(
         &self,
@@ -101,8 +101,8 @@ impl SinewWorld {
         self.named(&self.simulation.cast_shape(&shape, &frame, *direction, max, &filter)?)
     }
 
-    /// Everyone who overlaps a shape at a place, once each, in the order in which they are found: colliders, rigid bodies, others. A shape with a
-    /// broken number overlaps nothing.
+    /// All entities that overlap a shape at a placement, each once, in the order in which they are found: colliders, rigid bodies, others. A shape with an
+    /// invalid number overlaps nothing.
     pub fn overlapping(
         &self,
         shape: &Collider,
@@ -115,7 +115,7 @@ impl SinewWorld {
         found
     }
 
-    /// The particle whose centre is nearest to a point, within `max` metres, and how far away it is.
+    /// The particle whose centre is nearest to a point, within `max` metres, and its distance, metres.
     pub fn nearest_particle(
         &self,
         point: Vec3,
@@ -127,7 +127,7 @@ impl SinewWorld {
         Some((self.entity_of(ContactParticipant::Particle(row))?, distance))
     }
 
-    /// The same with entities; `None` if whom it names is not known.
+    /// The hit with entities; `None` if the entity is not known.
     pub(crate) fn named(&self, hit: &sinew::Hit) -> Option<QueryHit> {
         let sinew::Hit { participant, row, distance, point, normal } = *hit;
         let entity = self.entity_of(participant)?;
@@ -162,7 +162,7 @@ impl SinewWorld {
         }
     }
 
-    /// Who an entity is in contacts.
+    /// The contact participant of an entity.
     fn participant_of(&self, entity: Entity) -> Option<ContactParticipant> {
         let tables = &self.tables;
         let among = |list: &[Entity]| list.iter().position(|&other| other == entity);

@@ -1,23 +1,23 @@
-//! Which rows a list of particles stands in, resolved once per layout: extraction looks up no entity in a warm tick.
+//! The mapping from particle entities to rows, resolved once per layout, so that a warm tick looks up no entity during extraction.
 
 use core::marker::PhantomData;
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
-/// Which row each particle has.
+/// The row of each particle.
 #[derive(Default)]
 pub(crate) struct Layout {
-    /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.
+    /// A counter of layouts, by which cached rows are recognised as outdated.
     pub(crate) number: u64,
-    /// So many rows, from the first on, have the particles that they had in the layout before this one.
+    /// The number of leading rows whose particles are the same as in the previous layout.
     pub(crate) same: usize,
-    /// The row of each particle: for rebuilding what names particles; never read in a tick without changes.
+    /// The row of each particle: for resolving entities; not read in a tick without changes.
     pub(crate) row_of: EntityHashMap<u32>,
 }
 
 impl Layout {
-    /// How many rows, from the first on, have the particles that they had in the layout of a number, as far as that is known.
+    /// The number of leading rows whose particles are the same as in the layout `number`, as far as that is known.
     pub(crate) fn same_since(&self, number: u64) -> usize {
         match self.number.wrapping_sub(number) {
             0 => usize::MAX,
@@ -27,21 +27,21 @@ impl Layout {
     }
 }
 
-/// The rows of the particles that the component `T` of the same entity names, in its order. Scratch.
+/// The rows of the particles that the component `T` of the same entity lists, in its order. Scratch.
 #[derive(Component)]
 pub(crate) struct Rows<T: Send + Sync + 'static> {
     layout: u64,
     rows: Vec<u32>,
-    /// The tick that was last drawn from these rows, for those that draw; counted from 1.
+    /// The last tick that was drawn from these rows, for components that draw; counted from 1.
     pub(crate) drawn: u64,
-    /// Whether all particles are there, and each once; `None` until somebody asked.
+    /// Whether all particles exist, and each is listed once; `None` if that has not been computed.
     plain: Option<bool>,
-    /// Which of the solver's body colliders they are, if it was told of them.
+    /// The index of the solver's body collider of these rows, if there is one.
     pub(crate) collider: Option<u32>,
     of: PhantomData<fn() -> T>,
 }
 
-/// Stands where a particle is gone.
+/// The row of a particle that is gone.
 pub(crate) const GONE: u32 = u32::MAX;
 
 impl<T: Send + Sync + 'static> Default for Rows<T> {
@@ -51,7 +51,8 @@ impl<T: Send + Sync + 'static> Default for Rows<T> {
 }
 
 impl<T: Send + Sync + 'static> Rows<T> {
-    /// The rows, resolved afresh if `named` changed or one of the particles stands in another row. [`GONE`] for what is no particle (any more).
+    /// The rows, resolved again if the list of entities `changed` or one of its particles has another row. [`GONE`] for an entity that is not a particle (any
+    /// more).
     pub(crate) fn resolve(
         &mut self,
         layout: &Layout,
@@ -68,7 +69,7 @@ impl<T: Send + Sync + 'static> Rows<T> {
         &self.rows
     }
 
-    /// The rows, if they were resolved in this layout; none otherwise.
+    /// The rows, if they were resolved in this layout; empty otherwise.
     pub(crate) fn current(&self, layout: &Layout) -> &[u32] {
         if self.layout == layout.number { &self.rows } else { &[] }
     }
@@ -78,7 +79,7 @@ impl<T: Send + Sync + 'static> Rows<T> {
         &self.rows
     }
 
-    /// Whether all particles are there, and each is named once; found out once per layout.
+    /// Whether all particles exist, and each is listed once; computed once per layout.
     pub(crate) fn are_plain(&mut self) -> bool {
         let rows = &self.rows;
         *self.plain.get_or_insert_with(|| {

@@ -1,6 +1,7 @@
-//! Types that stand for the solver's, which Bevy can neither reflect nor make components of: with the same variants or fields, both ways from one list.
+//! Conversions between the solver's types and their equivalents in this crate, which Bevy can reflect and use as components. Each pair has the same variants or
+//! fields, and both directions are generated from one list.
 
-/// An enum with the variants of another.
+/// Conversions of an enum with the same variants as another.
 macro_rules! same_variants {
     ($own:ident, $other:ty {
         $($variant:ident $({ $($field:ident),* })? $(($value:ident))?),* $(,)?
@@ -28,7 +29,7 @@ macro_rules! same_variants {
     };
 }
 
-/// A struct with the fields of another; and what fields of either are that the other one does not have, where it is made from that.
+/// Conversions of a struct with the same fields as another; `own` and `other` give values for the fields that only one of them has.
 macro_rules! same_fields {
     (
         $own:ident, $other:ty { $($field:ident),* $(,)? }

@@ -1,4 +1,4 @@
-//! When things happen: the schedules and the system sets of a tick and of a substep, and what drives them.
+//! The schedules and the system sets of a tick and of a substep, and the systems that drive them.
 
 mod phases;
 
@@ -14,34 +14,34 @@ use bevy::prelude::*;
 
 use crate::world::{PhaseWatch, SinewWorld, load_deferred};
 
-/// The parts of a tick, in this order, in [`SinewTick`]: a system of a game's own that belongs between two of them is added there.
+/// The parts of a tick, in this order, in [`SinewTick`]. A custom system that belongs between two of them is added to that schedule.
 ///
-/// In `FixedPostUpdate` (or wherever [`SinewPlugin`](crate::SinewPlugin) was told to run) one system runs the whole tick, and it is in all of these
-/// sets: `.before(SinewSystems::Build)` there is before the tick, `.after(SinewSystems::Extract)` after it, and a place between two of them is a
-/// cycle, which Bevy refuses.
+/// In `FixedPostUpdate` (or the schedule that was passed to [`SinewPlugin`](crate::SinewPlugin)) one system runs the whole tick. That system is in all of these
+/// sets: there, `.before(SinewSystems::Build)` is before the tick and `.after(SinewSystems::Extract)` is after it. A place between two sets is possible only in
+/// [`SinewTick`]; in the outer schedule it would be a cycle, which Bevy refuses.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SinewSystems {
-    /// Recipes of new bodies become particles and constraints.
+    /// New and changed recipes are built: they become particles and constraints.
     Build,
-    /// Components are copied into the solver's columns; what is wrong is set aside.
+    /// Components are copied into the solver's columns; invalid ones are set aside.
     Gather,
     /// [`SubstepSchedule`] runs, once for each substep.
     Substeps,
     /// The columns are copied back into the components.
     Scatter,
-    /// Transforms and velocities of bodies are read off their particles.
+    /// Transforms and velocities of bodies are computed from their particles.
     Extract,
 }
 
 /// The phases of a substep, in this order, in [`SubstepSchedule`].
 ///
-/// A game adds a force of its own to [`AccumulateForces`](Self::AccumulateForces) with `.in_set(...)`, or puts a system between two sets; it works on
-/// the columns of [`SinewWorld`].
+/// A game adds a custom force to [`AccumulateForces`](Self::AccumulateForces) with `.in_set(...)`, or puts a system between two sets; it works on the columns
+/// of [`SinewWorld`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum PhaseSystems {
-    /// Gravity, the game's own forces and springs are summed up; so is what a game adds to this set, in any order.
+    /// Gravity, external forces and springs are summed up; custom forces are added to this set, in any order.
     AccumulateForces,
     /// The pressure of winds is added.
     Wind,
@@ -49,27 +49,27 @@ pub enum PhaseSystems {
     Buoyancy,
     /// The forces between charges are added.
     Electric,
-    /// Verlet predicts the next positions.
+    /// The integrator (by default Verlet) predicts the next positions.
     Integrate,
-    /// The constraints correct them.
+    /// Constraints and contacts correct the predicted positions.
     SolveConstraints,
 }
 
-/// What happens only while time passes.
+/// The systems that run only while time passes.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct TimePasses;
 
-/// One tick, all of it on one thread: its systems take microseconds each and wait for each other, while spreading them over threads takes
-/// microseconds for each, too. (The solver has [threads](crate::SinewWorkers) of its own.) Run by the plugin; add systems to it, but do not run it.
+/// One tick, on a single thread: its systems take microseconds each and depend on each other, and scheduling each on a thread would take microseconds, too.
+/// (The solver uses [threads](crate::SinewWorkers) within them.) The plugin runs it; add systems to it, but do not run it.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SinewTick;
 
-/// One substep, of a world that has particles. Run by the driver; add systems to it, but do not run it.
+/// One substep, of a world that has particles. The plugin runs it; add systems to it, but do not run it.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SubstepSchedule;
 
-/// Pauses the simulation, lets it run tick by tick (and phase by phase: [`PhaseSteps`]), or at a speed of its own. The game's clocks (`Time<Virtual>`, `Time<Fixed>`) are left alone, so
-/// that menus, cameras and animations go on as they do.
+/// Pauses the simulation, steps it tick by tick (or phase by phase: [`PhaseSteps`]), or runs it at another speed. The game's clocks (`Time<Virtual>`,
+/// `Time<Fixed>`) are not affected, so menus, cameras and animations continue.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -90,19 +90,20 @@ pub struct SubstepSchedule;
 /// # assert!(app.world().resource::<SinewControl>().paused);
 /// ```
 ///
-/// A tick is as long at any speed: at half of it every other fixed tick of the game has one of the simulation, at twice of it each has two. So what is
-/// stable stays stable, and what was simulated is the same, bit for bit, at any speed. [Interpolated](crate::Interpolate) bodies glide at all of
-/// them. What a game moves by its own clock (a kinematic [`Collider`](crate::Collider), what something is [`PinnedTo`](crate::PinnedTo)) is that much
-/// faster or slower to the simulation: multiply its speed by [`relative_speed`](Self::relative_speed) to have it slow down too.
+/// The length of a tick does not depend on the speed: at half speed every other fixed tick of the game has one tick of the simulation, at double speed each has
+/// two. The simulation is therefore equally stable, and its results are the same bit for bit, at any speed. [Interpolated](crate::Interpolate) bodies move
+/// smoothly at any speed. Entities that the game moves by its own clock (a kinematic [`Collider`](crate::Collider), the entity of a
+/// [`PinnedTo`](crate::PinnedTo)) are faster or slower relative to the simulation: multiply their speed by [`relative_speed`](Self::relative_speed) to slow
+/// them down, too.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct SinewControl {
-    /// Whether time stands still. Bodies that are spawned meanwhile are built all the same. Default not.
+    /// Whether time is paused. Bodies that are spawned meanwhile are built. Default false.
     pub paused: bool,
-    /// Ticks to run although it is paused; each takes one off. Default 0.
+    /// Number of ticks to run while paused; each tick decrements it. Default 0.
     pub single_steps: u32,
-    /// Simulated seconds for each second of the schedule that runs the tick, 0 (as paused) to [`MAX_SPEED`](Self::MAX_SPEED). More counts as that, less
-    /// and NaN as 0. Default 1. How many ticks a frame may take is bounded as ever, by `Time<Virtual>::max_delta` (0.25 s), times this.
+    /// Simulated seconds per second of the schedule that runs the tick, 0 (as paused) to [`MAX_SPEED`](Self::MAX_SPEED), to which it is clamped; NaN counts as
+    /// 0. Default 1. The number of ticks in a frame is bounded by `Time<Virtual>::max_delta` (0.25 s by default) times this.
     #[doc(alias = "time_scale")]
     #[doc(alias = "slow_motion")]
     pub relative_speed: f32,
@@ -115,32 +116,32 @@ impl Default for SinewControl {
 }
 
 impl SinewControl {
-    /// The greatest [`relative_speed`](Self::relative_speed).
+    /// The maximum [`relative_speed`](Self::relative_speed).
     pub const MAX_SPEED: f32 = 16.0;
 
-    /// Whether the simulation goes on: it is not paused, at a speed that is not 0, or has single steps to take.
+    /// Whether the simulation advances: it is not paused and its speed is not 0, or it has single steps to run.
     pub fn running(&self) -> bool {
         (!self.paused && self.speed() > 0.0) || self.single_steps > 0
     }
 
-    /// Stops the simulation.
+    /// Pauses the simulation.
     pub fn pause(&mut self) {
         self.paused = true;
     }
 
-    /// Lets it go on; single steps that were not taken are dropped.
+    /// Resumes the simulation; single steps that were not run are dropped.
     pub fn unpause(&mut self) {
         (self.paused, self.single_steps) = (false, 0);
     }
 
-    /// Lets a paused simulation take one tick more.
+    /// Runs one more tick of a paused simulation.
     pub fn step(&mut self) {
         self.single_steps = self.single_steps.saturating_add(1);
     }
 
-    /// The speed that counts: in its range.
+    /// The clamped speed.
     fn speed(&self) -> f32 {
-        // In this order, NaN is 0.
+        // `clamp` would keep NaN.
         if self.relative_speed.is_nan() {
             0.0
         } else {
@@ -164,30 +165,30 @@ impl SinewControl {
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Resource, Default, Clone)]
 pub struct SinewClock {
-    /// Ticks taken.
+    /// Number of ticks that were run.
     pub tick: u64,
-    /// Seconds simulated; gusts of wind depend on it.
+    /// Simulated time, seconds; gusts of wind depend on it.
     pub seconds: f64,
-    /// Which part of the last tick is yet to be played, 0 to 1: at a [speed](SinewControl::relative_speed) that is no whole number, a tick is simulated when
-    /// the first part of it is due. Default 0, and 0 while time stands still.
+    /// The fraction of the last tick that is still to be played, 0 to 1: at a [speed](SinewControl::relative_speed) that is not an integer, a tick is simulated
+    /// when its first part is due. Default 0, and 0 while time is paused.
     pub ahead: f64,
 }
 
-/// What the tick at hand is one of, and what is drawn after it. Scratch.
+/// Which of several ticks is being run, and how the result is drawn. Scratch.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(crate) struct Pace {
-    /// Ticks that are left to be taken in this fixed tick, this one included; 0 if time stands still in it.
+    /// Number of ticks that remain in this fixed tick, including this one; 0 if time does not pass in it.
     pub(crate) left: u32,
-    /// Whether the last fixed tick played anything but one whole tick or none: then what is drawn lies between other places than where the last tick began and
-    /// ended.
+    /// Whether the last fixed tick played anything but one whole tick or none: what is drawn is then not an interpolation between the start and the end of the
+    /// last tick.
     pub(crate) uneven: bool,
-    /// Whether a game has set a condition on one of the phases.
+    /// Whether a game has added a run condition to one of the phases.
     conditional: bool,
-    /// When the tick at hand began, on the wall.
+    /// Wall-clock time at which the tick began.
     began: Option<Instant>,
 }
 
-/// How long the last tick took, for whoever shows it. Wall-clock time: never part of the state.
+/// How long the last tick took, for display. Wall-clock time: never part of the state.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct TickTime {
     /// Duration of building bodies and of gathering.
@@ -196,14 +197,14 @@ pub struct TickTime {
     pub substeps: Duration,
     /// Duration of scattering and of extracting.
     pub scatter: Duration,
-    /// Duration of each phase, in the order of [`PhaseSystems`], summed over the substeps, with what a game's systems did since the phase before; zero
-    /// unless [`by_phase`](Self::by_phase).
+    /// Duration of each phase, in the order of [`PhaseSystems`], summed over the substeps, including custom systems since the previous phase; zero unless
+    /// [`by_phase`](Self::by_phase).
     pub phases: [Duration; 6],
-    /// Whether phases are measured: ask for it here. No substeps are taken at once then, which gives the same bits and takes longer. Default not.
+    /// Whether phases are measured; set by the game. The substeps are then run one by one, which gives the same bits and takes longer. Default false.
     pub by_phase: bool,
 }
 
-/// The parts of a tick in their order.
+/// The parts of a tick, in order.
 const PARTS: [SinewSystems; 5] = [
     SinewSystems::Build,
     SinewSystems::Gather,
@@ -212,7 +213,7 @@ const PARTS: [SinewSystems; 5] = [
     SinewSystems::Extract,
 ];
 
-/// The phases of a substep in their order.
+/// The phases of a substep, in order.
 const PHASE_ORDER: [PhaseSystems; 6] = [
     PhaseSystems::AccumulateForces,
     PhaseSystems::Wind,
@@ -222,10 +223,10 @@ const PHASE_ORDER: [PhaseSystems; 6] = [
     PhaseSystems::SolveConstraints,
 ];
 
-/// Sets up the sets, their order and the phases, and has a schedule run the tick.
+/// Configures the sets, their order and the phases, and adds the system that runs the tick to a schedule.
 pub(crate) fn configure(app: &mut App, within: InternedScheduleLabel) {
     let whole = PARTS.into_iter().fold(run_tick.into_configs(), |tick, part| tick.in_set(part));
-    // Bevy's own system in `FixedPostUpdate`; the order does not matter, but an ambiguity would be an error.
+    // Bevy's own system in `FixedPostUpdate`. The order does not matter, but an ambiguity would be an error.
     app.add_systems(within, whole.before(signal_message_update_system));
 
     app.init_schedule(SinewTick);
@@ -233,8 +234,8 @@ pub(crate) fn configure(app: &mut App, within: InternedScheduleLabel) {
         schedule.set_executor(SingleThreadedExecutor::new());
         let [build, gather, substeps, scatter, extract] = PARTS;
         schedule.configure_sets((build, gather, substeps, scatter, extract).chain());
-        // While time stands still, bodies are built, gathered and extracted all the same: what is spawned or moved meanwhile is seen. The
-        // condition stands on a set around the rest, so that it is asked once a tick and not once a part.
+        // While time is paused, bodies are still built, gathered and extracted, so that what is spawned or moved is drawn. The condition is on a set around the
+        // other parts, so that it is evaluated once a tick.
         schedule.configure_sets((substeps, scatter).in_set(TimePasses));
         schedule.configure_sets(TimePasses.run_if(time_passes));
         schedule.add_systems((
@@ -245,12 +246,12 @@ pub(crate) fn configure(app: &mut App, within: InternedScheduleLabel) {
 
     app.init_schedule(SubstepSchedule);
     app.edit_schedule(SubstepSchedule, |schedule| {
-        // A phase takes microseconds and needs the phase before it: there is nothing for a second thread to do between them.
+        // A phase takes microseconds and depends on the previous one, so a second thread would have nothing to do.
         schedule.set_executor(SingleThreadedExecutor::new());
         let [forces, wind, buoyancy, electric, integration, constraints] = PHASE_ORDER;
         let order = (forces, wind, buoyancy, electric, integration, constraints);
         schedule.configure_sets(order.chain());
-        // The sums are cleared before the first set, so that forces add up in whatever order the systems of a set run.
+        // The sums are cleared before the first set, so that forces add up in any order of the systems of a set.
         schedule.add_systems((
             begin_substep.before(PhaseSystems::AccumulateForces),
             accumulate_forces
@@ -265,18 +266,18 @@ pub(crate) fn configure(app: &mut App, within: InternedScheduleLabel) {
     });
 }
 
-/// Whether this tick is to be simulated.
+/// Run condition: whether this tick is to be simulated.
 pub(crate) fn time_passes(pace: Res<Pace>) -> bool {
     pace.left > 0
 }
 
-/// Whether what is drawn lies elsewhere than between the ends of the last tick.
+/// Run condition: whether what is drawn is not an interpolation between the start and the end of the last tick.
 #[cfg(feature = "interpolation")]
 pub(crate) fn is_uneven(pace: Res<Pace>) -> bool {
     pace.uneven
 }
 
-/// Runs the ticks that are due: one at full speed. Where none is, what is spawned or moved is built, gathered and extracted all the same.
+/// Runs the ticks that are due: one at normal speed. If none is due, what was spawned or moved is still built, gathered and extracted.
 fn run_tick(world: &mut World) {
     phases::choose(world);
     let due = ticks_due(world);
@@ -298,19 +299,19 @@ fn run_tick(world: &mut World) {
     phases::show(world);
 }
 
-/// How many ticks are due in this fixed tick; counts the time that was played.
+/// Computes how many ticks are due in this fixed tick, and advances the played time.
 fn ticks_due(world: &mut World) -> u32 {
     let control = *world.resource::<SinewControl>();
     let mut clock = world.resource_mut::<SinewClock>();
     let before = clock.ahead;
     let due = if control.paused || control.speed() == 0.0 {
-        // What is simulated is shown.
+        // The simulated state is drawn.
         clock.ahead = 0.0;
         control.single_steps.min(1)
     } else {
         let mut ahead = before - f64::from(control.speed());
         let mut due = 0;
-        // No more than the greatest speed asks for, whatever somebody may have written there.
+        // At most as many as at the maximum speed, whatever the clock contains.
         while ahead < 0.0 && due < SinewControl::MAX_SPEED as u32 {
             ahead += 1.0;
             due += 1;
@@ -326,10 +327,10 @@ fn ticks_due(world: &mut World) -> u32 {
     due
 }
 
-/// The systems of ours in a substep.
+/// The number of this crate's systems in a substep.
 const PHASES: usize = 7;
 
-/// Runs the substeps of a tick. The schedule is taken out of the world once, not once a substep.
+/// Runs the substeps of a tick. The schedule is taken out of the world once, not once per substep.
 fn run_substeps(world: &mut World) {
     let dt = world.resource::<Time>().delta_secs();
     let began = Instant::now();
@@ -346,18 +347,18 @@ fn run_substeps(world: &mut World) {
         let mut sinew = world.resource_mut::<SinewWorld>();
         match sinew.simulation.begin_step(dt) {
             Ok(substeps) => substeps,
-            // A clock that stands still is no fault: nothing happens, and nothing changes.
+            // A time step of zero is no error: nothing happens.
             Err(_) => return,
         }
     };
     let mut sinew = world.resource_mut::<SinewWorld>();
     if sinew.simulation.particles.is_empty() {
-        // Nothing is there to be moved: time passes, by as many small sums as otherwise, so that it comes out the same.
+        // Without particles only time advances, by the same small additions as otherwise, so that the sum has the same bits.
         let length = f64::from(sinew.simulation.substep().length);
         (0..substeps).for_each(|_| sinew.simulation.time += length);
     } else {
         let ran = world.try_schedule_scope(SubstepSchedule, |world, schedule| {
-            // Where nobody stands between the phases, and they do the same to all, nothing is lost by taking them at once.
+            // If no custom system runs between the phases, all substeps can be taken at once.
             if watched {
                 let mut watch = PhaseWatch::default();
                 watch.frames = shown.then(Vec::new);
@@ -382,21 +383,21 @@ fn run_substeps(world: &mut World) {
     note_times(world, began, watch.filter(|_| by_phase));
 }
 
-/// Whether no system and no condition of a game stands between the phases.
+/// Whether no system and no run condition of the game is between the phases.
 fn runs_our_phases_alone(world: &mut World) -> bool {
     let mut schedules = world.resource_mut::<Schedules>();
     let Some(schedule) = schedules.get_mut(SubstepSchedule) else { return false };
-    // Conditions of sets are seen until the schedule is built with them, which it is when it runs.
+    // Conditions of sets are visible until the schedule is built with them, which happens when it runs.
     let sets = &schedule.graph().system_sets;
     let conditional = sets.iter().any(|(_, _, conditions)| !conditions.is_empty());
-    // What came since it was built is counted when it is built again, by running.
+    // Systems that were added since are counted when the schedule is built again, which happens when it runs.
     let counted = !schedule.is_changed() && schedule.systems_len() == PHASES;
     let mut pace = world.resource_mut::<Pace>();
     pace.conditional |= conditional;
     counted && !pace.conditional
 }
 
-/// Notes how long the parts of a tick took of which the substeps began then.
+/// Stores how long the parts of a tick took; `began` is the start of the substeps.
 fn note_times(world: &mut World, began: Instant, watch: Option<Box<PhaseWatch>>) {
     let whole = world.resource::<Pace>().began.unwrap_or(began);
     let mut took = world.resource_mut::<TickTime>();
@@ -405,13 +406,13 @@ fn note_times(world: &mut World, began: Instant, watch: Option<Box<PhaseWatch>>)
     took.phases = watch.map_or_else(Default::default, |watch| watch.took);
 }
 
-/// Advances the clock and takes a single step off.
+/// Advances the clock and decrements the single steps.
 fn count_tick(
     mut clock: ResMut<SinewClock>,
     mut control: ResMut<SinewControl>,
     world: Res<SinewWorld>,
 ) {
-    // A fixed clock that stood still took no tick.
+    // With a time step of zero, no tick was taken.
     if clock.seconds == world.simulation.time {
         return;
     }

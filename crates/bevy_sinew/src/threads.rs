@@ -1,4 +1,4 @@
-//! Threads for the solver: Bevy's own pool, or whatever a game lends.
+//! Threads for the solver: Bevy's pool, or any other that a game provides.
 
 use std::sync::{Arc, OnceLock};
 
@@ -9,10 +9,11 @@ use sinew::Workers;
 use crate::config::SolverConfig;
 use crate::world::SinewWorld;
 
-/// Who helps the solver, while [`SolverConfig::threads`] says so. Not part of the state: any number of threads gives the same bits.
+/// The threads that the solver uses, unless [`SolverConfig::threads`] is false. Not part of the state: the results have the same bits with any number of
+/// threads.
 ///
-/// By default [`ComputePool`], or nobody on a machine with one processor. Put anything else that is [`Workers`] here, such as a pool of the game's
-/// own.
+/// Default [`ComputePool`], or `None` (a single thread) on a machine with one processor. Any other implementation of [`Workers`] may be used, such as a game's
+/// own pool.
 #[derive(Resource, Clone, Debug)]
 pub struct SinewWorkers(pub Option<Arc<dyn Workers>>);
 
@@ -23,7 +24,7 @@ impl Default for SinewWorkers {
     }
 }
 
-/// The threads of Bevy's [`ComputeTaskPool`], and the one that the tick runs on. Where there is no pool, that one alone.
+/// The threads of Bevy's [`ComputeTaskPool`], and the thread that runs the tick. Without a pool, that thread alone.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ComputePool;
 
@@ -32,7 +33,7 @@ impl Workers for ComputePool {
         let Some(pool) = ComputeTaskPool::try_get() else { return work() };
         pool.scope(|scope| {
             (0..pool.thread_num()).for_each(|_| scope.spawn(async move { work() }));
-            // Not handed to the scope: this thread begins at once, and what the others have not taken by the end is nothing.
+            // Run here, not by the scope: this thread starts at once, and by its end no work is left for tasks that have not started.
             work();
         });
     }
@@ -43,13 +44,13 @@ impl Workers for ComputePool {
     }
 }
 
-/// How many threads the machine runs side by side. To ask that reads files of the system, which takes tens of microseconds: once is enough.
+/// The number of hardware threads. The query reads system files, which takes tens of microseconds, so the result is cached.
 fn processors() -> usize {
     static PROCESSORS: OnceLock<usize> = OnceLock::new();
     *PROCESSORS.get_or_init(available_parallelism)
 }
 
-/// Lends the solver its helpers, or takes them back.
+/// Passes the workers to the solver, or removes them.
 pub(crate) fn lend(
     mut world: ResMut<SinewWorld>,
     config: Res<SolverConfig>,

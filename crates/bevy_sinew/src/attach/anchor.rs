@@ -1,11 +1,11 @@
-//! Anchors: where on a body something is tied, said by what the body is.
+//! Anchors: places on a body or an entity where something is attached.
 
 use bevy::prelude::*;
 
-/// Where on an entity something is tied: what of a body, and where on the other one ([`AttachTo`](super::AttachTo)).
+/// A place on an entity: which part of a body is attached, and where on the other entity ([`AttachTo`](super::AttachTo)).
 ///
-/// Places are in the entity's own frame, metres. That of a body is the one in which its recipe builds it, scaled as the entity is: a region of a cloth is the
-/// same however the cloth hangs by now, and a point of a soft body or of a rope is its particle that was built nearest to it.
+/// Coordinates are in the entity's own frame, metres. The frame of a body is the one in which its recipe builds it, scaled as the entity is: a region of a
+/// cloth stays the same however the cloth hangs now, and a point of a soft body or of a rope selects the particle that was built nearest to it.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -13,7 +13,7 @@ use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
 /// let post = commands.spawn(Transform::from_xyz(0.0, 2.0, 0.0)).id();
-/// // The upper left corner of a banner, by where it is, and both ends of a rope.
+/// // The upper left corner of a banner, by its position, and the first end of a rope.
 /// let corner = Anchor::Point(Vec3::new(-0.5, 0.5, 0.0));
 /// commands.spawn((Cloth::grid(1.0, 1.0, 8, 8), AttachTo::new(post).part(corner)));
 /// let end = Anchor::RopeEnd(RopeEnd::First);
@@ -24,37 +24,39 @@ use bevy::prelude::*;
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Anchor {
-    /// Of the body: all of its particles, each by itself. On the other entity: wherever that is; to snap to, its origin. The default.
+    /// As a part of a body: all of its particles, each by itself. On the other entity: no particular place (see [`AttachTo::anchor`](super::AttachTo::anchor));
+    /// with [`AttachTo::snap`](super::AttachTo::snap), its origin. The default.
     #[default]
     Whole,
-    /// A point. Of a rigid body any point, in it or not; of any other the particle that was built nearest to it.
+    /// A point. On a rigid body any point, inside or outside of it; on any other body the particle that was built nearest to it.
     Point(Vec3),
-    /// A corner of a box or of a limb ([`BodyPart`](crate::BodyPart)): the signs say which. With a zero it is the middle of an edge or of a face.
+    /// A corner of a box or of a limb ([`BodyPart`](crate::BodyPart)), selected by the signs of x, y and z. A zero selects the middle along that axis: of an
+    /// edge, or of a face.
     Corner(Vec3),
-    /// The particle that follows this vertex of the body's mesh, as [`MeshFollow`](crate::MeshFollow) has it; where it has none, the particle of this
-    /// number in [`BodyParticles`](crate::BodyParticles).
+    /// The particle that this vertex of the body's mesh follows ([`MeshFollow`](crate::MeshFollow)). On a body without one, the particle with this index in
+    /// [`BodyParticles`](crate::BodyParticles).
     Vertex(u32),
     /// The particles that were built within a box along the axes of the frame.
     InBox {
-        /// Its middle, metres.
+        /// The box's centre, metres.
         center: Vec3,
-        /// Half its size, metres.
+        /// Half the box's size, metres.
         half_size: Vec3,
     },
     /// The particles that were built within a sphere.
     InSphere {
-        /// Its middle, metres.
+        /// The sphere's centre, metres.
         center: Vec3,
-        /// Metres.
+        /// The sphere's radius, metres.
         radius: f32,
     },
     /// An end of a rope.
     RopeEnd(RopeEnd),
-    /// A point of a bone, by its name: of a [`Ragdoll`](crate::Ragdoll) or an [`Articulated`](crate::Articulated) body.
+    /// A point of a bone of a [`Ragdoll`](crate::Ragdoll) or an [`Articulated`](crate::Articulated) body.
     Bone {
-        /// The `Name` of its [`BodyPart`](crate::BodyPart).
+        /// The bone's name: the `Name` of its [`BodyPart`](crate::BodyPart).
         name: String,
-        /// In the bone's own frame, metres.
+        /// The point in the bone's own frame, metres.
         point: Vec3,
     },
 }
@@ -63,15 +65,15 @@ pub enum Anchor {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum RopeEnd {
-    /// Where it starts. The default.
+    /// The start. The default.
     #[default]
     First,
-    /// Where it ends.
+    /// The end.
     Last,
 }
 
 impl Anchor {
-    /// The middle of a bone.
+    /// The middle of the bone with this name.
     pub fn bone(name: impl Into<String>) -> Self {
         Self::Bone { name: name.into(), point: Vec3::ZERO }
     }
@@ -88,7 +90,7 @@ impl Anchor {
         }
     }
 
-    /// Whether a place is in the region that it is; `None` if it is none.
+    /// Whether a place is in the region of the anchor; `None` if the anchor is not a region.
     pub(super) fn holds(&self, place: Vec3) -> Option<bool> {
         match *self {
             Self::InBox { center, half_size } => {

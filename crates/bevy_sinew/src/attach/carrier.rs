@@ -1,4 +1,4 @@
-//! Carriers: which particles an anchor stands for, and how they carry a point.
+//! Carriers: which particles an anchor selects, and how they define a point.
 
 use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
@@ -12,27 +12,28 @@ use crate::components::{
 use crate::frames::in_world;
 use crate::messages::AttachFault;
 
-/// What carries the points of an entity.
+/// What determines the points of an entity.
 pub(super) enum Carrier {
-    /// Its transform alone, which is the game's.
+    /// Only its `Transform`, which the game writes.
     Frame,
-    /// The particles of something rigid, and where they are in its frame.
+    /// The particles of a rigid body or part, and their positions in its frame.
     Rigid { particles: Vec<Entity>, rest: Vec<Vec3> },
-    /// Particles that go their own ways.
+    /// Particles that move independently of each other.
     Loose { particles: Vec<Entity> },
 }
 
-/// A point that particles carry.
+/// A point as an affine combination of particles.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
     pub(super) particles: Vec<Entity>,
     pub(super) weights: Vec<f32>,
     pub(super) rigid: bool,
-    /// Where it is now, metres.
+    /// Its current position in the world, metres.
     pub(super) place: Vec3,
 }
 
-/// The entity that an anchor is on, and the anchor there: a bone is an entity of its own. `None` if that is not there yet.
+/// The entity that carries an anchor, and the anchor on it: a bone is an entity of its own. `None` while its body is not built; an error if there is no such
+/// bone.
 pub(super) fn locate(
     world: &World,
     entity: Entity,
@@ -47,8 +48,8 @@ pub(super) fn locate(
     Ok(Some((part, Anchor::Point(*point))))
 }
 
-/// Where in the world an anchor is, metres; `None` of what is not built yet. Of particles that go their own ways it is the one nearest to a place, unless
-/// the anchor chooses.
+/// The position of an anchor in the world, metres; `None` while the entity is not built. On independent particles it is the one nearest to `near`, unless the
+/// anchor selects particles.
 pub(crate) fn place_of(
     world: &World,
     entity: Entity,
@@ -77,14 +78,14 @@ pub(crate) fn place_of(
     place.map(Some).ok_or(AttachFault::NoSuchAnchor)
 }
 
-/// Whether something is a body without particles.
+/// Whether an entity is a body that has no particles yet.
 fn is_yet_to_be_built(world: &World, entity: Entity) -> bool {
     let members = world.get::<BodyParticles>(entity);
     world.get::<ParticleBody>(entity).is_some() && members.is_none_or(RelationshipTarget::is_empty)
 }
 
 impl Carrier {
-    /// What carries the points of an entity; `None` of a body that is not built yet, and an error of what has neither particles nor a transform.
+    /// The carrier of an entity; `None` for a body that is not built yet, and an error for an entity with neither particles nor a transform.
     pub(super) fn of(world: &World, entity: Entity) -> Result<Option<Self>, ()> {
         if world.get::<Particle>(entity).is_some() {
             return Ok(Some(Self::Loose { particles: vec![entity] }));
@@ -105,7 +106,7 @@ impl Carrier {
         world.get::<Transform>(entity).map(|_| Some(Self::Frame)).ok_or(())
     }
 
-    /// The points of a body that an anchor chooses; none if it has no such part.
+    /// The points of a body that an anchor selects; empty if the body has no such part.
     pub(super) fn points(&self, world: &World, body: Entity, anchor: &Anchor) -> Vec<Point> {
         let single = |&particle: &Entity| Point::single(world, particle);
         match self {
@@ -120,7 +121,7 @@ impl Carrier {
         }
     }
 
-    /// Where in its frame an anchor of something rigid, or of a transform, is; `None` if it has no such anchor, or no frame.
+    /// The position of an anchor in the frame of a rigid body or of a transform; `None` if there is no such anchor, or no frame.
     pub(super) fn local(&self, world: &World, entity: Entity, anchor: &Anchor) -> Option<Vec3> {
         if *anchor == Anchor::Whole {
             return Some(Vec3::ZERO);
@@ -138,14 +139,14 @@ impl Carrier {
         (count > 0.0).then(|| numbers.iter().sum::<Vec3>() / count)
     }
 
-    /// The point of something rigid at a place in its frame.
+    /// The point of a rigid body at a position in its frame.
     pub(super) fn rigid_point(&self, world: &World, local: Vec3) -> Option<Point> {
         let Self::Rigid { particles, rest } = self else { return None };
         Point::rigid(world, particles, rest, local)
     }
 
-    /// The point of particles that go their own ways at which something at `place` is tied: the middle of those that an anchor chooses, or, where that is not
-    /// to `snap`, the same place among them. `None` if there is no such anchor.
+    /// The point of independent particles to which something at `place` is attached: with `snap` the middle of the particles that the anchor selects, otherwise
+    /// the same `place` expressed by them. `None` if there is no such anchor.
     pub(super) fn loose_point(
         &self,
         world: &World,
@@ -156,7 +157,7 @@ impl Carrier {
         let Self::Loose { particles } = self else { return None };
         let at = |particle: &Entity| world.get::<Particle>(*particle).map(|p| p.position);
         let among = match anchor {
-            // The nearest of all.
+            // The nearest particle.
             Anchor::Whole => {
                 let far = |one: &Entity| at(one).map_or(f32::INFINITY, |at| at.distance(place));
                 let nearest = particles.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
@@ -196,7 +197,7 @@ impl Point {
     }
 }
 
-/// A point that an anchor of something with a frame names.
+/// The position that an anchor specifies in the entity's frame; `None` if it selects particles instead.
 fn local_point(world: &World, entity: Entity, anchor: &Anchor) -> Option<Vec3> {
     match *anchor {
         Anchor::Point(point) => Some(point),
@@ -208,7 +209,7 @@ fn local_point(world: &World, entity: Entity, anchor: &Anchor) -> Option<Vec3> {
     }
 }
 
-/// The particles of something rigid that an anchor chooses.
+/// The particles of a rigid body that an anchor selects.
 fn chosen_of(particles: &[Entity], rest: &[Vec3], anchor: &Anchor) -> Vec<Entity> {
     match anchor {
         Anchor::Whole => particles.to_vec(),
@@ -220,7 +221,7 @@ fn chosen_of(particles: &[Entity], rest: &[Vec3], anchor: &Anchor) -> Vec<Entity
     }
 }
 
-/// The particles of a body that an anchor chooses.
+/// The particles of a body that an anchor selects.
 fn chosen(world: &World, body: Entity, particles: &[Entity], anchor: &Anchor) -> Vec<Entity> {
     let built_at = |particle: &Entity| world.get::<RestPlace>(*particle).map(|place| place.0);
     match anchor {

@@ -1,4 +1,4 @@
-//! The constraint between two points that particles carry.
+//! The distance constraint between two points that are combinations of particles.
 
 use bevy::prelude::*;
 use sinew::constraints::{Anchor, AnchorDistance};
@@ -6,10 +6,11 @@ use sinew::{Bound, ConstraintKind};
 
 use crate::components::{CreationOrder, ParticleConstraint, Softness};
 
-/// Two points that particles carry stay a distance apart; with none it is a ball joint. [`AttachTo`](super::AttachTo) makes them, and so may a game.
+/// Keeps two points at a distance from each other; a distance of 0 is a ball joint. [`AttachTo`](super::AttachTo) spawns these constraints, and a game may
+/// spawn its own.
 ///
-/// A point is `Σ wᵢ xᵢ` of some particles, the weights of which add up to 1 ([`affine_weights`](sinew::constraints::affine_weights) finds them): any point of a
-/// rigid body, in it or outside, the middle of a patch of cloth, or a single particle.
+/// A point is a combination `Σ wᵢ xᵢ` of particles, with weights that add up to 1 ([`affine_weights`](sinew::constraints::affine_weights) computes them): any
+/// point of a rigid body, inside or outside of it, the middle of a patch of cloth, or a single particle.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -33,18 +34,18 @@ use crate::components::{CreationOrder, ParticleConstraint, Softness};
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CreationOrder)]
 pub struct AnchorConstraint {
-    /// The particles of one point, and then those of the other, each once.
+    /// The particles of the first point, followed by those of the second, each once.
     #[entities]
     pub particles: Vec<Entity>,
-    /// How many of them are the first point's.
+    /// How many of the particles belong to the first point.
     pub first: usize,
-    /// The share of each.
+    /// The weight of each particle; the weights of each point add up to 1.
     pub weights: Vec<f32>,
-    /// Of either point, whether its particles are a rigid body, which is pulled at the point as one. Default not.
+    /// For each point, whether its particles form a rigid body, which is then pulled at the point as a rigid body. Default false.
     pub rigid: [bool; 2],
-    /// The distance, metres, 0 and up. Default 0.
+    /// The distance, metres, 0 or more. Default 0.
     pub rest: f32,
-    /// How hard it is. Default hard.
+    /// How hard the constraint is. Default hard.
     pub softness: Softness,
 }
 

@@ -1,11 +1,11 @@
-//! Attachments: what ties particles of a body to something else, by what both are and not by numbers that a game would have to guess.
+//! Attachments: they tie a body, or particles of it, to another entity, without the game having to know particle indices.
 //!
-//! | file | what it holds |
+//! | file | contents |
 //! |---|---|
-//! | `anchor` | where on a body something is tied: [`Anchor`] |
-//! | `carrier` | which particles that is, and how they carry a point |
+//! | `anchor` | a place on a body where something is attached: [`Anchor`] |
+//! | `carrier` | which particles that is, and how they define a point |
 //! | `constraint` | the constraint that ties two points: [`AnchorConstraint`] |
-//! | `resolve` | once a tick: from [`AttachTo`] to pins and constraints, as soon as both bodies are built |
+//! | `resolve` | once a tick: turns [`AttachTo`] into pins and constraints, as soon as both bodies are built |
 
 mod anchor;
 mod carrier;
@@ -25,32 +25,34 @@ use crate::components::{CreationOrder, PinnedTo, Softness};
 
 /// Ties a body, or some of its particles, to another entity: a cape to a back, a rope's end to a hook, a lamp to a bone.
 ///
-/// It stands on the body itself (or on a particle, or on a rigid part); so that a body may have several, it may stand on an entity of its own with
-/// [`AttachmentOf`] the body. It may be spawned before either is built: it takes hold in the first tick in which both are, and again when either is built
-/// anew. What the other entity is decides what happens:
+/// Put it on the body itself (or on a particle, or on a rigid part). For several attachments of one body, put each on an entity of its own with
+/// [`AttachmentOf`] the body. It may be spawned before either side is built: the attachment is made in the first tick in which both are, and again whenever
+/// either is rebuilt. It depends on the other entity:
 ///
-/// - **one that stands, or that the game moves** by its `Transform` (a collider, a camera, a bone of an animation): what is tied is led along, over the
-///   substeps of each tick, as by [`PinnedTo`]. Nothing pulls at the entity;
-/// - **one that is simulated** (a body, a rigid part of one, a particle): both pull, and momentum is kept. A rigid body is pulled at the point as the rigid
-///   body that it is, at any point in its frame.
+/// - **static or kinematic**, moved only by its `Transform` (a collider, a camera, a bone of an animation): the attached particles follow it over the substeps
+///   of each tick, as with [`PinnedTo`]. Nothing pulls at the entity;
+/// - **simulated** (a body, a rigid part of one, a particle): both sides pull at each other, and momentum is conserved. A rigid body is pulled at the point as
+///   a rigid body, at any point in its frame.
 ///
-/// What is tied keeps the place that it has in the other's frame when it is attached, unless it is to [snap](Self::snapped). Cloth, ropes and soft bodies
-/// have no frame: there it keeps its place among the particles that the `anchor` chooses, or its distance where these cannot say that. What is joined does
-/// not collide.
+/// The attached particles keep the position that they have in the other entity's frame when the attachment is made, unless it [snaps](Self::snapped). Cloth,
+/// ropes and soft bodies have no frame: there the position is kept relative to the particles that `anchor` selects, or, where these do not determine it, only
+/// the distance is kept. Attached entities do not collide with each other.
 ///
-/// It goes with its body. Where the other entity goes, it lets go, with one [`Refused`](crate::Refused) message: this component is removed, and so is the
-/// entity if it is one of its own. To let go, remove the component. A rigid part of a body that is built anew is another entity then; an
-/// [`Anchor::Bone`] of the body finds it again.
+/// The attachment is despawned with its body. If the other entity is despawned, the attachment is released, with one [`Refused`](crate::Refused) message: this
+/// component is removed, or the whole entity if the attachment has one of its own. To release it yourself, remove the component. A rigid part of a body is
+/// another entity after a rebuild; an [`Anchor::Bone`] of the body finds it again.
+///
+/// Errors are reported by [`Refused`](crate::Refused) messages with an [`AttachFault`](crate::AttachFault); nothing is attached until they are corrected.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// fn dress(mut commands: Commands) {
 ///     let hero = commands.spawn(Transform::from_xyz(0.0, 1.0, 0.0)).id();
-///     // A cape, held by its upper edge where that is, 1.4 m up.
+///     // A cape, held by its upper edge, which stays where it is relative to the hero.
 ///     let edge = Anchor::InBox { center: Vec3::new(0.0, 0.5, 0.0), half_size: Vec3::new(1.0, 0.01, 0.1) };
 ///     commands.spawn((Cloth::grid(0.6, 1.0, 12, 20), AttachTo::new(hero).part(edge), Transform::from_xyz(0.0, 1.9, -0.2)));
-///     // A lantern of 2 kg that hangs by a corner at the hero's hand.
+///     // A lantern of 2 kg that hangs by a corner from the hero's hand.
 ///     let corner = Anchor::Corner(Vec3::new(1.0, 1.0, 1.0));
 ///     let hand = Anchor::Point(Vec3::new(0.4, 0.0, 0.2));
 ///     commands.spawn((RigidBox::new(Vec3::splat(0.2)).with_mass(2.0), AttachTo::new(hero).part(corner).at(hand).snapped()));
@@ -67,52 +69,52 @@ use crate::components::{CreationOrder, PinnedTo, Softness};
 #[require(CreationOrder)]
 #[component(on_remove = let_go)]
 pub struct AttachTo {
-    /// To whom.
+    /// The other entity.
     #[entities]
     pub entity: Entity,
-    /// What of the body is tied. Default all of its particles, one by one.
+    /// Which part of the body is attached. Default all of its particles, one by one.
     pub part: Anchor,
-    /// Where on the other entity. Default wherever the body is when it is attached; of cloth, ropes and soft bodies, by the nearest particle.
+    /// Where on the other entity. Default where the body is when it is attached; on cloth, ropes and soft bodies, the nearest particle.
     pub anchor: Anchor,
-    /// Whether what is tied goes to the anchor instead of keeping its place: its middle does, where it is several particles. Default not.
+    /// Whether the attached part moves to the anchor instead of keeping its position; of several particles, their middle does. Default false.
     pub snap: bool,
-    /// How hard it is. Default hard.
+    /// How hard the attachment is. Default hard.
     pub softness: Softness,
 }
 
 impl AttachTo {
-    /// All of a body to an entity, hard, where it is.
+    /// Attaches all of a body to an entity, hard, at its current position.
     pub fn new(entity: Entity) -> Self {
         Self { entity, part: default(), anchor: default(), snap: false, softness: default() }
     }
 
-    /// The same with some of the body.
+    /// Returns the same attachment of this part of the body.
     pub fn part(self, part: Anchor) -> Self {
         Self { part, ..self }
     }
 
-    /// The same at an anchor of the other entity.
+    /// Returns the same attachment at an anchor of the other entity.
     pub fn at(self, anchor: Anchor) -> Self {
         Self { anchor, ..self }
     }
 
-    /// The same, but what is tied goes to the anchor.
+    /// Returns the same attachment with [`snap`](Self::snap): the attached part moves to the anchor.
     pub fn snapped(self) -> Self {
         Self { snap: true, ..self }
     }
 
-    /// The same, as hard as that.
+    /// Returns the same attachment with this softness.
     pub fn with_softness(self, softness: Softness) -> Self {
         Self { softness, ..self }
     }
 
-    /// The same with a compliance, m/N.
+    /// Returns the same attachment with a compliance, m/N.
     pub fn with_compliance(self, compliance: f32) -> Self {
         self.with_softness(Softness::compliant(compliance))
     }
 }
 
-/// Says whose attachment an [`AttachTo`] on an entity of its own is: the body, rigid part or particle that it ties. It goes when that goes.
+/// Relationship from an [`AttachTo`] on an entity of its own to the body, rigid part or particle that it attaches. The entity is despawned with the body.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -129,37 +131,38 @@ impl AttachTo {
 #[relationship(relationship_target = BodyAttachments)]
 pub struct AttachmentOf(#[entities] pub Entity);
 
-/// The attachments of a body that are entities of their own.
+/// The attachments of a body that are entities of their own. Kept by Bevy, from [`AttachmentOf`].
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default)]
 #[relationship_target(relationship = AttachmentOf, linked_spawn)]
 pub struct BodyAttachments(Vec<Entity>);
 
-/// Says to which [`AttachTo`] a constraint, or a particle that a hand leads, belongs: it goes with it.
+/// Relationship from a constraint, or from a helper particle that follows the other entity, to the [`AttachTo`] that spawned it. It is despawned with the
+/// attachment.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Clone, PartialEq)]
 #[relationship(relationship_target = AttachmentJoints)]
 pub struct JointOf(#[entities] pub Entity);
 
-/// The constraints by which an [`AttachTo`] holds what it ties, and the particles that it leads; none where it holds particles by [`PinnedTo`].
+/// The constraints by which an [`AttachTo`] holds its body, and their helper particles. Empty where it holds particles by [`PinnedTo`].
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default)]
 #[relationship_target(relationship = JointOf, linked_spawn)]
 pub struct AttachmentJoints(Vec<Entity>);
 
-/// An [`AttachTo`] that has taken hold, and how. Kept by the plugin; part of the state.
+/// Marks an [`AttachTo`] that is in effect, and how it was made. Kept by the plugin; part of the state.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 pub struct Attached {
-    /// The body.
+    /// The attached body.
     #[entities]
     pub body: Entity,
-    /// What it was when it took hold.
+    /// The [`AttachTo`] from which the attachment was made.
     #[entities]
     pub to: AttachTo,
-    /// How often the body and the other entity had been built ([`BuiltBody`](crate::BuiltBody)); 0 of one that is no body.
+    /// How often the body and the other entity had been built ([`BuiltBody`](crate::BuiltBody)); 0 for an entity that is not a body.
     pub builds: [u32; 2],
-    /// Where each tied point is kept, in the frame of the other entity if it has one.
+    /// The position at which each attached point is kept, in the frame of the other entity if it has one.
     pub offsets: Vec<Vec3>,
     /// The particles that it holds by [`PinnedTo`].
     #[entities]
@@ -167,13 +170,13 @@ pub struct Attached {
 }
 
 impl Attached {
-    /// Whether it took hold as this one.
+    /// Whether the attachment was made from this body and this component.
     fn is_of(&self, body: Entity, to: &AttachTo) -> bool {
         self.body == body && self.to == *to
     }
 }
 
-/// Lets go of what is tied when the component goes.
+/// Hook: releases what is attached when the component is removed.
 fn let_go(mut world: DeferredWorld, context: HookContext) {
     let attachment = context.entity;
     let Some(attached) = world.get::<Attached>(attachment).cloned() else { return };
@@ -181,7 +184,7 @@ fn let_go(mut world: DeferredWorld, context: HookContext) {
     let joints: Vec<Entity> = joints.map(|all| all.iter().collect()).unwrap_or_default();
     world.commands().queue(move |world: &mut World| {
         release(world, &attached, joints);
-        // Another one may have come in its place meanwhile.
+        // The component may have been inserted again in the meantime.
         if let Ok(mut entity) = world.get_entity_mut(attachment)
             && !entity.contains::<AttachTo>()
         {
@@ -190,7 +193,7 @@ fn let_go(mut world: DeferredWorld, context: HookContext) {
     });
 }
 
-/// Takes away what an attachment made: its joints, and its pins.
+/// Removes what an attachment created: its constraints and its pins.
 fn release(world: &mut World, attached: &Attached, joints: Vec<Entity>) {
     for &particle in &attached.pinned {
         if let Ok(mut particle) = world.get_entity_mut(particle)

@@ -1,5 +1,5 @@
-//! Once a tick, before rows are laid out: attachments whose bodies are built take hold, those whose bodies were built anew do so again, and those whose
-//! other entity is gone let go.
+//! Once a tick, before rows are assigned: makes attachments whose bodies are built, makes those again whose bodies were rebuilt, and releases those whose other
+//! entity is gone.
 
 use std::collections::BTreeMap;
 
@@ -17,10 +17,10 @@ use crate::components::{
 use crate::frames::in_world;
 use crate::messages::{AttachFault, Refusal, Refused};
 
-/// Attachments, in the order of creation.
+/// All attachments, with their order of creation.
 type All = QueryState<(Entity, &'static CreationOrder), With<AttachTo>>;
 
-/// What an attachment is to do.
+/// The result of trying to make an attachment.
 enum Outcome {
     Stands,
     Holds(Attached),
@@ -29,7 +29,7 @@ enum Outcome {
     LetsGo,
 }
 
-/// Has attachments take hold, and let go.
+/// Makes and releases attachments.
 pub(crate) fn resolve_attachments(
     world: &mut World,
     all: &mut All,
@@ -62,7 +62,7 @@ pub(crate) fn resolve_attachments(
                 } else {
                     world.try_despawn(attachment).ok();
                 }
-                // What its hook asked for.
+                // Applies the commands that the component's hook queued.
                 world.flush();
             }
             Err(fault) => {
@@ -81,23 +81,23 @@ fn say(world: &mut World, entity: Entity, reason: Refusal) {
     world.write_message(Refused { entity, reason });
 }
 
-/// Whether an attachment holds as it is to: all that is asked of most in a warm tick.
+/// Whether an attachment is in effect as specified: the only check that most attachments need in a tick.
 fn holds(world: &World, attachment: Entity, body: Entity, to: &AttachTo) -> bool {
     let Some(attached) = world.get::<Attached>(attachment) else { return false };
-    // A pin bears no load that could be measured.
+    // The load of a pin cannot be measured, so an attachment that may break needs constraints.
     let held = attached.pinned.is_empty() || world.get::<BreakAt>(attachment).is_none();
     held && world.get_entity(to.entity).is_ok()
         && attached.builds == [builds(world, body), builds(world, to.entity)]
         && attached.is_of(body, to)
 }
 
-/// How often something has been built; a part as often as its body.
+/// How often a body has been built; for a part, how often its body has.
 fn builds(world: &World, entity: Entity) -> u32 {
     let body = world.get::<PartOf>(entity).map_or(entity, |of| of.0);
     world.get::<BuiltBody>(body).map_or(0, |built| built.builds)
 }
 
-/// Ties what is to be tied; whatever was tied before is let go of first.
+/// Makes an attachment; a previous one is released first.
 fn attach(
     world: &mut World,
     attachment: Entity,
@@ -140,7 +140,7 @@ fn attach(
     if points.iter().zip(&others).any(|(point, other)| itself(point, other)) {
         return Err(AttachFault::Itself);
     }
-    // From here on all is well, and it can change.
+    // All checks passed: the world is modified from here on.
     if let Some(before) = &before {
         let joints = world.get::<AttachmentJoints>(attachment);
         let joints: Vec<Entity> = joints.map(|all| all.iter().collect()).unwrap_or_default();
@@ -189,7 +189,7 @@ fn attach(
     }))
 }
 
-/// The other entity, and where it is held on to.
+/// The other entity, and the place on it that the body is attached to.
 struct Holding<'a> {
     world: &'a World,
     holder: Entity,
@@ -198,13 +198,13 @@ struct Holding<'a> {
 }
 
 impl Holding<'_> {
-    /// Its frame in the world; of something rigid in metres, of a transform in its own units. `None` if it has none.
+    /// The entity's frame in the world, in metres for a rigid body, in its own units for a transform. `None` if it has no frame.
     fn frame(&self) -> Result<Option<Transform>, AttachFault> {
         let at = in_world(self.world, self.holder).map_err(|_| AttachFault::NoPlace)?;
         let frame = match self.carrier {
             Carrier::Loose { .. } => return Ok(None),
             Carrier::Frame => at,
-            // The transform of a part that was just built is yet to be read off.
+            // The transform of a part that was just built has not been extracted yet.
             Carrier::Rigid { particles, rest } => {
                 let points = particles.iter().zip(rest).filter_map(|(&particle, &rest)| {
                     let at = self.world.get::<Particle>(particle)?.position;
@@ -218,7 +218,8 @@ impl Holding<'_> {
         if sound { Ok(Some(frame)) } else { Err(AttachFault::NoPlace) }
     }
 
-    /// Where in its frame each point is to be kept. Those that it had `before` stay; where there are more or fewer points than then, their middle does.
+    /// The position in the frame at which each point is kept. Previous positions (`before`) are kept; if the number of points has changed, only their middle
+    /// is.
     fn offsets(
         &self,
         points: &[Point],
@@ -229,7 +230,7 @@ impl Holding<'_> {
         let back = frame.compute_affine().inverse();
         let now: Vec<Vec3> = points.iter().map(|p| back.transform_point3(p.place)).collect();
         let middle = |all: &[Vec3]| all.iter().sum::<Vec3>() / all.len().max(1) as f32;
-        // Also of one that keeps its place: an anchor that is not there is refused.
+        // Evaluated even if the points keep their position, so that a missing anchor is refused.
         let anchor = self.carrier.local(self.world, self.holder, self.anchor);
         let anchor = anchor.ok_or(AttachFault::NoSuchAnchor)?;
         let to = match before {
@@ -242,7 +243,7 @@ impl Holding<'_> {
         Ok(now.into_iter().map(|place| to + (place - from)).collect())
     }
 
-    /// The points of the other entity to which those are tied; none where it is led by its transform.
+    /// The points of the other entity to which the given points are attached; `None` for each where its transform moves them.
     fn points(
         &self,
         points: &[Point],
@@ -264,10 +265,10 @@ impl Holding<'_> {
     }
 }
 
-/// Gaps up to this share of the distance to the origin are round-off.
+/// Gaps up to this fraction of the largest coordinate (of 1 m at least) are round-off.
 const CLOSED: f32 = 1e-5;
 
-/// Spawns what keeps two points together, or, if they are not to close up, as far apart as they are. A gap that is round-off is none.
+/// Spawns the constraint that keeps two points together, or, unless they are to `close` up, at their current distance. A gap within round-off counts as none.
 fn join(
     world: &mut World,
     attachment: Entity,
@@ -277,7 +278,7 @@ fn join(
 ) {
     let gap = one.place.distance(other.place);
     let exact = gap <= CLOSED * one.place.abs().max_element().max(1.0);
-    // A rigid body carries every point: it has been given the one that is to be kept.
+    // A rigid body defines a point at any position, so `other` is already the position to keep.
     let rest = if close || exact || other.rigid { 0.0 } else { gap };
     let of = JointOf(attachment);
     if let ([a], [b]) = (one.particles.as_slice(), other.particles.as_slice()) {

@@ -1,42 +1,42 @@
-//! What can be asked of a body, and why it is not done.
+//! The changes that commands make to a body.
 
 use bevy::prelude::*;
 
-/// One change to a body, a rigid part or a particle: [`BodyCommandsExt`](super::BodyCommandsExt) says what each does. It is an `EntityCommand`.
+/// One change to a body, a rigid part or a particle, as data. It is an `EntityCommand`; [`BodyCommandsExt`](super::BodyCommandsExt) documents each variant.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum BodyEdit {
-    /// A force at the barycentre for the next tick, N.
+    /// Applies a force at the centre of mass for the next tick, N.
     Force(Vec3),
-    /// A force, N, at a point of the world, metres, for the next tick.
+    /// Applies a force, N, at a point of the world, metres, for the next tick.
     ForceAt(Vec3, Vec3),
-    /// A torque for the next tick, N·m.
+    /// Applies a torque for the next tick, N·m.
     Torque(Vec3),
-    /// An impulse at the barycentre, N·s.
+    /// Applies an impulse at the centre of mass, N·s.
     Impulse(Vec3),
-    /// An impulse, N·s, at a point of the world, metres.
+    /// Applies an impulse, N·s, at a point of the world, metres.
     ImpulseAt(Vec3, Vec3),
-    /// An angular impulse about the barycentre, N·m·s.
+    /// Applies an angular impulse about the centre of mass, N·m·s.
     AngularImpulse(Vec3),
-    /// The velocity of the barycentre, m/s.
+    /// Sets the velocity of the centre of mass, m/s.
     LinearVelocity(Vec3),
-    /// The angular velocity about it, rad/s.
+    /// Sets the angular velocity about the centre of mass, rad/s.
     AngularVelocity(Vec3),
-    /// The velocity, m/s, and the angular velocity, rad/s, of one rigid body.
+    /// Sets the velocity, m/s, and the angular velocity, rad/s, of one rigid motion.
     Motion(Vec3, Vec3),
-    /// Where its `Transform` is to be, metres; the scale does not count.
+    /// Moves the body so that its `Transform` is this one, metres; the scale is ignored.
     Teleport(Transform),
-    /// A displacement, metres.
+    /// Moves the body by a displacement, metres.
     Displace(Vec3),
-    /// A turn about the barycentre; of any length but zero.
+    /// Rotates the body about its centre of mass. The quaternion may have any length but zero.
     Turn(Quat),
-    /// Backwards from here.
+    /// Reverses the motion.
     Reverse,
 }
 
 impl BodyEdit {
-    /// Whether all its numbers are finite, and rotations are some.
+    /// Whether all numbers are finite and all rotations have a length.
     pub fn is_valid(&self) -> bool {
         let rotates = |q: Quat| q.is_finite() && q.to_array().iter().any(|&part| part != 0.0);
         match self {

@@ -1,4 +1,4 @@
-//! Doing an edit: the particles of the body are copied, changed as one, looked at, and written back, or not if anything is wrong.
+//! Executes edits: copies the particles of the body, changes them as one, validates them, and writes them back unless an error was found.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -14,7 +14,7 @@ use crate::components::{
 use crate::frames::{into, on_top};
 use crate::messages::{EditFault, Refusal, Refused, refuse};
 
-/// Does an edit at once. Without the plugin there is nobody to do it.
+/// Executes an edit at once. Does nothing in a world without the plugin.
 pub(super) fn run(world: &mut World, entity: Entity, edit: BodyEdit) {
     world.run_system_cached_with(edit_now, (entity, edit)).ok();
 }
@@ -57,7 +57,7 @@ fn edit_now(
 }
 
 impl TickForces {
-    /// What an edit asks for, if it is a force.
+    /// The forces of an edit; `None` for any other edit.
     fn of(edit: BodyEdit) -> Option<Self> {
         match edit {
             BodyEdit::Force(force) => Some(Self { force, ..default() }),
@@ -69,7 +69,7 @@ impl TickForces {
         }
     }
 
-    /// Adds others, unless they would be too many.
+    /// Adds other forces, unless they exceed the limit.
     fn add(&mut self, others: Self) -> Result<(), EditFault> {
         if self.at_points.len() + others.at_points.len() > Self::MOST {
             return Err(EditFault::TooMany);
@@ -81,7 +81,7 @@ impl TickForces {
     }
 }
 
-/// Does what bodies were told before they had particles, as soon as they have.
+/// Executes the edits that were issued before a body had particles, as soon as it has them.
 pub(crate) fn apply_pending(
     mut pending: Query<(Entity, Option<&CreationOrder>, &mut PendingEdits)>,
     mut editor: Editor,
@@ -102,7 +102,7 @@ pub(crate) fn apply_pending(
     }
 }
 
-/// All that an edit looks at and changes.
+/// Everything that an edit reads and writes.
 #[derive(SystemParam)]
 pub(crate) struct Editor<'w, 's> {
     wholes: Query<
@@ -122,7 +122,7 @@ pub(crate) struct Editor<'w, 's> {
 }
 
 impl Editor<'_, '_> {
-    /// What is wrong with an edit, or with asking it of an entity.
+    /// The error of an edit on an entity, if it has one.
     fn check(&self, target: Entity, edit: BodyEdit) -> Result<(), EditFault> {
         if !edit.is_valid() {
             return Err(EditFault::NotFinite);
@@ -141,7 +141,7 @@ impl Editor<'_, '_> {
         }
     }
 
-    /// Does an edit, or changes nothing. `Ok(false)` if the body has no particles yet.
+    /// Executes an edit; on an error nothing changes. `Ok(false)` if the body has no particles yet.
     pub(crate) fn apply(&mut self, target: Entity, edit: BodyEdit) -> Result<bool, EditFault> {
         if !edit.is_valid() {
             return Err(EditFault::NotFinite);
@@ -162,7 +162,7 @@ impl Editor<'_, '_> {
         let known = known.and_then(|known| known.0);
         let own = self.transforms.get(target).ok().copied();
         let now = own.and_then(|own| self.place(target, own));
-        // A teleport says where its transform is to be, which its parents then put elsewhere.
+        // A teleport specifies the entity's own transform, which its parents then move elsewhere.
         let edit = match (edit, own) {
             (BodyEdit::Teleport(to), Some(own)) => {
                 let to = self.place(target, to.with_scale(own.scale));
@@ -170,7 +170,7 @@ impl Editor<'_, '_> {
             }
             _ => edit,
         };
-        // What somebody has moved goes there first: the next tick would do it, but the edit may ask where it is.
+        // A `Transform` that the game has changed is applied first: the next tick would do it, but the edit may depend on the position.
         let moved = known.zip(now).and_then(|(old, new)| Carry::between(&old, &new));
         if let Some(carry) = moved.filter(|_| known != now) {
             group.carry(&carry);
@@ -189,13 +189,13 @@ impl Editor<'_, '_> {
         Ok(true)
     }
 
-    /// Where its parents put an entity whose transform is `own`; `None` if they shear it.
+    /// The world transform of an entity whose own transform is `own`; `None` if its parents shear it.
     fn place(&self, entity: Entity, own: Transform) -> Option<Transform> {
         let of = |entity| self.transforms.get(entity).ok().copied();
         on_top(own, entity, of, &self.parents).ok()
     }
 
-    /// Leaves an entity somewhere in the world: writes its transform, if it `moves`, and where the simulation knows it to be, if that is `known`.
+    /// Stores the new placement of an entity: its transform, if the edit `moves` it, and the extracted transform, if that is `known`.
     fn leave(&mut self, entity: Entity, frame: Transform, moves: bool, known: bool) {
         let mut place = Some(frame);
         if moves && let Some(above) = self.place(entity, Transform::IDENTITY) {
@@ -218,7 +218,7 @@ impl Editor<'_, '_> {
         }
     }
 
-    /// Copies of particles, without those that are gone.
+    /// Copies the particles that still exist.
     fn group(&self, members: impl Iterator<Item = Entity>) -> Group {
         let copy = |entity| {
             let (&particle, &Mass(mass), pinned, pinned_to) = self.particles.get(entity).ok()?;
@@ -245,20 +245,20 @@ impl Editor<'_, '_> {
 /// Particles that are edited as one.
 struct Group {
     sound: Vec<Member>,
-    /// Set aside for a bad number: left alone, but a teleport does not leave them behind.
+    /// Particles that are set aside for an invalid number: they are not edited, but teleported with the others.
     faulty: Vec<Member>,
 }
 
 struct Member {
     entity: Entity,
     particle: Particle,
-    /// kg, pinned or not.
+    /// Mass, kg, whether pinned or not.
     mass: f32,
     held: bool,
 }
 
 impl Member {
-    /// As the solver has it: of infinite mass if it is pinned.
+    /// The solver's data of the particle: infinite mass if it is pinned.
     fn seed(&self) -> ParticleSeed {
         if self.held { self.as_free().pinned() } else { self.as_free() }
     }
@@ -271,10 +271,10 @@ impl Member {
 }
 
 impl Group {
-    /// On what has a frame, if it has one: a teleport moves it along.
+    /// Executes an edit on a body that has a `frame`, or none; a teleport moves the frame along.
     fn edit(&mut self, edit: BodyEdit, frame: Option<&mut Transform>) -> Result<(), EditFault> {
         match edit {
-            // Those act in the next tick, and are kept until then.
+            // These act in the next tick, and are stored until then.
             BodyEdit::Force(_) | BodyEdit::ForceAt(..) | BodyEdit::Torque(_) => {}
             BodyEdit::Impulse(impulse) => self.push(|p, rows| p.apply_impulse(rows, impulse)),
             BodyEdit::ImpulseAt(impulse, point) => {
@@ -321,7 +321,7 @@ impl Group {
         Ok(())
     }
 
-    /// On one particle, which is a point: it has a place and a velocity, and nothing that could turn.
+    /// Executes an edit on a single particle: a point, which has a position and a velocity, but no rotation.
     fn edit_single(&mut self, edit: BodyEdit) {
         let place = |group: &mut Self, to: Vec3| {
             group.all().for_each(|member| member.particle.teleport(to));
@@ -329,15 +329,15 @@ impl Group {
         match edit {
             BodyEdit::Teleport(to) => place(self, to.translation),
             BodyEdit::Turn(_) | BodyEdit::AngularVelocity(_) => {}
-            // It needs no frame for what is left, so nothing of it is refused.
+            // The remaining edits need no frame, so none of them fails.
             _ => self.edit(edit, None).unwrap_or_default(),
         }
     }
 
-    /// Does to them what the solver's columns do to their rows, as far as velocities go.
+    /// Applies an operation of the solver's columns to the particles' velocities.
     fn push(&mut self, push: impl FnOnce(&mut Particles, &[u32])) {
         let (mut columns, mut rows) = (Particles::default(), Vec::new());
-        // Without a fault, as all here are, each has its row.
+        // None of these particles has a fault, so each gets a row.
         rows.extend(self.sound.iter().filter_map(|member| columns.push(member.seed()).ok()));
         if rows.len() < self.sound.len() {
             return;
@@ -349,7 +349,7 @@ impl Group {
         }
     }
 
-    /// Adds the spin that is missing. The lag stays: the barycentre's velocity is still as old as it was.
+    /// Adds the missing angular velocity. The lag is kept, because the velocity of the centre of mass is as old as before.
     fn spin(&mut self, spin: Vec3) {
         let Some(found) = self.motion(false) else { return };
         let missing = (spin - found.angular_velocity).as_dvec3();
@@ -374,7 +374,7 @@ impl Group {
         self.sound.iter_mut().filter(|member| !member.held)
     }
 
-    /// How those move together that can move, or all of them; the barycentre is relative to the first, wherever that is.
+    /// The rigid motion of the free particles, or of `all`; the centre of mass is relative to the position of the first one.
     fn motion(&self, all: bool) -> Option<Motion> {
         let near = self.sound.first()?.particle.position;
         let points = self.sound.iter().filter(|member| all || !member.held).map(|member| {

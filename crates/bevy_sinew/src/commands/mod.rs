@@ -1,8 +1,8 @@
 //! Forces, impulses, velocities, teleports and reversal as commands: on a whole body, on a rigid part of one, or on a single particle.
 //!
-//! A body has no velocity of its own to be set: its particles have. So a command spreads over them what a game wants of the whole, as a rigid
-//! body would take it ([`sinew::Particles`] has the arithmetic), and changes nothing but [`Particle`](crate::Particle)s and, for a teleport, the
-//! body's `Transform`. It acts at once where commands are applied, and not at the next tick: two in a row see each other.
+//! A body stores no velocity; its particles do. A command therefore distributes a change of the whole to the particles as a rigid body would receive it
+//! ([`sinew::Particles`] has the arithmetic), and writes nothing but [`Particle`](crate::Particle)s and, for a teleport, the body's `Transform`. It takes
+//! effect where commands are applied, not at the next tick: the second of two commands starts from the result of the first.
 
 mod edit;
 mod editor;
@@ -17,7 +17,7 @@ use editor::run;
 pub(crate) use editor::{Editor, apply_pending};
 pub(crate) use relax::{is_asked, relax_asked};
 
-/// Pushing, moving and turning back what is made of particles.
+/// Commands that push, move, turn and reverse bodies and particles.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -35,88 +35,89 @@ pub(crate) use relax::{is_asked, relax_asked};
 /// # app.update();
 /// ```
 ///
-/// The entity is a body, something with a [`RigidPose`](crate::RigidPose) (the head of a ragdoll), or a particle. A body whose particles are not
-/// built yet keeps what it is told for the tick in which they are ([`PendingEdits`]). Particles that are [pinned](crate::Pinned) do not notice,
-/// except that a teleport takes them along; those that are set aside for a bad number are left alone.
+/// The entity is a body, an entity with a [`RigidPose`](crate::RigidPose) (the head of a ragdoll), or a particle. Commands on a body that is not built yet are
+/// executed in the tick in which it is ([`PendingEdits`]). [Pinned](crate::Pinned) particles are not affected, except that a teleport moves them along;
+/// particles that are set aside for an invalid number are not affected either.
 ///
-/// What cannot be done changes nothing and is refused with one [`Refused`](crate::Refused) message ([`EditFault`](crate::EditFault) says why). An entity that is
-/// gone is passed over in silence.
+/// A command that cannot be executed changes nothing and is refused with one [`Refused`](crate::Refused) message ([`EditFault`](crate::EditFault) is the
+/// reason). A command on an entity that no longer exists is ignored.
 ///
-/// What is read back of the body ([`LinearVelocity`](crate::LinearVelocity), …) follows after the next tick.
+/// The extracted components of the body ([`LinearVelocity`](crate::LinearVelocity), …) are updated in the next tick.
 pub trait BodyCommandsExt {
-    /// Does one edit: what all the others here call.
+    /// Executes one edit. All other methods but [`relax`](Self::relax) call it.
     fn edit_body(&mut self, edit: BodyEdit) -> &mut Self;
 
-    /// Brings it to rest in the next tick, where it would come to rest in time: inserts a [`Relax`], which says more.
+    /// Moves the body to its rest state in the next tick: inserts a [`Relax`], which describes it.
     fn relax(&mut self) -> &mut Self;
 
-    /// A force at the barycentre, N, for the next tick alone; several add up. A steady one is [`ExternalForce`](crate::ExternalForce).
+    /// Applies a force at the centre of mass, N, for the next tick only; several add up. For a steady force use [`ExternalForce`](crate::ExternalForce).
     fn apply_force(&mut self, force: Vec3) -> &mut Self {
         self.edit_body(BodyEdit::Force(force))
     }
 
-    /// A force, N, at a point of the world, metres, for the next tick alone: as at the barycentre, with its lever.
+    /// Applies a force, N, at a point of the world, metres, for the next tick only: as at the centre of mass, and with the torque of its lever.
     fn apply_force_at(&mut self, force: Vec3, point: Vec3) -> &mut Self {
         self.edit_body(BodyEdit::ForceAt(force, point))
     }
 
-    /// A torque, N·m, for the next tick alone. A steady one is [`ExternalTorque`](crate::ExternalTorque).
+    /// Applies a torque, N·m, for the next tick only. For a steady torque use [`ExternalTorque`](crate::ExternalTorque).
     fn apply_torque(&mut self, torque: Vec3) -> &mut Self {
         self.edit_body(BodyEdit::Torque(torque))
     }
 
-    /// An impulse at the barycentre, N·s: all its particles change their velocity by the same, its momentum changes by exactly that.
+    /// Applies an impulse at the centre of mass, N·s: the velocity of all particles changes by the same amount, and the momentum of the body by exactly the
+    /// impulse.
     fn apply_impulse(&mut self, impulse: Vec3) -> &mut Self {
         self.edit_body(BodyEdit::Impulse(impulse))
     }
 
-    /// An impulse, N·s, at a point of the world, metres: as at the barycentre, and with the spin that its lever gives. The point need not be on the
+    /// Applies an impulse, N·s, at a point of the world, metres: as at the centre of mass, and with the spin that its lever gives. The point need not be on the
     /// body. A single particle has no lever.
     fn apply_impulse_at(&mut self, impulse: Vec3, point: Vec3) -> &mut Self {
         self.edit_body(BodyEdit::ImpulseAt(impulse, point))
     }
 
-    /// An angular impulse about the barycentre, N·m·s: the angular momentum changes by exactly that, the momentum does not. What would turn a line
-    /// about itself, or a single particle, is lost.
+    /// Applies an angular impulse about the centre of mass, N·m·s: the angular momentum changes by exactly that, the momentum does not change. A part that
+    /// would turn a line about itself, or a single particle, has no effect.
     fn apply_angular_impulse(&mut self, angular_impulse: Vec3) -> &mut Self {
         self.edit_body(BodyEdit::AngularImpulse(angular_impulse))
     }
 
-    /// Gives the barycentre this velocity, m/s, true at this instant. Spin and inner motion stay.
+    /// Sets the velocity of the centre of mass, m/s, at this instant. Spin and internal motion stay.
     fn set_linear_velocity(&mut self, velocity: Vec3) -> &mut Self {
         self.edit_body(BodyEdit::LinearVelocity(velocity))
     }
 
-    /// Gives the body this angular velocity, rad/s about the barycentre, which keeps its own velocity. Inner motion that is no spin stays. About a
-    /// line on which all its particles lie there is no spin.
+    /// Sets the angular velocity about the centre of mass, rad/s. The velocity of the centre of mass stays, and so does internal motion that is not spin. A
+    /// body whose particles all lie on a line has no spin about it.
     fn set_angular_velocity(&mut self, angular_velocity: Vec3) -> &mut Self {
         self.edit_body(BodyEdit::AngularVelocity(angular_velocity))
     }
 
-    /// Makes it move as one rigid body, with this velocity (m/s) and this angular velocity (rad/s), both true at this instant: all other motion
-    /// is gone. `set_motion(Vec3::ZERO, Vec3::ZERO)` brings it to rest.
+    /// Sets the motion of the body to one rigid motion, with this velocity (m/s) and this angular velocity (rad/s) at this instant; internal motion is removed.
+    /// `set_motion(Vec3::ZERO, Vec3::ZERO)` stops the body.
     fn set_motion(&mut self, velocity: Vec3, angular_velocity: Vec3) -> &mut Self {
         self.edit_body(BodyEdit::Motion(velocity, angular_velocity))
     }
 
-    /// Moves it so that its `Transform` is this one, in the frame of its parents if it has any, except for the scale, which stays: the same as changing
-    /// the `Transform`, but at once. Velocities turn along and are otherwise kept. A single particle goes to the translation and keeps its velocity.
+    /// Moves the body so that its `Transform` is this one, relative to its parent if it has one; the scale is ignored. The same as writing the `Transform`, but
+    /// at once. Velocities turn with the body and are otherwise kept. A single particle moves to the translation and keeps its velocity.
     fn teleport(&mut self, to: Transform) -> &mut Self {
         self.edit_body(BodyEdit::Teleport(to))
     }
 
-    /// Moves it by so many metres; velocities are kept.
+    /// Moves the body by a displacement, metres; velocities are kept.
     fn displace(&mut self, by: Vec3) -> &mut Self {
         self.edit_body(BodyEdit::Displace(by))
     }
 
-    /// Turns it about its barycentre, velocities with it. A single particle has nothing to turn.
+    /// Rotates the body about its centre of mass, velocities included. No effect on a single particle.
     fn turn(&mut self, by: Quat) -> &mut Self {
         self.edit_body(BodyEdit::Turn(by))
     }
 
-    /// Sends it back the way it came: what is neither damped nor corrected returns to its start within round-off. It goes back by one substep at
-    /// once: after N substeps, N - 1 more lead back. (Twice in a row is not nothing: the second goes on by that substep.)
+    /// Reverses the motion: motion that is neither damped nor corrected returns to its start within round-off. The reversal itself goes back by one substep:
+    /// after N substeps, N - 1 more lead back to the start. (Two reversals do not cancel: the second goes on by that substep.)
     fn reverse(&mut self) -> &mut Self {
         self.edit_body(BodyEdit::Reverse)
     }
@@ -124,7 +125,7 @@ pub trait BodyCommandsExt {
 
 impl BodyCommandsExt for EntityCommands<'_> {
     fn edit_body(&mut self, edit: BodyEdit) -> &mut Self {
-        // Whether the entity is still there turns out when it is done; that it is not is no reason to end the game.
+        // The entity may be gone when the command is applied; that must not panic.
         self.queue_silenced(edit)
     }
 
@@ -154,12 +155,13 @@ impl EntityCommand for BodyEdit {
     }
 }
 
-/// What a body was told before it had particles, in that order. It is done as soon as it has; part of the state.
+/// The edits of a body that wait until it has particles, in the order in which they were issued. Part of the state.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct PendingEdits(pub Vec<BodyEdit>);
 
 impl PendingEdits {
-    /// How many edits wait at most; more than these and a body whose mesh never comes would fill the memory of a game that pushes it every frame.
+    /// How many edits may wait; a further one is refused. Without a limit, a game that pushes a body in every frame would fill the memory if its mesh never
+    /// loads.
     pub const MOST: usize = 64;
 }

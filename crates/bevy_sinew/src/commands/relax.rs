@@ -1,4 +1,4 @@
-//! Statics as a command: a body, or the whole world, walks to the state that it comes to rest in, without waiting for it (physics.md F9).
+//! Statics as commands: a body, or the whole world, moves to its rest state within one tick (physics.md F9).
 
 use bevy::prelude::*;
 
@@ -6,20 +6,20 @@ use crate::components::{BodyParticles, CreationOrder, Particle, ParticleBody, Ri
 use crate::messages::{EditFault, Refusal, Refused, refuse};
 use crate::world::SinewWorld;
 
-/// Brings a body, a rigid part or a particle to rest at once, where it would come to rest in time: a bridge hangs through, a curtain in its folds, a crate
-/// lies on the floor. Everything else is held meanwhile as if it were pinned, so what is tied to it or lies below it does not give way.
+/// Moves a body, a rigid part or a particle to the state in which it would come to rest: a bridge sags, a curtain hangs in its folds, a crate lies on the
+/// floor. All other particles are held as if they were pinned while that is computed, so bodies that it is tied to or rests on do not give way.
 ///
-/// On an entity it acts in the next tick, or in the one in which the body is built, also while the simulation is paused, and is taken off; no time passes.
-/// Then it stands still. [`RelaxFinished`] says how far it came. For the whole world there is [`RelaxWorld`]. Part of the state.
+/// On an entity it takes effect in the next tick, or in the one in which the body is built, even while the simulation is paused, and is then removed; no
+/// simulated time passes. Afterwards the body has no velocity. [`RelaxFinished`] reports the result. For the whole world use [`RelaxWorld`]. Part of the state.
 ///
-/// The time it takes is that of [`max_steps`](Self::max_steps) ticks at the most.
+/// It takes as much computing time as [`max_steps`](Self::max_steps) ticks at most.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::Relax;
 /// # use bevy_sinew::prelude::*;
 /// fn build(mut commands: Commands) {
-///     // A rope that hangs still from the first frame on.
+///     // A rope that hangs at rest from the first frame on.
 ///     let rope = Rope { to: Vec3::X, slack: 0.5, pin_start: true, pin_end: true, ..default() };
 ///     commands.spawn((rope, Relax::default()));
 /// }
@@ -37,11 +37,12 @@ use crate::world::SinewWorld;
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Relax {
-    /// Length of a step of the walk, seconds, positive. It walks faster with the square of it; strong springs need a short one. Default 0.2.
+    /// Step length of the iteration, seconds, positive. The state moves faster with its square; strong springs require a short step. Default 0.2.
     pub step: f32,
-    /// It has come to rest when nothing moves by more in a step, metres, 0 and up: long chains come to rest slowly, by less and less. Default 1e-6.
+    /// The state is at rest when no particle moves by more in a step, metres, 0 or more. Long chains converge slowly, so their remaining motion can be far
+    /// below the remaining error. Default 1e-6.
     pub tolerance: f32,
-    /// The most steps that are taken, 1 to 100 000. Default 2000.
+    /// The maximum number of steps, 1 to 100 000. Default 2000.
     pub max_steps: u32,
 }
 
@@ -51,7 +52,7 @@ impl Default for Relax {
     }
 }
 
-/// Brings everything to rest at once: inserted as a resource, it acts in the next tick as [`Relax`] does on a body, before those, and is taken off.
+/// Moves everything to its rest state: inserted as a resource, it takes effect in the next tick as [`Relax`] does on a body, before those, and is then removed.
 /// [`SinewCommandsExt::relax_world`] inserts it.
 ///
 /// ```
@@ -61,7 +62,7 @@ impl Default for Relax {
 /// # fn example(mut commands: Commands) {
 /// // A level begins with everything at rest.
 /// commands.relax_world();
-/// // The same in no more than so many steps.
+/// // The same, in at most 200 steps.
 /// commands.insert_resource(RelaxWorld(Relax { max_steps: 200, ..default() }));
 /// # }
 /// ```
@@ -69,7 +70,7 @@ impl Default for Relax {
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct RelaxWorld(pub Relax);
 
-/// How far a [`Relax`] or a [`RelaxWorld`] came: a message, and an event to be observed.
+/// The result of a [`Relax`] or a [`RelaxWorld`]: a message, and an event that can be observed.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -85,9 +86,9 @@ pub struct RelaxWorld(pub Relax);
 pub struct RelaxFinished {
     /// The body, part or particle; `None` for the whole world.
     pub entity: Option<Entity>,
-    /// Steps that it took.
+    /// The number of steps that were taken.
     pub steps: u32,
-    /// How far the particle that moved most went in the last of them, metres.
+    /// The displacement of the particle that moved most in the last step, metres.
     pub moved: f32,
     /// Whether that was within the tolerance.
     pub settled: bool,
@@ -95,7 +96,7 @@ pub struct RelaxFinished {
 
 /// Commands on the simulation as a whole.
 pub trait SinewCommandsExt {
-    /// Brings everything to rest in the next tick: inserts a [`RelaxWorld`].
+    /// Moves everything to its rest state in the next tick: inserts a [`RelaxWorld`].
     ///
     /// ```
     /// # use bevy::prelude::*;
@@ -122,7 +123,7 @@ impl SinewCommandsExt for World {
     }
 }
 
-/// Whom it is asked of.
+/// An entity with a [`Relax`], and its particles.
 type Asked = (
     Entity,
     Option<&'static CreationOrder>,
@@ -133,12 +134,12 @@ type Asked = (
     Has<ParticleBody>,
 );
 
-/// Whether somebody asks.
+/// Run condition: whether there is any request.
 pub(crate) fn is_asked(asked: Query<(), With<Relax>>, whole: Option<Res<RelaxWorld>>) -> bool {
     whole.is_some() || !asked.is_empty()
 }
 
-/// Does what is asked: the world first, then bodies in the order of their creation.
+/// Executes the requests: the world first, then bodies in the order of their creation.
 pub(crate) fn relax_asked(
     mut commands: Commands,
     mut world: ResMut<SinewWorld>,
@@ -160,7 +161,7 @@ pub(crate) fn relax_asked(
             (Some(members), _) => members.iter().collect(),
             (None, Some(posed)) => posed.particles.clone(),
             (None, None) if is_particle => vec![entity],
-            // It waits for its particles.
+            // The request waits until the body has particles.
             (None, None) if is_body => continue,
             (None, None) => Vec::new(),
         };
@@ -170,7 +171,7 @@ pub(crate) fn relax_asked(
     walks.sort_by_key(|&(order, entity, ..)| (entity.is_some(), order, entity));
     for (_, entity, relax, list) in walks {
         let Relax { step, tolerance, max_steps } = relax;
-        // In this order, NaN is 0.
+        // With the operands in this order, NaN becomes 0.
         let (tolerance, most) = (tolerance.max(0.0), max_steps.clamp(1, 100_000));
         let rows: Vec<u32> = match &list {
             Some(list) => list.iter().filter_map(|&one| tables.sound_row(one)).collect(),

@@ -1,4 +1,4 @@
-//! Bodies: which particles belong together, and what is read back from them.
+//! Bodies: which particles belong together, and what is extracted from them.
 
 use bevy::prelude::*;
 
@@ -7,19 +7,19 @@ use super::order::CreationOrder;
 use crate::rows::Rows;
 use crate::same::same_variants;
 
-/// A body made of particles. Despawn it and its particles, springs and constraints go too.
+/// A body: an entity to which particles, springs and constraints belong. They are despawned with it.
 ///
-/// Its `Transform`, on top of those of its parents, is where the recipe builds it, and how large: its sizes are scaled as the entity is. What the
-/// transform does afterwards depends on the body: a rigid one has a [`RigidPose`] that writes it; for cloth and ropes it stays the frame in which the
-/// mesh is written. Either way, a game that moves it, or a parent of it, teleports the particles along. One that a game scales is built anew in its
-/// new size, where its `Transform` is, and keeps its velocities.
+/// The body is built at its `Transform`, on top of those of its parents, and its sizes are scaled as the entity is. Afterwards the use of the transform depends
+/// on the body: a rigid body has a [`RigidPose`], which writes it; for cloth and ropes it remains the frame in which the mesh is written. In either case, if
+/// the game moves the body or a parent of it, the particles are teleported along. If the game scales it, the body is rebuilt in its new size at its
+/// `Transform`, and keeps its velocities.
 ///
-/// The simulation itself lives in the world. A body that falls in the frame of a parent falls as it does without; a parent that moves carries it along
-/// in every tick, by as much as the parent moved (so a crate that is a child of a lift goes with it even while it is in the air; to have it carried by
-/// contact alone, do not make it a child). A parent that is scaled unevenly would shear what turns in it, and a rigid body there is refused
+/// The simulation itself runs in world coordinates. A body that falls in the frame of a parent falls as it does without one; a parent that moves carries it
+/// along in every tick by as much as the parent moved. (So a crate that is a child of a lift moves with it even in the air; to have it carried by contact
+/// alone, do not make it a child.) An unevenly scaled parent would shear a rotating child, so a rigid body there is refused
 /// ([`Refusal::Sheared`](crate::Refusal::Sheared)).
 ///
-/// [`LinearVelocity`] and [`AngularVelocity`] that are spawned with it are its first motion.
+/// A [`LinearVelocity`] and an [`AngularVelocity`] that are spawned with the body are its initial motion.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 #[require(Transform, ExtractedTransform, Rows<BodyParticles>)]
@@ -27,13 +27,13 @@ use crate::same::same_variants;
 #[require(ResolvedShape)]
 pub struct ParticleBody;
 
-/// Says to which body a particle belongs.
+/// Relationship from a particle to the body that it belongs to. The particle is despawned with the body.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Clone, PartialEq)]
 #[relationship(relationship_target = BodyParticles)]
 pub struct ParticleOf(#[entities] pub Entity);
 
-/// The particles of a body, in the order in which they joined it.
+/// The particles of a body, in the order in which they were added to it. Kept by Bevy, from [`ParticleOf`].
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -52,28 +52,28 @@ pub struct ParticleOf(#[entities] pub Entity);
 #[relationship_target(relationship = ParticleOf, linked_spawn)]
 pub struct BodyParticles(Vec<Entity>);
 
-/// Says to which body a spring or a constraint belongs, so that it goes when the body goes.
+/// Relationship from a spring or a constraint to the body that it belongs to. It is despawned with the body.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Clone, PartialEq)]
 #[relationship(relationship_target = BodyConstraints)]
 pub struct ConstraintOf(#[entities] pub Entity);
 
-/// The springs and constraints of a body.
+/// The springs and constraints of a body. Kept by Bevy, from [`ConstraintOf`].
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default)]
 #[relationship_target(relationship = ConstraintOf, linked_spawn)]
 pub struct BodyConstraints(Vec<Entity>);
 
-/// Drives this entity's `Transform` with particles: after each tick it is the rotation and translation that best map `rest` onto them.
+/// Drives this entity's `Transform` by particles: after each tick it is the rotation and translation that best map `rest` onto them.
 ///
-/// The best is in the sense of least mass-weighted squares ([`sinew::pose`]); the scale is left alone.
+/// The best fit minimises the mass-weighted sum of squared distances (shape matching, [`sinew::pose`]). The scale is not changed.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::RigidPose;
 /// # fn example(mut commands: Commands) {
-/// // Two particles at the ends of a rod carry a picture of it, which lies along x in its own frame.
+/// // The transform of a rod that lies along x in its own frame, from the particles at its ends.
 /// let ends = [Vec3::ZERO, Vec3::Y];
 /// let particles = ends.map(|at| commands.spawn(Particle::at(at)).id());
 /// commands.spawn(DistanceConstraint::new(particles[0], particles[1], 1.0));
@@ -85,15 +85,15 @@ pub struct BodyConstraints(Vec<Entity>);
 #[reflect(Component, Default, Clone)]
 #[require(Transform, CreationOrder, Rows<RigidPose>)]
 pub struct RigidPose {
-    /// The particles that carry it.
+    /// The particles that determine the pose.
     #[entities]
     pub particles: Vec<Entity>,
-    /// Where each of them sits in this entity's own frame, metres; as many as `particles`.
+    /// The position of each particle in this entity's own frame, metres; as many as `particles`.
     pub rest: Vec<Vec3>,
 }
 
-/// Triangles of particles on which [`Wind`](super::Wind) presses, and by which the body that it is on collides if it asks for that
-/// ([`ContactShape::Triangles`](super::ContactShape)).
+/// Triangles between particles: the surface on which [`Wind`](super::Wind) presses and [`AirFlow`](super::AirFlow) acts, and by which its body collides if it
+/// does so by triangles ([`ContactShape::Triangles`](super::ContactShape)). Cloth and soft bodies come with one.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -112,12 +112,12 @@ pub struct RigidPose {
 #[reflect(Component, Default, Clone)]
 #[require(Rows<WindSurface>)]
 pub struct WindSurface {
-    /// The corners of each triangle.
+    /// The corners of each triangle. Counter-clockwise seen from outside, if the surface is closed.
     #[entities]
     pub triangles: Vec<[Entity; 3]>,
 }
 
-/// Drives the vertices of this entity's `Mesh3d` with particles; normals follow.
+/// Drives the vertices of this entity's `Mesh3d` by particles; the normals are recomputed.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -139,7 +139,7 @@ pub struct MeshFollow {
     pub vertices: Vec<Entity>,
 }
 
-/// Draws a chain of particles as a tube: gives this entity a `Mesh3d` and keeps it around them.
+/// Draws a chain of particles as a tube: adds a `Mesh3d` to this entity and updates it.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -159,12 +159,12 @@ pub struct MeshFollow {
 #[reflect(Component, Default, Clone)]
 #[require(Transform, Rows<TubeMesh>)]
 pub struct TubeMesh {
-    /// The particles along the middle of the tube.
+    /// The particles along the centre line of the tube.
     #[entities]
     pub particles: Vec<Entity>,
     /// Radius of the tube, metres. Default 0.02.
     pub radius: f32,
-    /// Edges of its cross-section, 3 to 64. Default 8.
+    /// Number of edges of the cross-section, 3 to 64. Default 8.
     pub sides: u32,
 }
 
@@ -174,8 +174,8 @@ impl Default for TubeMesh {
     }
 }
 
-/// Eases what is drawn of this body, or of this loose particle, between two ticks: its transforms and those of its parts (through
-/// `bevy_transform_interpolation`), and its mesh. It may come and go at any time.
+/// Interpolates what is drawn of this body, or of this loose particle, between two ticks: its transform and those of its parts (through
+/// `bevy_transform_interpolation`), and its mesh. It may be added and removed at any time. Needs the feature `interpolation` for transforms.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -188,23 +188,24 @@ impl Default for TubeMesh {
 #[reflect(Component, Default, Clone)]
 pub struct Interpolate;
 
-/// Where in the world the simulation last left the entity. Where its `Transform` and those of its parents put it elsewhere, somebody else moved it, and
+/// The world transform at which the simulation last left the entity. If its `Transform` and those of its parents differ from it, the game moved the entity, and
 /// its particles are moved along. Part of the state: save and restore it together with `Transform`.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExtractedTransform(pub Option<Transform>);
 
-/// Velocity of a body's barycentre in the world, m/s: `Σ m v / Σ m`. Written after each tick. Bodies come with it; a single [`Particle`](crate::Particle) has one where a game
-/// adds it, and then its velocity.
+/// Velocity of a body's centre of mass in the world, m/s: `Σ m v / Σ m`. Written after each tick. Bodies have it; a single [`Particle`](crate::Particle) has
+/// one if a game adds it, which is then the particle's velocity.
 ///
-/// Spawned with a body it is its first motion; changed by a game, it changes the body's, at the beginning of the next tick: all its particles by the same,
-/// so that spin and inner motion stay. Pinned particles do not move. A number that is not finite is refused, and the body goes on as it did.
+/// Spawned with a body it is the initial velocity. If a game changes it, the body's velocity changes at the beginning of the next tick: that of all particles
+/// by the same amount, so that spin and internal motion stay. Pinned particles do not move. A value that is not finite is refused, and the body keeps its
+/// velocity.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
-/// // Thrown, with a spin.
+/// // A box that is thrown, with a spin.
 /// let motion = (LinearVelocity(Vec3::new(0.0, 4.0, -8.0)), AngularVelocity(Vec3::X * 6.0));
 /// commands.spawn((RigidBox::new(Vec3::splat(0.2)), motion));
 /// # }
@@ -214,16 +215,16 @@ pub struct ExtractedTransform(pub Option<Transform>);
 #[require(ExtractedVelocity)]
 pub struct LinearVelocity(pub Vec3);
 
-/// Angular velocity of a body about its barycentre in the world, rad/s: `I⁻¹ Σ m r×v`. Written after each tick.
+/// Angular velocity of a body about its centre of mass in the world, rad/s: `I⁻¹ Σ m r×v`. Written after each tick.
 ///
-/// Spawned with a body, or changed by a game, it sets the body's, as [`LinearVelocity`] does; inner motion that is no spin stays. About a line on which all
-/// particles lie there is no spin.
+/// If it is spawned with a body or changed by a game, it sets the body's angular velocity, as [`LinearVelocity`] does; internal motion that is not spin stays.
+/// A body whose particles all lie on a line has no spin about it.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # fn example(mut commands: Commands) {
-/// // A top, and what reads how fast bodies turn.
+/// // A spinning top, and a function that reads the fastest spin.
 /// commands.spawn((RigidBox::new(Vec3::new(0.4, 0.1, 0.4)), AngularVelocity(Vec3::Y * 20.0)));
 /// fn fastest(bodies: Query<&AngularVelocity>) -> f32 {
 ///     bodies.iter().map(|spin| spin.0.length()).fold(0.0, f32::max)
@@ -234,14 +235,14 @@ pub struct LinearVelocity(pub Vec3);
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct AngularVelocity(pub Vec3);
 
-/// The velocities that the simulation last wrote to [`LinearVelocity`] and [`AngularVelocity`]: where those differ, a game changed them, and the body is
-/// to have them. `None` before the body's first tick. Part of the state: save and restore it with them.
+/// The velocities that the simulation last wrote to [`LinearVelocity`] and [`AngularVelocity`]. Where those differ from it, the game changed them, and they are
+/// applied to the body. `None` before the body's first tick. Part of the state: save and restore it with them.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExtractedVelocity(pub Option<(Vec3, Vec3)>);
 
-/// A body's centre of mass in the world, metres, and its total mass, kg. Written after each tick. A pinned particle counts with the
-/// [`Mass`](super::Mass) that it would have if it were let go.
+/// A body's centre of mass in the world, and its total mass. Written after each tick. A pinned particle counts with its [`Mass`](super::Mass), as if it were
+/// not pinned.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -262,16 +263,16 @@ pub struct WorldCenterOfMass {
     pub mass: f32,
 }
 
-/// Inertia tensor of a body about its barycentre, kg·m², in the axes of the world, so it turns with the body. Written after each tick.
+/// Inertia tensor of a body about its centre of mass, kg·m², in the axes of the world, so it turns with the body. Written after each tick.
 ///
-/// It is that of the particles as points, `Σ m (r² 1 - r rᵀ)`: for a box with particles at its corners three times the solid's, for an
-/// [equimomental](crate::BoxParticles::Equimomental) one the solid's. Pinned particles count as in [`WorldCenterOfMass`].
+/// It is that of the particles as point masses, `Σ m (r² 1 - r rᵀ)`. For a box with particles at its corners this is three times that of the solid box; for an
+/// [equimomental](crate::BoxParticles::Equimomental) box it is that of the solid. Pinned particles count as in [`WorldCenterOfMass`].
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::Inertia;
-/// /// How hard a body is to turn about the vertical through its centre, kg·m².
+/// /// The moment of inertia about the vertical through the centre of mass, kg·m².
 /// fn about_y(inertia: &Inertia) -> f32 {
 ///     inertia.0.y_axis.y
 /// }
@@ -281,13 +282,14 @@ pub struct WorldCenterOfMass {
 pub struct Inertia(pub Mat3);
 
 impl Default for Inertia {
-    /// None, as before the first tick.
+    /// Zero, as before the first tick.
     fn default() -> Self {
         Self(Mat3::ZERO)
     }
 }
 
-/// How the last tick of this body went in the solver. Add it to a body to have it filled; bodies that constraints connect share theirs.
+/// Statistics of the solver for this body in the last tick. Add it to a body to have it filled; bodies that constraints connect are solved together and share
+/// their values.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -305,28 +307,28 @@ impl Default for Inertia {
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyReport {
-    /// Sweeps, summed over the substeps.
+    /// Number of sweeps, summed over the substeps.
     pub sweeps: u32,
-    /// Whether it met its tolerance in every substep.
+    /// Whether the tolerance was reached in every substep.
     pub converged: bool,
-    /// Substeps in which it turned too fast to be corrected along the start of the step.
+    /// Substeps in which the body turned too fast for [`GradientAt::StepStart`](crate::GradientAt::StepStart), and was corrected to the nearest point instead.
     pub fallbacks: u32,
-    /// Largest error left in a hard constraint, metres.
+    /// Largest remaining error of a hard constraint, metres.
     pub error: f32,
-    /// Largest error left in a hard distance, as a share of its rest length.
+    /// Largest remaining error of a hard distance, as a fraction of its rest length.
     pub strain: f32,
-    /// Time that solving it took, seconds; zero unless [`SolverConfig::timed`](crate::SolverConfig::timed). Wall-clock time: never part of the state.
+    /// Time that solving took, seconds; zero unless [`SolverConfig::timed`](crate::SolverConfig::timed). Wall-clock time: never part of the state.
     pub seconds: f64,
 }
 
-/// How strongly gravity pulls on a body or a particle, as a multiple of [`Gravity`](super::Gravity). Without it, 1; a body's and its particles'
-/// multiply.
+/// Multiple of [`Gravity`](super::Gravity) that acts on a body or a particle. Default 1, as without the component. The values of a body and of its particles
+/// are multiplied.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
-/// // A balloon on a string, which falls upwards.
+/// // A balloon, which falls upwards.
 /// commands.spawn((RigidBox::new(Vec3::splat(0.3)), GravityScale(-0.5)));
 /// # }
 /// ```
@@ -340,16 +342,17 @@ impl Default for GravityScale {
     }
 }
 
-/// How a rigid body moves: a body with a [`RigidPose`], such as a box. Change it at any time: position, rotation, momentum and angular momentum stay.
+/// How a rigid body, that is, a body with a [`RigidPose`] such as a box, is moved by the solver. It can be changed at any time: position, rotation, momentum
+/// and angular momentum are kept.
 ///
-/// The particles are the state either way, current between any two phases. A body without the component has the default, [`Auto`](Self::Auto).
+/// In each case the particles are the state, and are up to date between any two phases. A body without the component has the default, [`Auto`](Self::Auto).
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::Representation;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
-/// // A box whose particles are moved one by one, and held together by rods.
+/// // A box whose particles are integrated one by one, and held together by rods.
 /// commands.spawn((RigidBox::default(), Representation::Particles));
 /// # }
 /// ```
@@ -357,20 +360,21 @@ impl Default for GravityScale {
 #[reflect(Component, Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Representation {
-    /// As one rigid state through the substeps of a tick while only its own rods hold its particles, which follow; as particles otherwise: while one
-    /// of them is pinned, attached or tied to something else, or asleep, or something in it can break ([`sinew::Representation::Auto`] has the whole list).
-    /// The motion is that of [`Particles`](Self::Particles) without solving the constraints. The default.
+    /// As one rigid state (position, rotation, velocities) through the substeps of a tick, from which the particles are updated, while only its own rods hold
+    /// its particles together. As particles otherwise: while one of them is pinned, attached or tied to something else, or asleep, or something in the body can
+    /// break ([`sinew::Representation::Auto`] has the complete list). The motion is that of [`Particles`](Self::Particles), without the cost of solving the
+    /// constraints. The default.
     #[default]
     Auto,
-    /// As particles that constraints hold together: the lectures' boxes.
+    /// As particles that constraints hold together, as in the lectures.
     Particles,
-    /// As an explicit rigid body. It is read off its particles when a tick begins, moved as position, rotation and two velocities, and written back;
-    /// whatever pulls at one of its particles pulls at all. The distances and constraints inside it rest meanwhile.
+    /// As an explicit rigid body. At the beginning of a tick it is computed from its particles, then integrated as a position, a rotation and two velocities,
+    /// and written back. A force on one of its particles acts on the body. The distances and constraints inside it are not solved meanwhile.
     Rigid(RigidIntegrator),
 }
 
 impl Representation {
-    /// The solver's own representation of a body; explicit rigid bodies are compounds besides.
+    /// The representation in the solver's settings; explicit rigid bodies are listed as compounds instead.
     pub(crate) fn within_a_step(self) -> sinew::Representation {
         match self {
             Self::Auto => sinew::Representation::Auto,
@@ -379,52 +383,52 @@ impl Representation {
     }
 }
 
-/// How an explicit rigid body steps through time. [`sinew::rigid`] compares them.
+/// How an explicit rigid body is integrated. [`sinew::rigid`] compares the integrators.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum RigidIntegrator {
-    /// As the lectures have it: order 1, drifts. To compare with.
+    /// Explicit Euler: first order, and its energy drifts. For comparison.
     Euler,
-    /// Kick, turn, kick: order 2. The default.
+    /// Leapfrog (kick, rotate, kick): second order. The default.
     #[default]
     Leapfrog,
-    /// The discrete Moser–Veselov equations: order 2, what Verlet is for rotations.
+    /// The discrete Moser–Veselov equations: second order, the equivalent of Verlet for rotations.
     Verlet,
 }
 
 same_variants!(RigidIntegrator, sinew::RigidIntegrator { Euler, Leapfrog, Verlet });
 
-/// A rigid part of a body, such as a forearm: an entity whose `Transform` follows the particles that carry it. Its `Name` says which.
+/// A rigid part of a body, such as a forearm: an entity whose `Transform` follows the particles that determine it ([`RigidPose`]). Its `Name` identifies it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CreationOrder)]
 pub struct BodyPart {
-    /// Its size along its own axes, metres: a capsule along y has the diameter `size.x` and the whole length `size.y`.
+    /// Size along the part's own axes, metres. A capsule along y has the diameter `size.x` and the total length `size.y`.
     pub size: Vec3,
 }
 
-/// Says to which body a part belongs.
+/// Relationship from a rigid part to the body that it belongs to. The part is despawned with the body.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Clone, PartialEq)]
 #[relationship(relationship_target = BodyParts)]
 pub struct PartOf(#[entities] pub Entity);
 
-/// The rigid parts of a body that has several; they go when it goes.
+/// The rigid parts of a body that has several. Kept by Bevy, from [`PartOf`].
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default)]
 #[relationship_target(relationship = PartOf, linked_spawn)]
 pub struct BodyParts(Vec<Entity>);
 
-/// A body that stands as its recipe has it: it has its particles, its parts and its constraints. Kept by the plugin; part of the state.
+/// Marks a body that is built as its recipe describes: its particles, parts and constraints exist. Kept by the plugin; part of the state.
 ///
-/// It changes whenever the body is built anew, so that `Changed<BuiltBody>` says the same as [`BodyBuilt`](crate::BodyBuilt) to a system, and it goes where the recipe asks
-/// for the impossible.
+/// It changes whenever the body is rebuilt, so that `Changed<BuiltBody>` tells a system the same as [`BodyBuilt`](crate::BodyBuilt), and it is removed where
+/// the recipe is refused.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::BuiltBody;
-/// /// How many bodies are there by now.
+/// /// The number of bodies that are built.
 /// fn count(built: Query<(), With<BuiltBody>>) -> usize {
 ///     built.iter().count()
 /// }
@@ -432,6 +436,6 @@ pub struct BodyParts(Vec<Entity>);
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BuiltBody {
-    /// How often it has been built, 1 and up.
+    /// How often the body has been built, 1 or more.
     pub builds: u32,
 }

@@ -1,14 +1,14 @@
-//! Forces that a game steers: engines, thrusters, hands.
+//! Forces, torques and impulses that a game applies: engines, thrusters, kicks.
 
 use bevy::prelude::*;
 
 use super::order::CreationOrder;
 use crate::rows::Rows;
 
-/// A force and a torque of the game's own, on a body as a whole or on one particle, in every substep until they are changed or removed.
+/// A force and a torque that the game applies to a body as a whole, or to one particle, in every substep until they are changed or removed.
 ///
-/// It stands on the body itself, or (so that there may be several) on an entity of its own; Bevy's `Name` on that entity is the force's name. One on
-/// its own stays when the body goes, and does nothing then: add [`ConstraintOf`](super::ConstraintOf) to have it go too.
+/// Put it on the body itself, or on an entity of its own, so that a body may have several; Bevy's `Name` on that entity is the name of the force. A force on an
+/// entity of its own outlives the body, and then has no effect: add [`ConstraintOf`](super::ConstraintOf) to have it despawned with the body.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -22,29 +22,29 @@ use crate::rows::Rows;
 /// }
 /// ```
 ///
-/// The body feels the force at its barycentre (`F = m a`), or at a point, with its lever; the torque is spread as a rigid body would take it.
-/// Pinned particles do not notice. One with a number that is not finite is refused once, and does nothing until it is mended.
+/// The force acts at the centre of mass (`F = m a`), or at a point, with its lever; the torque is distributed as in a rigid body. Pinned particles are not
+/// affected. A component with a number that is not finite is refused once, and has no effect until it is corrected.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CreationOrder, Rows<ControlForce>, ResolvedTarget)]
 pub struct ControlForce {
-    /// The body, the part of a ragdoll (or whatever else has a [`RigidPose`](super::RigidPose)) or the particle it acts on. Default `None`: the
-    /// entity that it stands on.
+    /// The body, the rigid part (any entity with a [`RigidPose`](super::RigidPose)) or the particle on which it acts. Default `None`: the entity that has this
+    /// component.
     #[entities]
     pub on: Option<Entity>,
-    /// The force on all of it together, N. Default zero.
+    /// The total force, N. Default zero.
     pub force: Vec3,
-    /// The torque on all of it together, N·m. Default zero. What would turn a line about itself, or a single particle, is lost.
+    /// The total torque, N·m. Default zero. A part that would turn a line about itself, or a single particle, has no effect.
     pub torque: Vec3,
-    /// Where the force acts, metres. Default `None`: at the barycentre, so that it turns nothing.
+    /// Where the force acts, metres. Default `None`: at the centre of mass, where it exerts no torque.
     pub point: Option<Vec3>,
-    /// Whether `force`, `torque` and `point` are in the frame of the body's `Transform`, as it is when the tick begins, and not in the world's.
-    /// Default not. A particle has no frame; that of cloth and ropes does not turn with them.
+    /// Whether `force`, `torque` and `point` are in the frame of the body's `Transform` at the beginning of the tick, instead of the world's. Default false. A
+    /// particle has no frame; that of cloth and ropes does not turn with them.
     pub local: bool,
 }
 
 impl ControlForce {
-    /// A force at the barycentre, N.
+    /// A force at the centre of mass, N.
     pub fn new(force: Vec3) -> Self {
         Self { force, ..default() }
     }
@@ -54,24 +54,24 @@ impl ControlForce {
         Self { torque, ..default() }
     }
 
-    /// The same on a body or a particle other than the entity that it stands on.
+    /// Returns the same force on another body or particle than the entity that has the component.
     pub fn on(self, target: Entity) -> Self {
         Self { on: Some(target), ..self }
     }
 
-    /// The same with the force at a point, metres.
+    /// Returns the same control force, acting at a point, metres.
     pub fn at(self, point: Vec3) -> Self {
         Self { point: Some(point), ..self }
     }
 
-    /// The same in the frame of the body.
+    /// Returns the same force in the frame of the body.
     pub fn local(self) -> Self {
         Self { local: true, ..self }
     }
 }
 
-/// A torque in N·m, along the world's axes, that the game exerts on a body or on a rigid part of one in every substep, until it is changed or removed.
-/// A torque at a point is the same; for one in the body's own frame there is [`ControlForce`]. What would turn a line about itself is lost.
+/// A torque in N·m, along the world's axes, that the game applies to a body or to a rigid part of one in every substep, until it is changed or removed. For a
+/// torque in the body's own frame use [`ControlForce`]. A part that would turn a line about itself has no effect.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -85,9 +85,9 @@ impl ControlForce {
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExternalTorque(pub Vec3);
 
-/// An impulse on a body, a rigid part of one or a particle: it acts once, when the next tick begins, and is zero again. The same as
-/// [`apply_impulse`](crate::BodyCommandsExt::apply_impulse) and its like, for who writes components rather than commands. On a body that is not built yet
-/// it waits. A number that is not finite is refused and dropped.
+/// An impulse on a body, a rigid part of one or a particle: it is applied once, at the beginning of the next tick, and then reset to zero. The same as
+/// [`apply_impulse`](crate::BodyCommandsExt::apply_impulse) and related commands, as a component. On a body that is not built yet it waits. A number that is
+/// not finite is refused, and the impulse is dropped.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -103,14 +103,14 @@ pub struct ExternalTorque(pub Vec3);
 pub struct ExternalImpulse {
     /// The impulse, N·s.
     pub impulse: Vec3,
-    /// The angular impulse about the barycentre, N·m·s.
+    /// The angular impulse about the centre of mass, N·m·s.
     pub angular_impulse: Vec3,
-    /// The point of the world where `impulse` acts, metres. Default `None`: at the barycentre, so that it turns nothing.
+    /// The point of the world where `impulse` acts, metres. Default `None`: at the centre of mass, where it causes no spin.
     pub point: Option<Vec3>,
 }
 
 impl ExternalImpulse {
-    /// An impulse at the barycentre, N·s.
+    /// An impulse at the centre of mass, N·s.
     pub fn new(impulse: Vec3) -> Self {
         Self { impulse, ..default() }
     }
@@ -120,31 +120,30 @@ impl ExternalImpulse {
         Self { angular_impulse, ..default() }
     }
 
-    /// The same with the impulse at a point of the world, metres.
+    /// Returns the same impulse, acting at a point of the world, metres.
     pub fn at(self, point: Vec3) -> Self {
         Self { point: Some(point), ..self }
     }
 }
 
-/// Forces that act for one tick: what [`apply_force`](crate::BodyCommandsExt::apply_force) and its like have summed up since the last one. Part of the
-/// state.
+/// Forces that act for one tick: the sum of [`apply_force`](crate::BodyCommandsExt::apply_force) and related commands since the last one. Part of the state.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct TickForces {
-    /// At the barycentre, N.
+    /// Force at the centre of mass, N.
     pub force: Vec3,
-    /// N·m.
+    /// Torque, N·m.
     pub torque: Vec3,
     /// Forces, N, and the points of the world where they act, metres.
     pub at_points: Vec<(Vec3, Vec3)>,
 }
 
 impl TickForces {
-    /// How many forces at points one entity takes in a tick: more than these in a game that is paused would fill its memory.
+    /// How many forces at points one entity may have in a tick; a further one is refused. Without a limit, a game that is paused could fill the memory.
     pub const MOST: usize = 64;
 }
 
-/// Whose rows a control was last resolved into: changing a force every tick must not look them up every tick. Scratch.
+/// The target whose rows a control force was last resolved into, so that changing a force in every tick needs no look-up. Scratch.
 #[derive(Component, Clone, Copy, Debug, Default)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ResolvedTarget(pub(crate) Option<Entity>);

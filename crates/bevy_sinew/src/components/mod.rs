@@ -1,4 +1,4 @@
-//! What a game spawns, edits and reads: plain data, the whole state of the simulation.
+//! The components and resources that a game spawns, edits and reads: plain data, the whole state of the simulation.
 
 mod body;
 mod collide;

@@ -1,27 +1,27 @@
-//! The order of creation: what decides the row of a particle and the place of a constraint, so that neither a query's order, nor a
-//! map's, nor the bits of an entity ever change a result.
+//! The order of creation. It determines the row of a particle and the place of a constraint, so that results depend neither on the order of a query or a map,
+//! nor on the bits of an entity.
 
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 
-/// When an entity of the simulation was created: a running number, given once. Part of the state: save and restore it with the rest.
+/// When an entity of the simulation was created: a number from a counter, assigned once. Part of the state: save and restore it with the rest.
 ///
-/// Cloning an entity gives the clone a number of its own; cloning the component keeps it.
+/// A cloned entity gets a number of its own; a cloned component keeps it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[reflect(Component, Default, Clone)]
 #[component(clone_behavior = Ignore, on_add = number)]
 pub struct CreationOrder(pub(crate) u64);
 
-/// The last number given. Part of the state, so that what is created after a rollback gets the number that it had.
+/// The last number that was assigned. Part of the state, so that an entity created after a rollback gets the same number again.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default)]
 pub(crate) struct CreationCounter(pub(crate) u64);
 
-/// Set when particles, springs or constraints came or went: the columns must be laid out afresh.
+/// Set when particles, springs or constraints were added or removed: rows must be assigned again.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(crate) struct TopologyChanged(pub(crate) bool);
 
-/// Gives a new entity its number; one that was restored with a number keeps it, and later ones stay above it.
+/// Hook: assigns a number to a new entity. A restored entity keeps its number, and later numbers stay above it.
 pub(crate) fn number(mut world: DeferredWorld, context: HookContext) {
     let restored = world.get::<CreationOrder>(context.entity).map_or(0, |order| order.0);
     let Some(mut counter) = world.get_resource_mut::<CreationCounter>() else {
@@ -38,7 +38,7 @@ pub(crate) fn number(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// Hook of every component that takes part in the topology.
+/// Hook of the components whose addition or removal changes the topology.
 pub(crate) fn mark_topology(mut world: DeferredWorld, _: HookContext) {
     if let Some(mut changed) = world.get_resource_mut::<TopologyChanged>() {
         changed.0 = true;

@@ -9,15 +9,15 @@ use sinew::ParticleState;
 use super::order::{CreationOrder, mark_topology};
 use crate::same::same_fields;
 
-/// A point mass: the whole state of Verlet, in world coordinates.
+/// A point mass: its position and velocity in world coordinates, which are the whole state of the Verlet integrator.
 ///
-/// The lectures keep the position and the previous one. This component keeps the same as a position, the mean velocity of the last
-/// substep, and that substep's length: `previous = position - velocity * lag`. That loses no digits far from the origin, starts exactly,
-/// and survives a change of the time step ([`sinew::particles`] says why).
+/// Textbook Verlet stores the current and the previous position. This component stores the same information as a position, the mean velocity of the last
+/// substep, and the length of that substep: `previous = position - velocity * lag`. This form keeps its precision far from the origin, starts exactly, and
+/// allows the time step to change ([`sinew::particles`] explains why).
 ///
-/// Edit it at any time: [`teleport`](Self::teleport) and [`displace`](Self::displace) move it and leave the velocity,
-/// [`set_velocity`](Self::set_velocity) and [`add_impulse`](Self::add_impulse) change the velocity, [`reverse`](Self::reverse) sends it back.
-/// These are plain arithmetic: whether the numbers are any good is looked at when the next tick begins. What edits whole bodies, and refuses, is
+/// It can be edited at any time: [`teleport`](Self::teleport) and [`displace`](Self::displace) move the particle and keep its velocity,
+/// [`set_velocity`](Self::set_velocity) and [`add_impulse`](Self::add_impulse) change the velocity, [`reverse`](Self::reverse) reverses the motion. These are
+/// plain arithmetic; the numbers are validated at the beginning of the next tick. To edit whole bodies, with validation, use
 /// [`BodyCommandsExt`](crate::BodyCommandsExt).
 ///
 /// ```
@@ -33,14 +33,14 @@ use crate::same::same_fields;
 #[require(Mass, CreationOrder, ParticleRow)]
 #[component(on_add = mark_topology, on_remove = leave)]
 pub struct Particle {
-    /// Where it is, metres.
+    /// Position in the world, metres.
     pub position: Vec3,
-    /// What `position` leaves out because `f32` has no digits for it, metres: 5 km from the origin they are 0.5 mm apart. Written with it; leave it
-    /// alone, or at zero.
+    /// The part of the position that `f32` cannot represent, metres (5 km from the origin, adjacent values are 0.5 mm apart). Written together with `position`;
+    /// leave it alone, or set it to zero.
     pub remainder: Vec3,
     /// Mean velocity over the last `lag` seconds, m/s.
     pub velocity: Vec3,
-    /// Length of the substep over which `velocity` is the mean, seconds; 0 says that the velocity is true now.
+    /// Length of the substep over which `velocity` is the mean, seconds; 0 if the velocity is that of this instant.
     pub lag: f32,
 }
 
@@ -52,66 +52,66 @@ impl Particle {
         Self { position, ..default() }
     }
 
-    /// The same with a velocity, m/s.
+    /// Returns the same particle with a velocity, m/s.
     pub fn with_velocity(self, velocity: Vec3) -> Self {
         Self { velocity, lag: 0.0, ..self }
     }
 
-    /// Where it was one substep ago, metres: Verlet's previous position.
+    /// The position one substep ago, metres: Verlet's previous position.
     pub fn previous(&self) -> Vec3 {
         self.position - self.velocity * self.lag
     }
 
-    /// The velocity at the instant of the position, m/s, under the acceleration (m/s²) of the last substep: gravity, for what falls freely.
+    /// The velocity at the instant of the position, m/s, from the acceleration (m/s²) of the last substep, which is gravity for a particle in free fall.
     ///
-    /// [`LinearVelocity`](super::LinearVelocity) knows the acceleration of a body's particles by itself.
+    /// [`LinearVelocity`](super::LinearVelocity) is corrected in the same way, by the actual accelerations.
     pub fn velocity_now(&self, acceleration: Vec3) -> Vec3 {
         self.velocity + acceleration * (0.5 * self.lag)
     }
 
-    /// Moves it to a point, metres, and leaves its velocity: in the lectures, both positions move by the same.
+    /// Moves the particle to a point, metres, and keeps its velocity.
     pub fn teleport(&mut self, to: Vec3) {
         self.position = to;
         self.remainder = Vec3::ZERO;
     }
 
-    /// Moves it by so many metres and leaves its velocity. What `f32` has no digits for goes into the remainder.
+    /// Moves the particle by a displacement, metres, and keeps its velocity. The part that `f32` cannot represent is added to the remainder.
     pub fn displace(&mut self, by: Vec3) {
         self.place(self.exact() + by.as_dvec3());
     }
 
-    /// Sets the velocity, m/s, true at this instant.
+    /// Sets the velocity at this instant, m/s.
     pub fn set_velocity(&mut self, velocity: Vec3) {
         self.velocity = velocity;
         self.lag = 0.0;
     }
 
-    /// Adds an impulse, N·s, to a particle of the given mass: its momentum changes by exactly that.
+    /// Applies an impulse, N·s, to a particle of this mass: its momentum changes by exactly the impulse.
     pub fn add_impulse(&mut self, impulse: Vec3, mass: Mass) {
         self.velocity += impulse / mass.0;
     }
 
-    /// Swaps the two positions of Verlet: undamped, unconstrained motion runs backwards from here.
+    /// Reverses the motion by swapping Verlet's two positions: undamped, unconstrained motion runs backwards from here.
     ///
-    /// That goes back by one substep at once: after N substeps, N - 1 more lead back to the start.
+    /// The reversal itself goes back by one substep: after N substeps, N - 1 more lead back to the start.
     pub fn reverse(&mut self) {
         self.displace(-self.velocity * self.lag);
         self.velocity = -self.velocity;
     }
 
-    /// Where it is, to the last digit, metres.
+    /// The exact position, metres.
     pub(crate) fn exact(&self) -> DVec3 {
         self.position.as_dvec3() + self.remainder.as_dvec3()
     }
 
-    /// Puts it there, metres.
+    /// Sets the exact position, metres.
     pub(crate) fn place(&mut self, exact: DVec3) {
         self.position = exact.as_vec3();
         self.remainder = (exact - self.position.as_dvec3()).as_vec3();
     }
 }
 
-/// Takes the row from an entity that is no particle any more.
+/// Hook: resets the row of an entity that loses its particle.
 fn leave(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut row) = world.get_mut::<ParticleRow>(context.entity) {
         *row = ParticleRow::default();
@@ -121,14 +121,14 @@ fn leave(mut world: DeferredWorld, context: HookContext) {
 
 /// Mass in kilograms, positive. Default 1.
 ///
-/// On a body it is that of all its particles together, whatever its recipe says: they are scaled to it, when it comes or changes, and keep their shares.
+/// On a body it is the total mass, which overrides that of the recipe: the masses of its particles are scaled to it when it is added or changed.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # fn example(mut commands: Commands) {
 /// commands.spawn((Particle::at(Vec3::Y), Mass(0.2)));
-/// // A body of 40 kg, all of it together.
+/// // A body with a total mass of 40 kg.
 /// commands.spawn((RigidBox::new(Vec3::ONE), Mass(40.0)));
 /// # }
 /// ```
@@ -142,13 +142,13 @@ impl Default for Mass {
     }
 }
 
-/// Holds a particle: it has infinite mass for everything else, and only its pin moves it.
+/// Pins a particle: it has infinite mass for everything else, and moves only as its pin says.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
-/// // One stays where it is, and one goes where the game leads it.
+/// // One particle that is held where it is, and one that is moved to a point.
 /// commands.spawn((Particle::at(Vec3::Y), Pinned::default()));
 /// commands.spawn((Particle::at(Vec3::ZERO), Pinned::at(Vec3::X)));
 /// # }
@@ -156,7 +156,7 @@ impl Default for Mass {
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Pinned {
-    /// The point it is led to over the next tick, metres; `None` (the default) holds it where it is.
+    /// The point, metres, to which the particle is moved over the next tick; `None` (the default) holds it where it is.
     pub target: Option<Vec3>,
 }
 
@@ -164,15 +164,16 @@ impl Pinned {
     /// Held where it is.
     pub const HERE: Self = Self { target: None };
 
-    /// Led to `point` (metres) over the next tick, and held there.
+    /// Moved to `point` (metres) over the next tick, and held there.
     pub fn at(point: Vec3) -> Self {
         Self { target: Some(point) }
     }
 }
 
-/// Holds a particle at a point of another entity, which may move: the end of a rope in a hand.
+/// Pins a particle to a point of another entity, which may move: the end of a rope in a hand. To pin parts of bodies, and to attach to simulated bodies, use
+/// [`AttachTo`](crate::AttachTo).
 ///
-/// Removing it (or despawning the other entity) lets go of the particle.
+/// Removing it, or despawning the other entity, releases the particle; the latter with a [`Refused`](crate::Refused) message.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -186,17 +187,17 @@ impl Pinned {
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 pub struct PinnedTo {
-    /// The entity whose `GlobalTransform` leads the particle.
+    /// The entity whose world transform the particle follows.
     #[entities]
     pub entity: Entity,
-    /// Where on it, in its own coordinates.
+    /// The point in the entity's own coordinates.
     pub offset: Vec3,
 }
 
-/// Radius in metres, 0 and up: how far from the ground the particle's centre stays, how big a ball floats, and how big it is for what it touches.
-/// Without it, 0.
+/// Radius of a particle in metres, 0 or more: of the ball by which it collides, floats and is subject to an [`AirFlow`](super::AirFlow). Default 0, as without
+/// the component: a point.
 ///
-/// On a body it is that of each of its particles, whatever its recipe says.
+/// On a body it is the radius of each of its particles, which overrides that of the recipe.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -211,9 +212,9 @@ pub struct PinnedTo {
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Radius(pub f32);
 
-/// Electric charge in coulombs. Without it, 0.
+/// Electric charge in coulombs. Default 0, as without the component.
 ///
-/// On a body it is that of all its particles together, spread as their masses are, so that a uniform field turns nothing.
+/// On a body it is the total charge, distributed in proportion to the masses of the particles, so that a uniform field exerts no torque.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -229,9 +230,10 @@ pub struct Radius(pub f32);
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Charge(pub f32);
 
-/// Share of its velocity that the particle loses per second, 0 to 1. Adds to [`AirDrag`](super::AirDrag) and to a fluid's. Without it, 0.
+/// Damping of a particle: the fraction of its velocity that it loses per second, 0 to 1. It is added to [`AirDrag`](super::AirDrag) and to the drag of a fluid.
+/// Default 0, as without the component.
 ///
-/// On a body it is that of each of its particles, whatever its recipe says.
+/// On a body it is the damping of each of its particles, which overrides that of the recipe.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -247,8 +249,8 @@ pub struct Charge(pub f32);
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Drag(pub f32);
 
-/// A force in newtons, along the world's axes, that the game exerts in every substep, until it is changed or removed: on a particle, or on a body or a
-/// rigid part of one as a whole, at the barycentre. [`ControlForce`](super::ControlForce) acts at a point, or in the body's own frame.
+/// A force in newtons, along the world's axes, that the game applies in every substep, until it is changed or removed: to a particle, or to a body or a rigid
+/// part of one, at the centre of mass. For a force at a point, or in the body's own frame, use [`ControlForce`](super::ControlForce).
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -263,9 +265,9 @@ pub struct Drag(pub f32);
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExternalForce(pub Vec3);
 
-/// Which row of the solver's columns holds this particle. Scratch: it is given anew whenever particles come or go.
+/// The row of the solver's columns that holds this particle. Scratch: assigned again whenever particles are added or removed.
 ///
-/// A force system of a game's own reads it to find the particle in [`SinewWorld`](crate::SinewWorld).
+/// A custom force system reads it to find the particle in [`SinewWorld`](crate::SinewWorld).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 #[component(clone_behavior = Ignore)]
 pub struct ParticleRow(pub(crate) u32);

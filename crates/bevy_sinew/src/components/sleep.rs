@@ -1,25 +1,26 @@
-//! Bodies that rest.
+//! Sleeping bodies.
 
 use bevy::prelude::*;
 
-/// Lets a body sleep: once it and all that touches it have been still for half a second, it is left out of the simulation until something wakes it.
-/// Meanwhile nothing of it is written, and Bevy sees no change of it. Part of the state: save and restore it with the rest.
+/// Allows a body to sleep: once it and everything that it touches have been still for half a second, it is left out of the simulation until something wakes it.
+/// Meanwhile none of its components is written, so Bevy detects no change. Part of the state: save and restore it with the rest.
 ///
-/// Rigid bodies, ragdolls, articulated and soft bodies come with it; cloth and ropes do when a game adds it. [`SleepingDisabled`] keeps a body awake.
+/// Rigid bodies, ragdolls, articulated and soft bodies have it by default; add it to cloth and ropes to let them sleep. [`SleepingDisabled`] keeps a body
+/// awake.
 ///
-/// What wakes it, and with it all that touches it:
+/// A body wakes, together with everything that it touches, when
 ///
-/// - something that moves comes near, be it a body or a [`Collider`](crate::Collider); what it lay on or hung on is gone;
-/// - the game moves it, its parent or one of its particles, gives it a velocity, an impulse, a force or a [`ControlForce`](crate::ControlForce);
-/// - a constraint, a spring or an attachment of it comes, changes or goes, a pin is drawn, or a mass, a radius or a [`GravityScale`](crate::GravityScale) is
-///   another one;
-/// - the shape, the surface or the layers of a collider beside it change;
-/// - something that fills the world changes or moves: gravity, air, winds, fluids, fields, attractors. Then all wake;
-/// - a system of the game's own adds a force to it within a tick, or moves it ([`ParticlesMut`](crate::SinewWorld::particles_mut)): it wakes with the next one.
+/// - a moving body or [`Collider`](crate::Collider) comes near it, or what it rests or hangs on is gone;
+/// - the game moves it, its parent or one of its particles, or applies a velocity, an impulse, a force or a [`ControlForce`](crate::ControlForce);
+/// - one of its constraints, springs or attachments is added, changed or removed, a pin is removed, or a mass, a radius or a
+///   [`GravityScale`](crate::GravityScale) changes;
+/// - the shape, the surface or the layers of a collider next to it change;
+/// - something in the environment changes or moves: gravity, air, winds, fluids, fields, attractors. Then all bodies wake;
+/// - a custom system adds a force to it within a tick, or moves it ([`ParticlesMut`](crate::SinewWorld::particles_mut)): it wakes in the next tick.
 ///
-/// What carries charges does not sleep, as what they do to each other changes with each of them; nor does what has a skin
-/// ([`WindSurface`](crate::WindSurface)) while gusts may push it by more than a tenth of its weight; nor what touches somebody who asks for
-/// [every contact](crate::ContactEvents::Every).
+/// The following do not sleep: bodies with charges, since the forces between charges change with each of them; bodies with a surface
+/// ([`WindSurface`](crate::WindSurface)) while gusts may push them by more than a tenth of their weight; and bodies that touch an entity with
+/// [`ContactEvents::Every`](crate::ContactEvents::Every).
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -35,17 +36,17 @@ use bevy::prelude::*;
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Sleep {
-    /// What is slower than this is still, m/s, 0 and up. Default 0.02.
+    /// Speed below which a particle counts as still, m/s, 0 or more. Default 0.02.
     pub speed: f32,
-    /// For how long it has been still, seconds.
+    /// For how long the body has been still, seconds.
     pub still: f32,
-    /// Whether it sleeps. To wake it by hand, take [`Sleep::default`].
+    /// Whether the body sleeps. To wake it, call [`wake`](Self::wake).
     pub asleep: bool,
-    /// Hash of what it and all that it lay beside were made of, lay on and hung on when it fell asleep: places, masses, constraints, springs, colliders. Where that is another
-    /// one, it wakes. Default 0, while it is awake.
+    /// Hash of the body and everything next to it when it fell asleep: positions, masses, constraints, springs, colliders, and what they rested or hung on. If
+    /// the current hash differs, it wakes. Default 0, while it is awake.
     pub support_hash: u64,
-    /// What surrounded it when that was last looked at: a number made of gravity and of all air, winds, fluids and fields, which wake it when
-    /// they change. Default 0, when it has not been looked at.
+    /// Hash of the environment when it was last checked: of gravity and of all air, winds, fluids and fields. A change wakes the body. Default 0, before the
+    /// first check.
     pub around: u64,
 }
 
@@ -57,13 +58,13 @@ impl Default for Sleep {
 }
 
 impl Sleep {
-    /// Wakes it.
+    /// Wakes the body. It may fall asleep again after half a second.
     pub fn wake(&mut self) {
         (self.still, self.asleep) = (0.0, false);
     }
 }
 
-/// Keeps a body awake, and with it all that touches it, however still it lies. Takes effect in the next tick, and so does taking it off.
+/// Keeps a body awake, and with it everything that it touches, however still it is. Adding and removing it takes effect in the next tick.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -1,17 +1,17 @@
-//! How hard a constraint is: the solver's own type, with reflection.
+//! Softness of a constraint: the solver's type, with reflection.
 
 use bevy::prelude::*;
 
 use crate::same::same_variants;
 
-/// How hard a constraint is enforced; the same at any number of sweeps and substeps.
+/// How hard a constraint is enforced. All but [`Share`](Self::Share) mean the same at any number of sweeps and substeps.
 ///
 /// ```
 /// # use bevy_sinew::prelude::*;
 /// # use bevy::prelude::*;
 /// # fn soften(mut rods: Query<&mut DistanceConstraint>) {
 /// for mut rod in &mut rods {
-///     // Swings four times a second, and comes to rest without overshooting.
+///     // A frequency of 4 Hz, critically damped: it returns without overshooting.
 ///     rod.softness = Softness::frequency(4.0, 1.0);
 /// }
 /// # }
@@ -23,26 +23,28 @@ pub enum Softness {
     /// Exactly, as far as the sweeps go. The default.
     #[default]
     Hard,
-    /// As a damped spring with the energy `½ C²/compliance`: the lectures' spring of stiffness k has the compliance `1/k`.
+    /// As a damped spring with the energy `½ C²/compliance`, where `C` is the constraint's error. Stable at any stiffness and time step (XPBD). A spring of
+    /// stiffness k has the compliance `1/k`.
     Compliant {
-        /// Inverse stiffness, m/N where the constraint's value is a length; 0 is hard.
+        /// Inverse stiffness, m/N if the constraint's value is a length; 0 is hard.
         compliance: f32,
-        /// Force per rate of change, N·s/m where the value is a length.
+        /// Damping: force per rate of change of the value, N·s/m if it is a length.
         damping: f32,
     },
-    /// As a damped spring of its own frequency, whatever the masses.
+    /// As a damped spring with a given frequency, whatever the masses.
     Frequency {
-        /// Undamped frequency, Hz, more than zero.
+        /// Undamped frequency, Hz, greater than zero.
         hertz: f32,
-        /// Damping ratio: 0 swings on, 1 is critical.
+        /// Damping ratio: 0 is undamped, 1 is critical.
         ratio: f32,
     },
-    /// The share of the error that a substep takes away, 0 to 1, in however many sweeps.
+    /// The fraction of the error that is corrected in a substep, 0 to 1, at any number of sweeps. Unlike the others it depends on the number of substeps: more
+    /// of them make it stiffer.
     Share(f32),
 }
 
 impl Softness {
-    /// A spring of `hertz` Hz and damping ratio `ratio`.
+    /// A spring with a frequency, Hz, and a damping ratio.
     pub fn frequency(hertz: f32, ratio: f32) -> Self {
         Self::Frequency { hertz, ratio }
     }

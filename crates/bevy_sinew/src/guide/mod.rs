@@ -1,17 +1,19 @@
-//! The guide: how the method works, and how to use it, chapter by chapter. The same chapters are an mdBook, `docs/guide` in the repository. Their pictures are Bevy's,
-//! of the gallery.
+//! The guide: how the method works and how to use it, one chapter for each topic. The same chapters form an mdBook, `docs/guide` in the repository. The
+//! pictures are screenshots of the gallery, the workspace's collection of scenes.
 //!
-//! | chapter | |
+//! Readers new to position-based dynamics start with [`method`], those who want a scene running with [`bodies`].
+//!
+//! | chapter | topic |
 //! |---|---|
 //! | [`method`] | how position-based dynamics works |
 //! | [`bodies`] | cloth, ropes, soft bodies, ragdolls, boxes; particles of your own |
-//! | [`contacts`] | what meets what; surfaces, layers, events |
+//! | [`contacts`] | what collides with what; surfaces, layers, events |
 //! | [`forces`] | gravity, wind, water, charges |
 //! | [`tuning`] | it stretches, it jitters, it tunnels, it is slow |
-//! | [`units`] | units, and numbers for stuff |
-//! | [`determinism`] | the same bits; saving; networking |
+//! | [`units`] | units, and typical values for materials |
+//! | [`determinism`] | the same bits everywhere; saving; networking |
 //! | [`extending`] | a force, a constraint, a recipe of your own |
-//! | [`coming_from`] | from Avian, rapier, Jolt or Obi |
+//! | [`coming_from`] | coming from Avian, rapier, Jolt or Obi |
 //! | [`gallery`] | the scenes of the gallery, by the topics of the lectures |
 
 macro_rules! chapters {

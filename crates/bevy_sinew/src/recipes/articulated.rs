@@ -1,4 +1,4 @@
-//! Articulated bodies: bones, joints and how far these go.
+//! Articulated bodies: rigid bones and joints with limits.
 
 use bevy::prelude::*;
 use sinew::recipes::{self, ArticulatedSpec, Blueprint, articulated};
@@ -10,10 +10,11 @@ use crate::frames::even_factor;
 use crate::messages::Refusal;
 use crate::same::same_variants;
 
-/// A body of rigid bones that are joined: a chain, a door, a lamp, an animal.
+/// A body of rigid bones that are connected by joints: a chain, a door, a lamp, an animal.
 ///
-/// Each bone becomes an entity with [`BodyPart`](crate::BodyPart), named as the bone is, in their order; its `Transform`, centred on the bone with y
-/// from its tail to its head, follows it: give those a mesh. Bones that are not joined to each other collide, unless they overlap as they are built.
+/// Each bone becomes an entity with [`BodyPart`](crate::BodyPart), with the name of the bone, in the order of the bones. Its `Transform` follows the bone: it
+/// is centred on it, with y from tail to head; add a mesh to that entity. Bones that no joint connects collide with each other, unless they overlap when they
+/// are built.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -33,56 +34,56 @@ use crate::same::same_variants;
 pub struct Articulated {
     /// The bones, at least one; each after its parent. Default none, which is refused.
     pub bones: Vec<Bone>,
-    /// Share of the velocity that its particles lose per second, 0 to 1. Default 0.
+    /// Fraction of the velocity that its particles lose per second, 0 to 1. Default 0.
     pub drag: f32,
 }
 
-/// A bone of an [`Articulated`] body, where it is when that is built. All joints are at rest then.
+/// A bone of an [`Articulated`] body, in the pose in which the body is built. All joints are at rest in that pose.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub struct Bone {
-    /// What its part is called. Default `"bone"`.
+    /// Name of the bone's part. Default `"bone"`.
     pub name: String,
-    /// The number of the bone that it is joined to, a lower one than its own. Default none.
+    /// Index of the bone to which it is connected, which must be lower than its own. Default none.
     pub parent: Option<usize>,
-    /// Its near end, metres, where the joint is, in the body's own frame. Default the origin.
+    /// The near end, where the joint is, metres in the body's own frame. Default the origin.
     pub head: Vec3,
-    /// Its far end, metres. Default 1 m below.
+    /// The far end, metres. Default 1 m below the origin.
     pub tail: Vec3,
-    /// How thick it is, metres, 1e-6 to 1e6. Default 0.1. Its particles have half of that for their radius.
+    /// Thickness, metres, 1e-6 to 1e6. Default 0.1. Its particles have half of it as their radius.
     pub width: f32,
-    /// Kilograms, 1e-9 to 1e12. Default 1.
+    /// Mass, kilograms, 1e-9 to 1e12. Default 1.
     pub mass: f32,
-    /// How it is joined to its parent. Default free to turn in any way.
+    /// The joint with its parent. Default a ball joint without limits.
     pub joint: BoneJoint,
-    /// Whether it is held where it is. Default not.
+    /// Whether the bone is pinned where it is built. Default false.
     pub pinned: bool,
 }
 
-/// How a [`Bone`] is joined to its parent, at its head.
+/// The joint of a [`Bone`] with its parent, at its head.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum BoneJoint {
-    /// It turns about a point.
+    /// A ball joint.
     Ball {
-        /// Largest angle between the bone and where it was built, seen from its parent, radians, 0 to π (any).
+        /// Largest angle between the bone and its built pose, relative to its parent, radians, 0 to π (no limit).
         cone: f32,
-        /// Largest twist about itself to either side, radians, 0 to π (any).
+        /// Largest twist about the bone to either side, radians, 0 to π (no limit).
         twist: f32,
     },
-    /// It turns about an axis.
+    /// A hinge.
     Hinge {
-        /// Direction of the axis in the body's own frame, not zero. A positive angle turns the bone by the right hand about it.
+        /// Direction of the axis in the body's own frame, not zero. Positive angles follow the right-hand rule.
         axis: Vec3,
-        /// Smallest angle from where it was built, radians, -π to 0.
+        /// Smallest angle from the built pose, radians, -π to 0.
         min: f32,
-        /// Largest angle, radians, 0 to π. From -π to π is all the way round.
+        /// Largest angle from the built pose, radians, 0 to π. From -π to π is no limit.
         max: f32,
     },
-    /// It is one piece with its parent.
+    /// Rigidly connected to its parent.
     Fixed,
-    /// It has nothing to do with its parent.
+    /// Not connected to its parent.
     Free,
 }
 
@@ -100,20 +101,20 @@ impl Default for Bone {
 }
 
 impl Bone {
-    /// A bone of 1 kg and 10 cm across between two points, metres.
+    /// A bone of 1 kg and 10 cm thickness between two points, metres.
     pub fn new(name: impl Into<String>, head: Vec3, tail: Vec3) -> Self {
         Self { name: name.into(), head, tail, ..default() }
     }
 
-    /// The same on a parent, by its number.
+    /// Returns the same bone with a joint to a parent, given by its index.
     pub fn on(self, parent: usize, joint: BoneJoint) -> Self {
         Self { parent: Some(parent), joint, ..self }
     }
 
-    /// The same for the solver, so many times as large.
+    /// The solver's bone, scaled.
     fn spec(&self, factor: f32) -> recipes::Bone {
         recipes::Bone {
-            // Names are given to the parts below: the solver's are those of its own figures.
+            // The solver's names are static strings; the names of the parts are set in `finish`.
             name: "bone",
             parent: self.parent,
             head: self.head * factor,

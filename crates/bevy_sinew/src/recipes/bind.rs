@@ -1,4 +1,4 @@
-//! What holds a body together: the distances and the constraints of its blueprint become entities.
+//! Spawns the distances and the constraints of a blueprint as entities.
 
 use bevy::ecs::relationship::{Relationship, RelationshipHookMode, RelationshipTarget};
 use bevy::prelude::*;
@@ -11,7 +11,7 @@ use crate::components::{
     PatchConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint,
 };
 
-/// A relationship whose other side is a plain list.
+/// A relationship whose target is a plain list.
 pub(super) trait Joins:
     Relationship<RelationshipTarget: RelationshipTarget<Collection = Vec<Entity>>>
 {
@@ -22,14 +22,14 @@ impl<R: Relationship<RelationshipTarget: RelationshipTarget<Collection = Vec<Ent
 {
 }
 
-/// Spawns the distances of a body, and then its other constraints. An observer may despawn the body at any of them: then it stops there.
+/// Spawns the distances of a body, then its other constraints. Stops early if an observer despawns the body.
 pub fn bind(
     world: &mut World,
     body: Entity,
     blueprint: &Blueprint,
     particles: &[Entity],
 ) -> Vec<Entity> {
-    // A number that no particle has names nobody: the constraint is refused at gather as any other whose particle is gone.
+    // An index without a particle becomes a placeholder: the constraint is then refused at gather, like any other whose particle is gone.
     let particle = |row: u32| particles.get(row as usize).copied().unwrap_or(Entity::PLACEHOLDER);
     let Blueprint { distances, constraints, .. } = blueprint;
     let mut bound = spawn_related::<ConstraintOf>(world, body, distances.len() + constraints.len());
@@ -58,9 +58,9 @@ pub fn bind(
     bound
 }
 
-/// Spawns entities that are in the list of a body (none if that is gone), though they do not say so themselves until they are [filled](fill): all at
-/// once, because Bevy has a command for each that joins, to be carried out alone, which takes longer than everything else. So whoever despawns the
-/// body meanwhile takes them along.
+/// Spawns entities that are in the list of a body (none if the body is gone), but do not have the relationship until they are [filled](fill). Bevy issues a
+/// command for each entity that is added to a list, which takes longer than everything else, so they are added all at once. An observer that despawns the body
+/// despawns them, too.
 pub(super) fn spawn_related<R: Joins>(
     world: &mut World,
     body: Entity,
@@ -79,7 +79,7 @@ pub(super) fn spawn_related<R: Joins>(
     joined
 }
 
-/// Makes something of an entity that was [spawned](spawn_related). Whether the body is still there: if not, so is the entity not.
+/// Inserts the components of an entity that was [spawned](spawn_related). Returns whether the body still exists; if it does not, neither does the entity.
 pub(super) fn fill<R: Joins>(world: &mut World, entity: Entity, of: R, rest: impl Bundle) -> bool {
     let Some(mode) = mode::<R>(world, of.get()) else { return false };
     if let Ok(mut entity) = world.get_entity_mut(entity) {
@@ -88,7 +88,7 @@ pub(super) fn fill<R: Joins>(world: &mut World, entity: Entity, of: R, rest: imp
     true
 }
 
-/// How an entity is to join a body: silently, for it is in the list; unless an observer took that away. `None` if the body is gone.
+/// How an entity is added to a body: without the hook, since it is in the list; unless an observer removed the list. `None` if the body is gone.
 fn mode<R: Joins>(world: &World, body: Entity) -> Option<RelationshipHookMode> {
     let body = world.get_entity(body).ok()?;
     Some(match body.contains::<R::RelationshipTarget>() {
@@ -97,8 +97,7 @@ fn mode<R: Joins>(world: &World, body: Entity) -> Option<RelationshipHookMode> {
     })
 }
 
-/// The same with a constraint as the component that it is; a game's own stays what it is, and so does one that does not have the particles that it
-/// should.
+/// Inserts the component of a constraint's kind. A custom constraint, or one with a wrong number of particles, becomes an [`AnyConstraint`].
 fn fill_kind(
     world: &mut World,
     entity: Entity,
@@ -148,7 +147,7 @@ fn fill_kind(
     }
 }
 
-/// Inserts something on a body, unless an observer has despawned it meanwhile.
+/// Inserts components on an entity, unless an observer has despawned it.
 pub(crate) fn attach(world: &mut World, body: Entity, bundle: impl Bundle) {
     if let Ok(mut entity) = world.get_entity_mut(body) {
         entity.insert(bundle);

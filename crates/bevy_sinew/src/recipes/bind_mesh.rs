@@ -1,4 +1,4 @@
-//! The meshes that bodies deform: a copy of the one they were made from, or one made for their particles.
+//! Meshes that bodies deform: a copy of the mesh that a body was made from, or a mesh generated from its particles.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -7,21 +7,21 @@ use sinew::recipes::Blueprint;
 
 use super::bind::attach;
 
-/// The mesh that a body was made from, and its own copy, which it deforms: a later build starts from the former.
+/// The mesh that a body was made from, and the copy that it deforms. A rebuild starts from the former.
 #[derive(Component, Clone)]
 pub(crate) struct MadeFrom {
     pub(crate) source: Handle<Mesh>,
     pub(crate) own: Handle<Mesh>,
 }
 
-/// The mesh to make a body from: its `Mesh3d`, unless that is the copy that it deforms.
+/// The mesh to make a body from: its `Mesh3d`, or the original if that is the copy.
 pub(crate) fn source_mesh(world: &World, body: Entity) -> Option<&Handle<Mesh>> {
     let worn = &world.get::<Mesh3d>(body)?.0;
     let made = world.get::<MadeFrom>(body).filter(|made| made.own == *worn);
     Some(made.map_or(worn, |made| &made.source))
 }
 
-/// Gives a body a copy of the mesh that it was made from, to be deformed.
+/// Replaces the mesh of a body by a copy, which can be deformed.
 pub(super) fn own_copy(world: &mut World, body: Entity) {
     let Some(source) = source_mesh(world, body).cloned() else { return };
     let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
@@ -30,8 +30,8 @@ pub(super) fn own_copy(world: &mut World, body: Entity) {
     attach(world, body, (MadeFrom { source, own: own.clone() }, Mesh3d(own)));
 }
 
-/// The surface of a body as a mesh: a vertex for each entry of [`Blueprint::vertices`], which are sorted and have every corner of its triangles.
-/// Positions and normals are filled in by the simulation.
+/// The surface of a body as a mesh, with a vertex for each entry of [`Blueprint::vertices`], which are sorted and contain all corners of its triangles. The
+/// simulation writes positions and normals.
 pub(super) fn skin_of(blueprint: &Blueprint) -> Mesh {
     let vertices = blueprint.vertices.len();
     let number = |i: &u32| blueprint.vertices.partition_point(|v| v < i) as u32;

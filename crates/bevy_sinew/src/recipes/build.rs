@@ -1,4 +1,4 @@
-//! From a recipe to entities: what all recipes share.
+//! From a recipe to entities: the part that all recipes share.
 
 use core::marker::PhantomData;
 
@@ -22,14 +22,14 @@ use crate::recipes::bind::{Joins, attach, bind, fill, spawn_related};
 use crate::recipes::bind_mesh::source_mesh;
 use crate::recipes::built::JustBuilt;
 
-/// A component that describes a body and can build it.
+/// A component that describes a body, and builds it.
 pub(crate) trait Recipe:
     Component<Mutability = Mutable> + Clone + PartialEq + FromReflect + TypePath + GetTypeRegistration
 {
-    /// The blueprint in the body's own frame, from the recipe and, where it asks for one, the mesh; in metres, that is, scaled.
+    /// The blueprint in the body's own frame, scaled, in metres; from the recipe and, if the recipe uses one, the mesh.
     fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal>;
 
-    /// The same with what it says of other entities looked up in the world; `None` while one of those is yet to be built.
+    /// The recipe with references to other entities resolved to positions; `None` while one of those entities is not built.
     fn located(&self, world: &World, body: Entity) -> Result<Option<Self>, Refusal> {
         let _ = (world, body);
         Ok(Some(self.clone()))
@@ -40,29 +40,29 @@ pub(crate) trait Recipe:
         false
     }
 
-    /// By which shape the body collides where it does so as a solid, if it is one rigid part: in its own frame, metres.
+    /// The shape by which the body collides, if it is one rigid part: in its own frame, metres.
     fn collider(&self, blueprint: &Blueprint) -> Option<Collider> {
         let _ = blueprint;
         None
     }
 
-    /// How it takes part in contacts unless the game says otherwise; `None` as any body does.
+    /// The default of the body's [`BodyContacts`]; `None` for no component.
     fn contacts(&self) -> Option<BodyContacts> {
         None
     }
 
-    /// Puts onto the body what is special to this recipe, once its particles are there.
+    /// Adds the components that are specific to this recipe, once the particles exist.
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]);
 }
 
-/// The triangles of a mesh, as recipes read them, in the mesh's own coordinates.
+/// The triangles of a mesh in the mesh's own coordinates, as recipes use them.
 pub(crate) struct MeshShape {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) indices: Vec<u32>,
 }
 
 impl MeshShape {
-    /// Its triangles, facing outwards after the mesh was scaled: a scale that mirrors turns them round. Indices that make no triangle are left out.
+    /// The triangles, facing outwards after scaling: a mirroring scale reverses their winding. An incomplete triangle is left out.
     pub(crate) fn faces(&self, scale: Vec3) -> Vec<[u32; 3]> {
         let mirrored = scale.x * scale.y * scale.z < 0.0;
         let face = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
@@ -70,7 +70,7 @@ impl MeshShape {
     }
 }
 
-/// Marks a body whose mesh is still loading, or that is to be built from others that are not there yet.
+/// Marks a body that waits: for its mesh to load, or for the entities to which it is tied.
 #[derive(Component)]
 pub(crate) struct AwaitsMesh<R: Send + Sync + 'static>(PhantomData<fn() -> R>);
 
@@ -80,63 +80,63 @@ impl<R: Send + Sync + 'static> Clone for AwaitsMesh<R> {
     }
 }
 
-/// What a body was last built from: a recipe that is put back unchanged, as a rollback does, builds nothing anew. Part of the state.
+/// What a body was last built from. An unchanged recipe that is restored, for instance by a rollback, is not built again. Part of the state.
 #[derive(Component, Reflect, Clone)]
 #[component(map_entities = map_built)]
 pub(crate) struct Built<R: Recipe> {
     recipe: R,
     #[reflect(ignore)]
     mesh: SourceMesh,
-    /// How it and its parents were scaled.
+    /// The scale of the body and its parents.
     scale: Vec3,
-    /// The collider that it was given: whatever else it has is the game's.
+    /// The collider that the recipe added; any other collider belongs to the game.
     collider: Option<Collider>,
 }
 
 /// The mesh that a body was built from.
 #[derive(Clone, Copy, Debug, Default)]
 enum SourceMesh {
-    /// It came from another app, or from a file, where its mesh had another id: whatever mesh it has now is the one.
+    /// The body came from another app, or from a file, where its mesh had another id: any mesh counts as the same.
     #[default]
     Elsewhere,
-    /// That one, if any.
+    /// A mesh of this app, if any.
     Here(Option<AssetId<Mesh>>),
 }
 
-/// What the recipe was tied to is another entity in another app: a rope that compared its ties to those of before would be built anew.
+/// The entities to which a rope is tied have other ids in another app; if they were not mapped, the rope would be rebuilt.
 fn map_built<R: Recipe, M: EntityMapper>(built: &mut Built<R>, entities: &mut M) {
     <R as Component>::map_entities(&mut built.recipe, entities);
 }
 
 impl<R: Recipe> Built<R> {
-    /// Forgets which mesh it was: the body comes from another app.
+    /// Marks the mesh as unknown: the body comes from another app.
     pub(crate) fn forget_mesh(&mut self) {
         self.mesh = SourceMesh::Elsewhere;
     }
 }
 
-/// Marks a body that is to be built anew because it was scaled, or because it has a place where it had none.
+/// Marks a body that must be rebuilt because its scale changed, or because its placement has become valid.
 #[derive(Component, Clone)]
 pub(crate) struct Rescaled;
 
-/// A body that was refused because of where it was to be: it is tried again when that is elsewhere.
+/// A body that was refused because of its placement: it is tried again when the placement changes.
 #[derive(Component, Clone)]
 pub(crate) struct AwaitsPlace {
     reason: Refusal,
     at: Result<Transform, Misplaced>,
 }
 
-/// How building went, where nothing was wrong.
+/// The result of building a body without an error.
 enum Outcome {
-    /// It stands, at this scale, and this is its collider, if it is not the game's.
+    /// The body is built, at this scale, and has been given this collider, unless the game's is kept.
     Built(Vec3, Option<Collider>),
-    /// The mesh is not there yet.
+    /// The mesh, or another body, does not exist yet.
     Waits,
-    /// An observer despawned the body while it was being built.
+    /// An observer despawned the body during the build.
     Gone,
 }
 
-/// Marks the bodies that are to be built anew because they, or their parents, were scaled since.
+/// Marks bodies whose scale, or that of their parents, has changed, for a rebuild.
 pub(crate) fn notice_scale(
     mut commands: Commands,
     built: Query<
@@ -160,7 +160,7 @@ pub(crate) fn notice_scale(
     }
 }
 
-/// Builds the bodies whose recipe of type `R` is new or changed, those whose mesh has arrived since, and those that were scaled.
+/// Builds bodies whose recipe of type `R` is new or changed, whose mesh has loaded since, or whose scale changed.
 pub(crate) fn build<R: Recipe>(
     world: &mut World,
     wanted: &mut QueryState<
@@ -175,7 +175,7 @@ pub(crate) fn build<R: Recipe>(
     build_all(world, bodies);
 }
 
-/// The same of those alone that wait, once more in the same tick: for others that were built meanwhile.
+/// Builds the bodies that wait, a second time in the same tick: for other bodies that were built in it.
 pub(crate) fn build_waiting<R: Recipe>(
     world: &mut World,
     wanted: &mut QueryState<(Entity, &R, &CreationOrder), With<AwaitsMesh<R>>>,
@@ -190,7 +190,7 @@ pub(crate) fn build_waiting<R: Recipe>(
 fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entity, R, bool)>) {
     bodies.sort_unstable_by_key(|(order, entity, ..)| (*order, *entity));
     for (_, body, recipe, waits) in bodies {
-        // An observer of a body before it may have despawned this one.
+        // An observer of an earlier body may have despawned this one.
         if world.get_entity(body).is_err() || (!waits && is_as_built(world, body, &recipe)) {
             continue;
         }
@@ -225,7 +225,7 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
     }
 }
 
-/// Notes what kept a body from being built, if that is where it was to be. Whether that is known already.
+/// Stores the placement for which a body was refused, if that is the reason. Returns whether the same error is known already.
 fn awaits_place(
     world: &mut World,
     body: Entity,
@@ -242,7 +242,7 @@ fn awaits_place(
     known
 }
 
-/// Whether the body stands as this recipe, its mesh and its scale would build it.
+/// Whether the body is built as its current recipe, mesh and scale describe it.
 fn is_as_built<R: Recipe>(world: &World, body: Entity, recipe: &R) -> bool {
     let built = world.get::<Built<R>>(body).filter(|_| world.get::<BodyParticles>(body).is_some());
     built.is_some_and(|built| {
@@ -260,16 +260,16 @@ fn wanted_mesh<R: Recipe>(world: &World, body: Entity, recipe: &R) -> Option<Ass
     source_mesh(world, body).filter(|_| recipe.wants_mesh()).map(Handle::id)
 }
 
-/// The collider that the last build of a body gave to it.
+/// The collider that the last build of a body added.
 fn given<'a, R: Recipe>(body: &'a EntityWorldMut) -> Option<&'a Collider> {
     body.get::<Built<R>>().and_then(|built| built.collider.as_ref())
 }
 
-/// Gives a body the collider of its recipe, unless it has one of the game's; returns what it was given.
+/// Adds the collider of the recipe, unless the game has added one; returns the recipe's collider if it is used.
 fn shape<R: Recipe>(world: &mut World, body: Entity, own: Option<Collider>) -> Option<Collider> {
     let mut entity = world.get_entity_mut(body).ok()?;
     let has = entity.get::<Collider>();
-    // One that is as the recipe would have it may have been restored.
+    // A collider equal to that of the recipe may have been restored.
     if has.is_some() && has != given::<R>(&entity) && has != own.as_ref() {
         return None;
     }
@@ -280,7 +280,7 @@ fn shape<R: Recipe>(world: &mut World, body: Entity, own: Option<Collider>) -> O
     own
 }
 
-/// Builds one body. A refused one is left without particles.
+/// Builds one body. A refused body is left without particles.
 fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<Outcome, Refusal> {
     if world.get::<Transform>(body).is_none() {
         return Err(Refusal::Transform);
@@ -300,7 +300,7 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
     };
     tear_down(world, body);
     let blueprint = recipe.blueprint(mesh.as_ref(), transform.scale)?;
-    // What is rigid will turn, whichever way it stands now.
+    // A rigid body may rotate later, whatever its current rotation is.
     let parent = world.get::<ChildOf>(body).map(ChildOf::parent);
     let above = parent.map_or(Ok(Transform::IDENTITY), |parent| in_world(world, parent))?;
     if !blueprint.parts.is_empty() && !is_even(above.scale) {
@@ -310,9 +310,9 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
     let particles = spawn_particles(world, body, &blueprint, &placed);
     let bound = bind(world, body, &placed, &particles);
 
-    // Built anew it goes on with the velocities that it had.
+    // A rebuilt body keeps its velocities.
     attach(world, body, (ExtractedTransform(Some(transform)), ExtractedVelocity(None)));
-    // What a game asks for comes before what the recipe would.
+    // The game's components take precedence over the recipe's.
     if let Ok(mut entity) = world.get_entity_mut(body) {
         if blueprint.settings != Default::default() {
             entity.insert_if_new(BodySolver::from(blueprint.settings));
@@ -338,14 +338,14 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
     if world.get_entity(body).is_ok() {
         return Ok(Outcome::Built(transform.scale, collider));
     }
-    // What joined the body went with it; what came after it was gone would be left behind.
+    // The body's list was despawned with it; entities that were not in the list any more would remain.
     for entity in particles.into_iter().chain(bound) {
         world.try_despawn(entity).ok();
     }
     Ok(Outcome::Gone)
 }
 
-/// Despawns what an earlier build of this body made.
+/// Despawns the entities of an earlier build of this body.
 fn tear_down(world: &mut World, body: Entity) {
     dismiss::<ParticleOf>(world, body);
     dismiss::<ConstraintOf>(world, body);
@@ -353,11 +353,12 @@ fn tear_down(world: &mut World, body: Entity) {
     entity.despawn_related::<BodyParts>().remove::<(WindSurface, MeshFollow)>();
 }
 
-/// Despawns all that belongs to a body in one way. The list is taken first: each would search it for itself, and move all behind it.
+/// Despawns all entities of one relationship of a body. The list is taken out first: otherwise each entity would search the list for itself, and move all
+/// entries behind it.
 fn dismiss<R: Joins>(world: &mut World, body: Entity) {
     let Some(mut list) = world.get_mut::<R::RelationshipTarget>(body) else { return };
     for entity in core::mem::take(list.collection_mut_risky()) {
-        // An observer of one before it may have despawned this one.
+        // An observer of an earlier entity may have despawned this one.
         world.try_despawn(entity).ok();
     }
 }
@@ -372,7 +373,7 @@ fn read_mesh(world: &World, body: Entity) -> Result<Option<MeshShape>, Refusal> 
         return match state {
             Some(LoadState::Failed(_)) => Err(Refusal::MeshLoad),
             Some(_) => Ok(None),
-            // A handle that nobody loads will never have a mesh.
+            // A handle that no loader owns never gets a mesh.
             None => Err(Refusal::NoMesh),
         };
     };
@@ -390,7 +391,7 @@ fn read_mesh(world: &World, body: Entity) -> Result<Option<MeshShape>, Refusal> 
     Ok(Some(MeshShape { positions, indices }))
 }
 
-/// Spawns the particles of a body. An observer may despawn the body at any of them: then it stops there, and so do the others below.
+/// Spawns the particles of a body. Stops early if an observer despawns the body; the functions below do so, too.
 fn spawn_particles(
     world: &mut World,
     body: Entity,
@@ -414,7 +415,7 @@ fn spawn_particles(
             RestPlace(own.position),
         );
         let (of, drag) = (ParticleOf(body), Drag(seed.drag));
-        // All that it has at once: an entity that is given more is moved to another table.
+        // All components in one insertion: a further one would move the entity to another table.
         let there = match (pinned, seed.drag > 0.0) {
             (false, false) => fill(world, entity, of, particle),
             (false, true) => fill(world, entity, of, (particle, drag)),

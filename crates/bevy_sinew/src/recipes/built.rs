@@ -1,17 +1,17 @@
-//! Word that a body has been built: what a game waits for before it ties something to a particle, a bone or a vertex.
+//! The event of a body that has been built: from then on a game can attach to a particle, a bone or a vertex.
 
 use bevy::prelude::*;
 
 use crate::components::{BuiltBody, CreationOrder};
 
-/// A body was built from its recipe, for the first time or anew: a message, and an event to be observed on the body or on all of them.
+/// A body was built from its recipe, for the first time or again: a message, and an event that can be observed on the body or globally.
 ///
-/// It is sent when all bodies of the tick have been built, at the end of [`SinewSystems::Build`](crate::SinewSystems::Build), in the order in which the
-/// bodies were created; all have their particles, parts and constraints by then, and [`BuiltBody`]. What an observer spawns or attaches takes part in this
-/// very tick. While the simulation is paused bodies are built all the same, and say so.
+/// It is sent at the end of [`SinewSystems::Build`](crate::SinewSystems::Build), when all bodies of the tick have been built, in the order in which the bodies
+/// were created. All of them have their particles, parts and constraints then, and [`BuiltBody`]. Entities that an observer spawns or attaches take part in the
+/// same tick. Bodies are also built, and send the event, while the simulation is paused.
 ///
-/// A body that a game restores together with its recipe and its particles is not built, and sends nothing. Neither does one that the game put together
-/// from particles by itself.
+/// A body that a game restores together with its recipe and its particles is not built, and sends no event; neither does one that the game assembles from
+/// particles itself.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -38,15 +38,15 @@ use crate::components::{BuiltBody, CreationOrder};
 pub struct BodyBuilt {
     /// The body.
     pub entity: Entity,
-    /// Whether it had been built before: its particles, parts and constraints are others now.
+    /// Whether it had been built before: its particles, parts and constraints are new entities then.
     pub again: bool,
 }
 
-/// The bodies that were built in this tick, until it has been said.
+/// The bodies that were built in this tick, until their events are sent.
 #[derive(Resource, Default)]
 pub(crate) struct JustBuilt(pub(crate) Vec<Entity>);
 
-/// Marks the bodies that were built in this tick, and says so.
+/// Marks the bodies that were built in this tick, and sends their events.
 pub(crate) fn announce(world: &mut World) {
     let Some(mut built) = world.get_resource_mut::<JustBuilt>().filter(|built| !built.0.is_empty())
     else {
@@ -63,7 +63,7 @@ pub(crate) fn announce(world: &mut World) {
         events.push(BodyBuilt { entity, again: builds > 1 });
     }
     for event in events {
-        // An observer of one before it may have despawned this one.
+        // An observer of an earlier body may have despawned this one.
         if world.get_entity(event.entity).is_ok() {
             world.write_message(event);
             world.trigger(event);

@@ -1,4 +1,4 @@
-//! Cloth: a rectangle woven on a grid, or any mesh.
+//! Cloth: a rectangular grid, or any mesh.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -11,10 +11,10 @@ use super::build::{MeshShape, Recipe};
 use crate::components::{CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 
-/// A piece of cloth. It deforms a mesh: its own on a grid, or the one it was made from.
+/// A piece of cloth. It deforms a mesh: a generated one for a grid, or a copy of the mesh that it was made from.
 ///
-/// It collides with everything but itself, by its triangles where its particles are too far apart to close it ([`ContactShape::Auto`](crate::ContactShape));
-/// [`BodyContacts::ALL`](crate::BodyContacts::ALL) has it touch itself, too.
+/// It collides with everything but itself, by its triangles if its particles are too far apart to close the surface
+/// ([`ContactShape::Auto`](crate::ContactShape)). With [`BodyContacts::ALL`](crate::BodyContacts::ALL) it also collides with itself.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -29,42 +29,42 @@ use crate::messages::Refusal;
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]
 pub struct Cloth {
-    /// What it is cut like. Default 1 m × 1 m in 20 × 20 cells.
+    /// The shape. Default a grid of 1 m × 1 m in 20 × 20 cells.
     pub shape: ClothShape,
-    /// Which of its particles are held. Default none.
+    /// The particles that are pinned. Default none.
     pub pins: ClothPins,
-    /// Mass of a square metre, kg/m². Default 0.2, plain cotton.
+    /// Mass per area, kg/m². Default 0.2, plain cotton.
     pub density: f32,
-    /// Compliance of the threads, m/N. Default 0: it does not stretch.
+    /// Compliance of the threads (the inverse of their stiffness), m/N. Default 0: the cloth does not stretch.
     pub stretch_compliance: f32,
-    /// Compliance across folds, m/N; `None` bends freely. Default 1.
+    /// Compliance of folds, m/N; `None` for no resistance to bending. Default 1.
     pub bend_compliance: Option<f32>,
-    /// Radius of every particle, metres: how far off the ground it lies. Default 0.005.
+    /// Radius of every particle, metres: the gap between cloth and ground. Default 0.005.
     pub radius: f32,
 }
 
-/// What a cloth is cut like.
+/// The shape of a cloth.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ClothShape {
-    /// A rectangle about the origin of the body's xy plane, in equal cells; it is given a mesh with texture coordinates.
+    /// A rectangle about the origin of the body's xy plane, in equal cells, with a generated mesh with texture coordinates.
     Grid {
         /// Length along x, metres.
         width: f32,
         /// Length along y, metres.
         height: f32,
-        /// Cells along x.
+        /// Number of cells along x.
         columns: u32,
-        /// Cells along y.
+        /// Number of cells along y.
         rows: u32,
     },
-    /// The triangles of the entity's `Mesh3d`, once it is loaded. Vertices at the same place (as at seams of the texture) become one
-    /// particle. The entity is given a mesh of its own, so that others that share the handle keep theirs.
+    /// The triangles of the entity's `Mesh3d`, once it is loaded. Vertices at the same position (as at texture seams) become one particle. The entity gets a
+    /// copy of the mesh, so that other entities with the same handle are not affected.
     Mesh,
 }
 
-/// Which particles of a cloth are held where they are, in the body's own frame.
+/// The particles of a cloth that are pinned. Edges and corners are in the body's own frame.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -79,18 +79,18 @@ pub enum ClothShape {
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ClothPins {
-    /// None: it falls.
+    /// None: the cloth falls.
     #[default]
     None,
     /// The two ends of its upper edge.
     TopCorners,
-    /// All of its upper edge: what lies within a thousandth of its height of its highest point.
+    /// Its upper edge: all particles within a thousandth of its height of its highest point.
     TopEdge,
-    /// All of its left edge, as a flag on its pole.
+    /// Its left edge, like a flag on its pole.
     LeftEdge,
     /// The four corners of its bounding rectangle.
     Corners,
-    /// Those with these numbers: row by row on a grid; of a mesh, those that its vertices with these numbers follow.
+    /// The particles with these indices: row by row on a grid; on a mesh, the particles that these vertices follow.
     Particles(Vec<u32>),
 }
 
@@ -115,7 +115,7 @@ impl Default for Cloth {
 }
 
 impl Cloth {
-    /// A rectangle of `width` × `height` metres in `columns` × `rows` cells.
+    /// A grid of `width` × `height` metres in `columns` × `rows` cells.
     pub fn grid(width: f32, height: f32, columns: u32, rows: u32) -> Self {
         Self { shape: ClothShape::Grid { width, height, columns, rows }, ..default() }
     }
@@ -125,7 +125,7 @@ impl Cloth {
         Self { shape: ClothShape::Mesh, ..default() }
     }
 
-    /// The same, held at some of its particles.
+    /// Returns the same cloth with pins.
     pub fn pinned(self, pins: ClothPins) -> Self {
         Self { pins, ..self }
     }
@@ -140,7 +140,7 @@ impl Cloth {
         }
     }
 
-    /// Of a grid, scaled.
+    /// The solver's grid, scaled; `None` for a mesh.
     fn spec(&self, scale: Vec3) -> Option<ClothSpec> {
         match self.shape {
             ClothShape::Grid { width, height, columns, rows } => Some(ClothSpec {
@@ -171,7 +171,7 @@ impl Recipe for Cloth {
             (None, None) => return Err(Refusal::NoMesh),
         };
         for pin in self.pins.choose(&blueprint) {
-            // All that are chosen are there: a number beyond the last one pins nothing.
+            // All chosen particles exist: an index beyond the last one was ignored.
             let _ = blueprint.pin(pin);
         }
         Ok(blueprint)
@@ -186,7 +186,7 @@ impl Recipe for Cloth {
 }
 
 impl ClothPins {
-    /// The particles to pin, by where they are at rest.
+    /// The particles to pin, by their rest positions.
     fn choose(&self, blueprint: &Blueprint) -> Vec<u32> {
         let at = |i: &u32| blueprint.particles[*i as usize].position;
         let all = 0..blueprint.particles.len() as u32;
@@ -211,7 +211,7 @@ impl ClothPins {
                 corners.extend(ends(all.filter(bottom).collect()));
                 corners
             }
-            // Vertex and particle have the same number on a grid; those of a mesh are numbered as suits the solver.
+            // On a grid, vertices and particles have the same indices; the particles of a mesh are in the solver's order.
             Self::Particles(list) => {
                 let particle = |vertex: &u32| blueprint.vertices.get(*vertex as usize).copied();
                 list.iter().filter_map(particle).collect()
@@ -220,7 +220,7 @@ impl ClothPins {
     }
 }
 
-/// The mesh of a grid: a vertex a particle, with texture coordinates; positions and normals are filled in by the simulation.
+/// The mesh of a grid, with a vertex for each particle and texture coordinates; the simulation writes positions and normals.
 fn grid_mesh(spec: &ClothSpec, blueprint: &Blueprint) -> Mesh {
     let vertices = blueprint.vertices.len();
     let uvs = grid_uvs(spec).unwrap_or_else(|_| vec![[0.0; 2]; vertices]);

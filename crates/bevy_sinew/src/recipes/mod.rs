@@ -1,4 +1,4 @@
-//! Recipes as components: spawn one and the body builds itself, change one and it is built anew, despawn it and everything goes.
+//! Recipes as components: spawning one builds a body, changing it rebuilds the body, and despawning the entity removes it.
 
 mod articulated;
 mod bind;
@@ -31,16 +31,16 @@ use bevy::prelude::*;
 use crate::changes::any_may_have_moved;
 use crate::schedule::{SinewSystems, SinewTick};
 
-/// Adds the builders of all recipes.
+/// Adds the systems that build the recipes.
 pub(crate) fn add(app: &mut App) {
     app.init_resource::<built::JustBuilt>().add_message::<BodyBuilt>();
-    // One after the other: the order in which bodies of one tick are numbered must not depend on the executor.
+    // In sequence: the order in which bodies of one tick are numbered must not depend on the executor.
     app.add_systems(
         SinewTick,
         (
             build::notice_scale
                 .run_if(any_may_have_moved.or_else(any_with_component::<build::AwaitsPlace>)),
-            // What is large comes first: where something goes or is cut, what was created after it is laid out and compiled again.
+            // Large bodies first: when something is despawned or cut, everything that was created after it is laid out and compiled again.
             build::build::<Cloth>,
             build::build::<SoftBody>,
             build::build::<Ragdoll>,

@@ -1,4 +1,4 @@
-//! Ragdolls: a figure that nobody holds up.
+//! Ragdolls: limp human figures.
 
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, RagdollSpec, ragdoll};
@@ -9,10 +9,10 @@ use crate::components::{BodyContacts, CreationOrder, ParticleBody, Sleep};
 use crate::frames::even_factor;
 use crate::messages::Refusal;
 
-/// A standing human figure, its soles at the origin of its transform, facing +z.
+/// A standing human figure without muscles, with its soles at the origin of its transform, facing +z.
 ///
-/// Each segment of the body becomes an entity with [`BodyPart`](crate::BodyPart), whose transform follows it: give those a mesh. Segments that no joint connects collide
-/// with each other.
+/// Each segment of the figure becomes an entity with [`BodyPart`](crate::BodyPart), whose transform follows it; add a mesh to it. Segments that no joint
+/// connects collide with each other.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -26,12 +26,12 @@ use crate::messages::Refusal;
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder, Sleep)]
 pub struct Ragdoll {
-    /// From the soles to the top of the head, metres. Default 1.75.
+    /// Height from the soles to the top of the head, metres. Default 1.75.
     pub height: f32,
     /// Mass of the whole figure, kg. Default 75.
     pub mass: f32,
-    /// Friction in its joints, 1/s, 0 to 1000: how fast what its limbs do against each other dies away. Default 0.5. A
-    /// [`BodySolver`](crate::BodySolver) that is put onto the body is asked instead.
+    /// Damping rate of the joints, 1/s, 0 to 1000: of the motion of the limbs relative to each other. Default 0.5. A [`BodySolver`](crate::BodySolver) on the
+    /// body overrides it.
     pub damping: f32,
 }
 

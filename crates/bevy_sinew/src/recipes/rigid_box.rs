@@ -1,4 +1,4 @@
-//! Boxes: rigid bodies that nobody integrates as such; and the parts of bodies that have several.
+//! Boxes, and the rigid parts of bodies that have several.
 
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, BoxLayout, BoxSpec, Part, box_2d, box_3d};
@@ -11,10 +11,9 @@ use crate::components::{
 use crate::messages::Refusal;
 use crate::same::same_variants;
 
-/// A box of particles held by distances: 8 particles and 28 distances, or 4 and 6 when it is flat.
+/// A rigid box of particles that distances hold together: 8 particles and 28 distances, or 4 and 6 if it is flat.
 ///
-/// Its `Transform` says where it is built and by how much it is scaled, and then follows it. It gets a [`BodyPart`] that tells its size, and collides by its
-/// shape.
+/// It is built at its `Transform`, with its scale; the transform then follows it. It has a [`BodyPart`] with its size, and collides by its shape.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -29,24 +28,24 @@ use crate::same::same_variants;
 #[require(ParticleBody, CreationOrder, Sleep)]
 #[doc(alias = "ParticleBox")]
 pub struct RigidBox {
-    /// Lengths of its edges, metres, 1e-6 to 1e6, before it is scaled. Default 1 each.
+    /// Edge lengths, metres, 1e-6 to 1e6, before scaling. Default 1 each.
     pub size: Vec3,
     /// Mass of the whole box, kg. Default 1.
     pub mass: f32,
-    /// Where in it the particles sit. Default at the corners.
+    /// Where the particles are in the box. Default at the corners.
     pub particles: BoxParticles,
-    /// Whether it is the 2D box of the lectures: 4 particles in the local xy plane. Default not.
+    /// Whether it is a two-dimensional box: 4 particles in the local xy plane. Default false.
     pub flat: bool,
 }
 
-/// Where in a box its particles sit.
+/// Where the particles of a box are.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum BoxParticles {
-    /// At its corners, so that contacts and the picture agree; its inertia is three times a solid box's.
+    /// At its corners, so that particles and mesh coincide; its inertia is three times that of a solid box.
     #[default]
     Corners,
-    /// At 1/√3 of the way to its corners: mass and inertia of the solid box, exactly.
+    /// At 1/√3 of the distance to its corners: mass and inertia are exactly those of a solid box.
     Equimomental,
 }
 
@@ -59,12 +58,12 @@ impl Default for RigidBox {
 }
 
 impl RigidBox {
-    /// A box with edges of the given lengths, metres, and a mass of 1 kg.
+    /// A box with these edge lengths, metres, and a mass of 1 kg.
     pub fn new(size: Vec3) -> Self {
         Self { size, ..default() }
     }
 
-    /// The same with another mass, kg.
+    /// Returns the same box with another mass, kg.
     pub fn with_mass(self, mass: f32) -> Self {
         Self { mass, ..self }
     }
@@ -78,7 +77,7 @@ impl Recipe for RigidBox {
     }
 
     fn collider(&self, blueprint: &Blueprint) -> Option<Collider> {
-        // One without a thickness is as thick as its shorter edge.
+        // A box without a thickness is as thick as its shorter edge.
         let Vec3 { x, y, z } = blueprint.parts.first()?.size;
         let z = if self.flat && z == 0.0 { x.min(y) } else { z };
         Some(Collider::cuboid(Vec3::new(x, y, z)))
@@ -91,7 +90,7 @@ impl Recipe for RigidBox {
     }
 }
 
-/// The pose that follows a rigid part.
+/// The pose of a rigid part.
 pub(crate) fn pose_of(part: &Part, particles: &[Entity]) -> RigidPose {
     RigidPose {
         particles: part.particles.iter().map(|&i| particles[i as usize]).collect(),
@@ -99,7 +98,7 @@ pub(crate) fn pose_of(part: &Part, particles: &[Entity]) -> RigidPose {
     }
 }
 
-/// Spawns an entity for each rigid part of a body, with the pose that follows it.
+/// Spawns an entity for each rigid part of a body, with its pose.
 pub(super) fn spawn_parts(
     world: &mut World,
     body: Entity,
@@ -119,7 +118,7 @@ pub(super) fn spawn_parts(
     }
 }
 
-/// By which shape a part collides, as the solver has it: a limb along y, or a box.
+/// The shape by which a part collides: a capsule along y, or a box.
 fn limb(size: Vec3) -> Collider {
     if size.x == size.z && size.y >= size.x {
         return Collider::capsule(size.x * 0.5, size.y - size.x);

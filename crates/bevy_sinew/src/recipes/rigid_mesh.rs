@@ -1,4 +1,4 @@
-//! Solids: rigid bodies of any shape, out of four or eight particles that weigh and turn exactly as they do.
+//! Rigid bodies of any shape, made of four or eight particles with exactly the mass and inertia of the shape.
 
 use bevy::prelude::*;
 use sinew::Shape;
@@ -11,15 +11,14 @@ use crate::components::{Collider, CreationOrder, ParticleBody, Sleep};
 use crate::messages::Refusal;
 use crate::same::same_variants;
 
-/// A rigid body in the shape of its mesh. Its mass, barycentre and inertia are those of the shape filled evenly ([`sinew::recipes::solid`]).
+/// A rigid body in the shape of its mesh. Its mass, centre of mass and inertia are those of the shape with a uniform density ([`sinew::recipes::solid`]).
 ///
-/// Its particles are inside, about half way out: it meets the ground with these (see `radius`), unless it collides by its hull
-/// ([`BodyContacts`](crate::BodyContacts)), and wind does not press on it. Its `Transform` says
-/// where it is built, and then follows it; the scale is that of the shape. The mesh is drawn as it is, and others may share it. To have it float by
-/// its shape, give it [`Floats::mesh`](crate::Floats::mesh).
+/// It collides by the convex hull of its shape, unless its [`BodyContacts`](crate::BodyContacts) are by particles: these are inside, about half way to the
+/// surface (see `radius`). Wind does not act on it. It is built at its `Transform`, which then follows it; the scale applies to the shape. The mesh is not
+/// changed, and other entities may share it. To make it float by its shape, add [`Floats::mesh`](crate::Floats::mesh).
 ///
-/// What is round is best said so: a [`RigidShape::Sphere`], a `Capsule` or a `Cylinder` weighs, collides and rolls as exactly that, where the hull of its
-/// mesh has corners.
+/// For a round body use [`RigidShape::Sphere`], `Capsule` or `Cylinder`: it has exactly that mass distribution, collides and rolls as that shape, while the
+/// hull of a mesh has corners.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -37,13 +36,13 @@ use crate::same::same_variants;
 #[require(ParticleBody, CreationOrder, Sleep)]
 #[doc(alias = "Solid")]
 pub struct RigidMesh {
-    /// What it looks like. Default its mesh.
+    /// The shape. Default the mesh.
     pub shape: RigidShape,
-    /// How much of it there is. Default 1 kg.
+    /// Mass or density. Default 1 kg.
     pub bulk: Bulk,
-    /// Which particles stand for it. Default eight.
+    /// The number of particles. Default eight.
     pub particles: RigidParticles,
-    /// Radius of every particle, metres, 0 and up. Default 0.
+    /// Radius of every particle, metres, 0 or more. Default 0.
     pub radius: f32,
 }
 
@@ -54,7 +53,7 @@ pub struct RigidMesh {
 /// # use bevy_sinew::prelude::*;
 /// # fn example(mut commands: Commands) {
 /// commands.spawn(RigidMesh { shape: RigidShape::Sphere { radius: 0.3 }, ..default() });
-/// // Whatever the mesh beside it shows.
+/// // The shape of the mesh on the same entity.
 /// commands.spawn((RigidMesh::default(), Mesh3d::default(), Mass(3.0)));
 /// # }
 /// ```
@@ -62,36 +61,36 @@ pub struct RigidMesh {
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum RigidShape {
-    /// The inside of the entity's `Mesh3d`, once it is loaded: a closed surface that faces outwards, dents and all. The default.
+    /// The inside of the entity's `Mesh3d`, once it is loaded: a closed surface that faces outwards, which need not be convex. The default.
     #[default]
     Mesh,
     /// The convex hull of the entity's `Mesh3d`, once it is loaded: for a mesh that is not closed.
     Hull,
-    /// The convex hull of these points, metres in the body's own frame. It needs no mesh.
+    /// The convex hull of these points, metres in the body's own frame. No mesh is needed.
     Points(Vec<Vec3>),
-    /// A ball of this radius, metres, about the origin. It needs no mesh.
+    /// A ball of this radius, metres, about the origin. No mesh is needed.
     Sphere {
-        /// Metres.
+        /// Radius, metres.
         radius: f32,
     },
-    /// A capsule along y, of this radius and, without its round ends, this length, metres, as Bevy's `Capsule3d`. It needs no mesh.
+    /// A capsule along y, like Bevy's `Capsule3d`. No mesh is needed.
     Capsule {
-        /// Metres.
+        /// Radius, metres.
         radius: f32,
-        /// Of its straight part, metres.
+        /// Length of its straight part, without the hemispherical ends, metres.
         length: f32,
     },
-    /// A cylinder along y, of this radius and height, metres, as Bevy's `Cylinder`. It needs no mesh.
+    /// A cylinder along y, like Bevy's `Cylinder`. No mesh is needed.
     Cylinder {
-        /// Metres.
+        /// Radius, metres.
         radius: f32,
-        /// Metres.
+        /// Height, metres.
         height: f32,
     },
 }
 
 impl RigidShape {
-    /// What is round, in another size; `None` of what is made of points.
+    /// The solver's shape of a round body, scaled; `None` for shapes from points.
     fn round(&self, scale: Vec3) -> Option<Result<Shape, RecipeFault>> {
         let shape = match *self {
             Self::Sphere { radius } => Shape::sphere(radius),
@@ -103,24 +102,24 @@ impl RigidShape {
     }
 }
 
-/// How much of a [`RigidMesh`] or a [`SoftBody`](crate::SoftBody) there is.
+/// The mass or the density of a [`RigidMesh`] or a [`SoftBody`](crate::SoftBody).
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum Bulk {
-    /// Its mass, kg, 1e-9 to 1e12. Default 1.
+    /// Mass, kg, 1e-9 to 1e12. Default 1.
     Mass(f32),
-    /// Its density, kg/m³: water has 1000.
+    /// Density, kg/m³: water has 1000.
     Density(f32),
 }
 
-/// Which particles stand for a [`RigidMesh`].
+/// The number of particles of a [`RigidMesh`].
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum RigidParticles {
-    /// Eight, all 28 pairs tied. The default.
+    /// Eight particles and 28 distances. The default.
     #[default]
     Eight,
-    /// Four, all 6 pairs tied: the same mass and inertia for less than a quarter of the work.
+    /// Four particles and 6 distances: the same mass and inertia at less than a quarter of the cost.
     Four,
 }
 
@@ -144,17 +143,17 @@ impl Default for RigidMesh {
 }
 
 impl RigidMesh {
-    /// In the shape of its mesh, with a mass in kg.
+    /// A body in the shape of its mesh, with a mass in kg.
     pub fn mass(mass: f32) -> Self {
         Self { bulk: Bulk::Mass(mass), ..default() }
     }
 
-    /// In the shape of its mesh, with a density in kg/m³.
+    /// A body in the shape of its mesh, with a density in kg/m³.
     pub fn density(density: f32) -> Self {
         Self { bulk: Bulk::Density(density), ..default() }
     }
 
-    /// The same in another shape.
+    /// Returns the same body in another shape.
     pub fn shaped(self, shape: RigidShape) -> Self {
         Self { shape, ..self }
     }
@@ -189,7 +188,7 @@ impl Recipe for RigidMesh {
         let spec =
             SolidSpec { shape, bulk: self.bulk.into(), layout, radius: self.radius, ..default() };
         let mut blueprint = solid(&spec)?;
-        // As a box: rods bleed the spin of what they hold unless they act along where they were.
+        // As for boxes: rods lose spin unless they are corrected along their direction at the start of the step.
         blueprint.settings.gradient_at.get_or_insert(sinew::GradientAt::StepStart);
         Ok(blueprint)
     }

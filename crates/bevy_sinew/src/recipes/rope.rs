@@ -1,4 +1,4 @@
-//! Ropes.
+//! Ropes: chains of particles, drawn as tubes.
 
 use bevy::ecs::entity::MapEntities;
 use bevy::ecs::relationship::RelationshipTarget;
@@ -12,14 +12,14 @@ use crate::components::{Bound, CreationOrder, ParticleBody, TubeMesh};
 use crate::frames::{even_factor, in_world};
 use crate::messages::Refusal;
 
-/// A rope: a chain of particles, drawn as a tube. It collides by its segments, each a capsule from one particle to the next
+/// A rope: a chain of particles, drawn as a tube. It collides by its segments, each a capsule between two particles
 /// ([`ContactShape::Auto`](crate::ContactShape)).
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
-/// // Hangs from its start, with a tenth of its length in hand.
+/// // A rope that hangs from its start, 10 % longer than the distance between its ends.
 /// let rope = Rope { pin_start: true, ..Rope::between(Vec3::ZERO, Vec3::X * 2.0) };
 /// commands.spawn((rope.with_slack(0.1), Transform::from_xyz(0.0, 3.0, 0.0)));
 /// # }
@@ -28,51 +28,51 @@ use crate::messages::Refusal;
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]
 pub struct Rope {
-    /// Where it starts, metres, in the body's own frame. Default its origin.
+    /// The start, metres, in the body's own frame. Default the origin.
     pub from: Vec3,
-    /// Where it ends, metres. Default 1 m below.
+    /// The end, metres. Default 1 m below the origin.
     pub to: Vec3,
-    /// How many pieces it has, 1 and up. Default 20.
+    /// Number of segments, 1 or more. Default 20.
     pub segments: u32,
     /// Mass of the whole rope, kg. Default 0.1.
     pub mass: f32,
     /// Radius, metres. Default 0.01.
     pub radius: f32,
-    /// How much longer it is than the gap between its ends, as a share of the gap. Default 0.
+    /// Excess length over the distance between its ends, as a fraction of that distance. Default 0.
     pub slack: f32,
-    /// Which way each piece keeps its length. Default both.
+    /// In which direction each segment keeps its length. Default [`Bound::Equal`].
     pub bound: Bound,
-    /// Compliance of each piece, m/N. Default 0.
+    /// Compliance of each segment, m/N. Default 0: the rope does not stretch.
     pub compliance: f32,
-    /// Whether its start is held. Default yes.
+    /// Whether its start is pinned. Default true.
     pub pin_start: bool,
-    /// Whether its end is held. Default not.
+    /// Whether its end is pinned. Default false.
     pub pin_end: bool,
-    /// What its start is tied to, where it is then built instead of at `from`, and not held otherwise. Default nothing.
+    /// The entity to which its start is tied. The rope then starts there instead of at `from`, and its start is not pinned otherwise. Default none.
     #[entities]
     pub start: Option<RopeTie>,
-    /// The same of its end.
+    /// The entity to which its end is tied, instead of `to` and `pin_end`. Default none.
     #[entities]
     pub end: Option<RopeTie>,
 }
 
-/// What an end of a [`Rope`] is tied to. The rope is built from there, as soon as that is built, and has an [`AttachTo`](crate::AttachTo) that holds it.
+/// What an end of a [`Rope`] is tied to. The rope is built as soon as that entity is, with an [`AttachTo`](crate::AttachTo) that holds the end.
 #[derive(Reflect, MapEntities, Clone, Debug, PartialEq)]
 #[reflect(Clone, PartialEq)]
 pub struct RopeTie {
     /// The entity.
     #[entities]
     pub entity: Entity,
-    /// Where on it. Default its origin; of cloth, ropes and soft bodies, the particle that is nearest to the origin of the rope's own frame.
+    /// The place on it. Default its origin; on cloth, ropes and soft bodies, the particle that is nearest to the origin of the rope's own frame.
     pub anchor: Anchor,
 }
 
-/// Where an end of a [`Rope`] is: a place in its own frame, metres, or what it is tied to.
+/// An end of a [`Rope`]: a position in its own frame, metres, or the entity to which it is tied.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RopePoint {
-    /// A place, metres.
+    /// A position, metres.
     At(Vec3),
-    /// An entity.
+    /// An entity, and a place on it.
     Tied(RopeTie),
 }
 
@@ -121,8 +121,8 @@ impl Default for Rope {
 }
 
 impl Rope {
-    /// A rope from one point to another: each a place in its own frame, metres, or an entity, or an entity and a point or an [`Anchor`] of it. At a place it
-    /// is held where it starts, and not where it ends; to entities it is tied.
+    /// A rope between two ends. Each is a position in the rope's own frame, metres, or an entity, or an entity with a point or an [`Anchor`] of it. The start
+    /// is pinned if it is a position, the end is not; an end at an entity is tied to it.
     ///
     /// ```
     /// # use bevy::prelude::*;
@@ -130,7 +130,7 @@ impl Rope {
     /// # fn spawn(mut commands: Commands) {
     /// let hook = commands.spawn(Transform::from_xyz(0.0, 3.0, 0.0)).id();
     /// let crate_ = commands.spawn((RigidBox::new(Vec3::splat(0.4)), Transform::from_xyz(0.0, 1.5, 0.0))).id();
-    /// // From the hook to the middle of the crate's lid, 5 % longer than that is far.
+    /// // From the hook to the middle of the crate's lid, 5 % longer than that distance.
     /// let lid = Anchor::Corner(Vec3::Y);
     /// commands.spawn(Rope::between(hook, (crate_, lid)).with_slack(0.05));
     /// # }
@@ -148,12 +148,12 @@ impl Rope {
         rope
     }
 
-    /// The same, longer than the gap between its ends by this share of it.
+    /// Returns the same rope with slack, as a fraction of the distance between its ends.
     pub fn with_slack(self, slack: f32) -> Self {
         Self { slack, ..self }
     }
 
-    /// Ties an end: what it was tied to before, if the rope is built anew, or something new.
+    /// Ties an end: updates the attachment that exists if the rope is rebuilt, or spawns one.
     fn tie(world: &mut World, body: Entity, tie: Option<&RopeTie>, end: RopeEnd) {
         let Some(RopeTie { entity, anchor }) = tie.cloned() else { return };
         let part = Anchor::RopeEnd(end);
@@ -164,7 +164,7 @@ impl Rope {
             (own.part == part && own.snap).then(|| (attachment, own.clone()))
         });
         match known {
-            // What else is said of it is the game's.
+            // The game's softness is kept.
             Some((attachment, own)) => {
                 let wanted = AttachTo { softness: own.softness, ..wanted };
                 if own != wanted {
@@ -186,7 +186,7 @@ impl Recipe for Rope {
         let back = frame.compute_affine().inverse();
         let ends = [(&mut rope.start, &mut rope.from), (&mut rope.end, &mut rope.to)];
         for (tie, place) in ends {
-            // What is gone is let go of; the rope is built all the same.
+            // A tie to an entity that is gone is dropped; the rope is built without it.
             tie.take_if(|tie| world.get_entity(tie.entity).is_err());
             let Some(RopeTie { entity, anchor }) = tie else { continue };
             let found = place_of(world, *entity, anchor, frame.translation);

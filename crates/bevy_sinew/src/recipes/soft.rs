@@ -1,4 +1,4 @@
-//! Soft bodies: a skin around a volume, made from a mesh, or a box or a ball that is soft all through.
+//! Soft bodies: a skin around a volume, made from a mesh, or a solid soft box or ball.
 
 use bevy::prelude::*;
 use sinew::recipes::{
@@ -13,7 +13,7 @@ use crate::components::{CreationOrder, ParticleBody, Sleep, Softness};
 use crate::frames::even_factor;
 use crate::messages::Refusal;
 
-/// A soft body: a ball full of air, a cushion, a cube of jelly. It deforms a mesh: its own, or the one it was made from.
+/// A soft body: an inflated ball, a cushion, a cube of jelly. It deforms a mesh: a generated one, or a copy of the one it was made from.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -28,26 +28,28 @@ use crate::messages::Refusal;
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder, Sleep)]
 pub struct SoftBody {
-    /// What it looks like. Default a cube of 1 m in 4 × 4 × 4 cells.
+    /// The shape. Default a cube of 1 m in 4 × 4 × 4 cells.
     pub shape: SoftShape,
-    /// How much of it there is. Default 100 kg/m³; 1 kg from a mesh.
+    /// Mass or density. Default 100 kg/m³; 1 kg from a mesh.
     pub bulk: Bulk,
-    /// Damping ratio of all that holds it together, 0 (it swings on) to 10. Default 0.3; 0.1 from a mesh.
+    /// Damping ratio of its constraints, 0 (undamped) to 10. Default 0.3; 0.1 from a mesh.
     pub damping: f32,
-    /// Radius of every particle, metres, 0 and up: how far off the ground it lies. Default 0.005. Rigid bodies touch particles that have one.
+    /// Radius of every particle, metres, 0 or more: the gap between body and ground. Default 0.005. Rigid bodies collide only with particles that have a
+    /// radius.
     pub radius: f32,
-    /// From a mesh: stiffness of the skin against being stretched, N/m, 1e-6 to 1e9. Default 100, 0.1 mm of rubber.
+    /// From a mesh: stiffness of the skin against stretching, N/m, 1e-6 to 1e9. Default 100, that of 0.1 mm of rubber.
     pub stretch: f32,
-    /// From a mesh: stiffness of the skin against being bent, N·m, 0 and up. Default 0.01.
+    /// From a mesh: stiffness of the skin against bending, N·m, 0 or more. Default 0.01.
     pub bend: f32,
-    /// From a mesh: the volume that it is kept at, as a multiple of the mesh's own, 0.01 to 100. Default 1; more puts the skin under tension.
+    /// From a mesh: the volume that is kept, as a multiple of that of the mesh, 0.01 to 100. Default 1; more puts the skin under tension, like the pressure in
+    /// a ball.
     pub pressure: f32,
-    /// From a mesh: how hard the volume is kept. Default hard; a soft one lets itself be squashed.
+    /// From a mesh: how hard the volume is kept. Default hard; with a soft one the body can be squashed.
     pub softness: Softness,
-    /// A box or a ball: Young's modulus, Pa, 1e-3 to 1e12. Default 2e4 (gelatine 1e3 to 1e5, rubber 1e6). Stiff ones need substeps
+    /// A box or a ball: Young's modulus, Pa, 1e-3 to 1e12. Default 2e4 (gelatine 1e3 to 1e5, rubber 1e6). Stiff bodies need more substeps
     /// ([`SoftLatticeSpec::stiffness`]).
     pub stiffness: f32,
-    /// A box or a ball: Poisson's ratio, how much it grows sideways when it is squashed, 0.25 to 0.49. Default 0.35.
+    /// A box or a ball: Poisson's ratio, the sideways expansion relative to the compression, 0.25 to 0.49. Default 0.35.
     pub poisson: f32,
 }
 
@@ -66,21 +68,21 @@ pub struct SoftBody {
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum SoftShape {
-    /// The entity's `Mesh3d`, once it is loaded, as a skin around a volume: closed, facing outwards. Vertices at the same place become one particle.
-    /// The entity is given a mesh of its own, so that others that share the handle keep theirs.
+    /// The entity's `Mesh3d`, once it is loaded, as a skin around a volume: closed, facing outwards. Vertices at the same position become one particle. The
+    /// entity gets a copy of the mesh, so that other entities with the same handle are not affected.
     Mesh,
-    /// A box about the body's origin, soft all through; it is given a mesh.
+    /// A box about the body's origin, soft throughout, with a generated mesh.
     Cuboid {
-        /// Lengths of its edges, metres, 1e-6 to 1e6.
+        /// Edge lengths, metres, 1e-6 to 1e6.
         size: Vec3,
-        /// Cells along each, 1 and up. Best near cubes.
+        /// Number of cells along each edge, 1 or more. Cells should be nearly cubes.
         cells: UVec3,
     },
-    /// A ball about the body's origin, soft all through; it is given a mesh.
+    /// A ball about the body's origin, soft throughout, with a generated mesh.
     Ball {
-        /// Metres, 1e-6 to 1e6.
+        /// Radius, metres, 1e-6 to 1e6.
         radius: f32,
-        /// Cells from one side to the other, 1 and up; rounded up to an even number.
+        /// Number of cells across, 1 or more; rounded up to an even number.
         cells: u32,
     },
 }
@@ -110,7 +112,7 @@ impl Default for SoftBody {
 }
 
 impl SoftBody {
-    /// A skin in the shape of the entity's `Mesh3d`, of 1 kg, kept full.
+    /// A skin in the shape of the entity's `Mesh3d`, with 1 kg, which keeps its volume.
     pub fn from_mesh() -> Self {
         let skin = SoftMeshSpec::default();
         Self {
@@ -122,22 +124,22 @@ impl SoftBody {
         }
     }
 
-    /// A box with edges of the given lengths, metres, in so many cells along each.
+    /// A box with these edge lengths, metres, and this number of cells along each.
     pub fn cuboid(size: Vec3, cells: UVec3) -> Self {
         Self { shape: SoftShape::Cuboid { size, cells }, ..default() }
     }
 
-    /// A ball of the given radius, metres, in so many cells from one side to the other.
+    /// A ball with this radius, metres, and this number of cells across.
     pub fn ball(radius: f32, cells: u32) -> Self {
         Self { shape: SoftShape::Ball { radius, cells }, ..default() }
     }
 
-    /// The same with another mass, kg.
+    /// Returns the same body with another mass, kg.
     pub fn with_mass(self, mass: f32) -> Self {
         Self { bulk: Bulk::Mass(mass), ..self }
     }
 
-    /// The same with another density, kg/m³.
+    /// Returns the same body with another density, kg/m³.
     pub fn with_density(self, density: f32) -> Self {
         Self { bulk: Bulk::Density(density), ..self }
     }

@@ -1,4 +1,4 @@
-//! Half-steps: the phases of a tick, shown one by one while the simulation is paused.
+//! Phase steps: the phases of a tick, shown one by one while the simulation is paused.
 
 use std::collections::VecDeque;
 
@@ -9,13 +9,13 @@ use super::{PHASE_ORDER, PhaseSystems, SinewControl};
 use crate::components::{Particle, RigidPose};
 use crate::world::{PhaseWatch, SinewWorld};
 
-/// Shows a paused simulation phase by phase: [`step`](Self::step) asks for the next one.
+/// Shows a paused simulation phase by phase: [`step`](Self::step) advances to the next phase.
 ///
-/// The first half-step takes a whole tick, and notes the particles at the end of each of its phases; what is drawn then is as of the first phase, and of the next one
-/// with each half-step: gizmos, meshes, transforms as they reach the renderer (`GlobalTransform`), and the columns of [`SinewWorld`] outside of ticks. **The
-/// components are those of the tick's end all the while**, so it is the same tick as one that is taken at once, bit for bit, and whatever saves, rolls back or goes on
-/// finds a whole one: a save in between is one of the tick's end, and a tick or a restored snapshot ends the showing. What is edited in between acts in the next tick, as it
-/// does between any two. The half-step after the last phase shows the tick's end.
+/// The first step runs a whole tick, and records the particles at the end of each of its phases. What is drawn is then the state at the end of the first phase,
+/// and with each further step that of the next one: gizmos, meshes, transforms as the renderer receives them (`GlobalTransform`), and the columns of
+/// [`SinewWorld`] outside of ticks. **The components always have the state at the end of the tick**: the tick is the same as any other, bit for bit, and a
+/// save, a rollback or a resumed simulation uses a complete tick. A tick or a restored snapshot ends the display. Edits in between take effect in the next
+/// tick, as usual. The step after the last phase shows the end of the tick.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -28,42 +28,42 @@ use crate::world::{PhaseWatch, SinewWorld};
 /// # bevy::ecs::system::assert_is_system(look_closely);
 /// ```
 ///
-/// Nothing of it is state. It costs a copy of the particles for each phase, 256 MiB at most: of a large world the first phases are shown, and then the end.
+/// None of it is state. It costs a copy of the particles for each phase, 256 MiB at most: of a large world only the first phases are shown, and then the end.
 #[derive(Resource, Debug, Default)]
 pub struct PhaseSteps {
-    /// Half-steps that are yet to be taken.
+    /// Steps that were requested and are still to be taken.
     asked: u32,
-    /// Whether the tick at hand is to be noted.
+    /// Whether the next tick is to be recorded.
     pub(super) begins: bool,
-    /// What is shown, and what comes after it.
+    /// The phase that is shown, and those after it.
     current: Option<Particles>,
     rest: VecDeque<Particles>,
-    /// The particles as they are, while others are shown in their place.
+    /// The actual particles, while others are shown in their place.
     own: Option<Particles>,
-    /// Which phase of the tick is shown, from 0.
+    /// Index of the phase that is shown, from 0 at the start of the tick.
     number: usize,
     substeps: u32,
-    /// The layout of rows that the particles are in.
+    /// The layout of the recorded rows.
     layout: u64,
-    /// Whether what is shown is no longer of this world.
+    /// Whether the display is to end at the next fixed tick.
     ended: bool,
 }
 
-/// Which phase is shown.
+/// The phase that is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PhaseStep {
-    /// The substep, from 1.
+    /// The substep, counted from 1.
     pub substep: u32,
-    /// Substeps of the tick.
+    /// The number of substeps of the tick.
     pub substeps: u32,
-    /// What is shown is as of the end of this phase.
+    /// The state that is shown is that at the end of this phase.
     pub phase: PhaseSystems,
-    /// The phase that the next half-step shows; `None`: the end of the tick.
+    /// The phase that the next step shows; `None` for the end of the tick.
     pub next: Option<PhaseSystems>,
 }
 
 impl PhaseSteps {
-    /// Shows the next phase, from the next fixed tick on, if the simulation is paused. Where none is shown yet, it asks `control` for the tick.
+    /// Advances to the next phase, at the next fixed tick, if the simulation is paused. If no phase is shown yet, it requests the tick from `control`.
     pub fn step(&mut self, control: &mut SinewControl) {
         if self.begins || self.own.is_some() {
             self.asked = self.asked.saturating_add(1);
@@ -73,12 +73,12 @@ impl PhaseSteps {
         }
     }
 
-    /// Shows the end of the tick.
+    /// Ends the display: the end of the tick is shown.
     pub fn end(&mut self) {
         (self.ended, self.asked) = (self.own.is_some(), 0);
     }
 
-    /// Which phase is shown; `None` where it is the end of the tick, as ever.
+    /// The phase that is shown; `None` for the end of the tick, as usual.
     pub fn shown(&self) -> Option<PhaseStep> {
         self.own.as_ref()?;
         let (count, left) = (PHASE_ORDER.len(), !self.rest.is_empty());
@@ -90,7 +90,7 @@ impl PhaseSteps {
         })
     }
 
-    /// Takes what was noted of a tick.
+    /// Takes the record of a tick.
     pub(super) fn take(&mut self, watch: Option<&mut PhaseWatch>, substeps: u32, layout: u64) {
         self.rest = watch.and_then(|watch| watch.frames.take()).unwrap_or_default().into();
         self.current = self.rest.pop_front();
@@ -102,7 +102,7 @@ impl PhaseSteps {
     }
 }
 
-/// Before a fixed tick: the particles are what they are again, and what is shown next is chosen.
+/// Before a fixed tick: puts the actual particles back, and selects what is shown next.
 pub(super) fn choose(world: &mut World) {
     let steps = world.resource::<PhaseSteps>();
     if steps.own.is_none() && !steps.begins {
@@ -115,7 +115,7 @@ pub(super) fn choose(world: &mut World) {
         if let Some(own) = steps.own.take() {
             steps.current = Some(core::mem::replace(&mut sinew.simulation.particles, own));
         }
-        // A tick that is due shows its phases if it was asked for by the first half-step, and else its end.
+        // A tick that is due shows its phases if the first step requested it, and its end otherwise.
         if steps.ended || !control.paused || (control.single_steps > 0) != steps.begins {
             steps.forget();
         } else if !steps.begins && steps.asked > 0 {
@@ -129,20 +129,20 @@ pub(super) fn choose(world: &mut World) {
     }
 }
 
-/// What the renderer was given of a phase is no longer so.
+/// Marks transforms as changed, because the renderer received those of a phase.
 fn redraw(world: &mut World) {
     let mut drawn = world.query_filtered::<&mut Transform, Or<(With<RigidPose>, With<Particle>)>>();
     drawn.iter_mut(world).for_each(|mut transform| transform.set_changed());
 }
 
-/// After a fixed tick: puts what is shown in the place of the particles.
+/// After a fixed tick: replaces the particles by those that are shown.
 pub(super) fn show(world: &mut World) {
     if world.resource::<PhaseSteps>().current.is_none() {
         return;
     }
     world.resource_scope(|world, mut steps: Mut<PhaseSteps>| {
         let sinew = &mut *world.resource_mut::<SinewWorld>();
-        // Who came or went meanwhile has rows that what was noted does not know.
+        // If particles were added or removed, the recorded rows are no longer valid.
         if steps.layout != sinew.tables.layout.number {
             steps.forget();
         } else if let Some(current) = steps.current.take() {
@@ -154,7 +154,7 @@ pub(super) fn show(world: &mut World) {
     }
 }
 
-/// Whether a phase is shown.
+/// Run condition: whether a phase is shown.
 pub(crate) fn is_shown(steps: Res<PhaseSteps>) -> bool {
     steps.own.is_some()
 }

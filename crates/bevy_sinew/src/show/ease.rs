@@ -1,4 +1,5 @@
-//! Easing of transforms between ticks: whoever has [`Interpolate`] is opted into `bevy_transform_interpolation`, whenever that or what is eased comes.
+//! Interpolation of transforms between ticks: entities with [`Interpolate`] are opted into `bevy_transform_interpolation`, whenever the component or the
+//! transform is added.
 
 use bevy::prelude::*;
 use bevy_transform_interpolation::prelude::TransformInterpolation;
@@ -8,26 +9,26 @@ use crate::bevy_version::OnRemove;
 use crate::components::{BodyParts, Interpolate, PartOf, Particle, RigidPose};
 use crate::schedule::SinewClock;
 
-/// Where something that is eased is drawn, at a speed of the simulation's own. The easing of transforms goes from one end of a fixed tick to the other,
-/// while that may play less of a tick or more. Nothing of the simulation depends on it.
+/// The transforms between which an entity is drawn where the simulation has a speed of its own. The interpolation crate interpolates from one end of a fixed
+/// tick to the other, while a fixed tick may play less or more than one tick of the simulation. The simulation does not depend on it.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct PlayedTransform {
-    /// Where the last tick began.
+    /// At the start of the last tick.
     before: Transform,
-    /// What the last fixed tick ended with.
+    /// At the end of the previous fixed tick.
     from: Transform,
-    /// What this one ended with.
+    /// At the end of this fixed tick.
     to: Transform,
 }
 
-/// Notes where the tick begins.
+/// Stores the transforms at the start of the tick.
 pub(crate) fn note_start(mut eased: Query<(&Transform, &mut PlayedTransform)>) {
     for (transform, mut played) in &mut eased {
         played.before = *transform;
     }
 }
 
-/// Notes what a fixed tick has played.
+/// Stores the transforms that a fixed tick has played.
 pub(crate) fn play(
     mut commands: Commands,
     clock: Res<SinewClock>,
@@ -48,7 +49,7 @@ pub(crate) fn play(
     }
 }
 
-/// Draws what is eased where the speed has it: in place of between the ends of the fixed tick.
+/// Interpolates between the played transforms, instead of the ends of the fixed tick.
 pub(crate) fn ease_played(
     time: Res<Time<Fixed>>,
     mut eased: Query<(
@@ -61,7 +62,7 @@ pub(crate) fn ease_played(
     let share = time.overstep_fraction();
     for (mut transform, played, translation, rotation) in &mut eased {
         let PlayedTransform { from, to, .. } = played;
-        // What a game has moved since is where the game has put it.
+        // A transform that the game has changed since is not interpolated.
         if translation.start.is_some() && translation.end.is_some() {
             transform.translation = from.translation.lerp(to.translation, share);
         }
@@ -79,10 +80,10 @@ fn between(from: &Transform, to: &Transform, share: f32) -> Transform {
     }
 }
 
-/// What has a transform that the simulation writes.
+/// Entities whose transform the simulation writes.
 type Written = (With<Transform>, Or<(With<RigidPose>, With<Particle>)>);
 
-/// Opts transforms in: those of bodies, of their parts, and of particles.
+/// Opts in the transforms of bodies, of their parts, and of particles.
 pub(crate) fn opt_in(
     mut commands: Commands,
     own: Query<Entity, (With<Interpolate>, Written, Without<TransformInterpolation>)>,
@@ -99,7 +100,7 @@ pub(crate) fn opt_in(
     }
 }
 
-/// Opts them out where [`Interpolate`] was taken away. (An observer, for a tick may be too late to be told of what went.)
+/// Opts them out when [`Interpolate`] is removed. (An observer, because a removal may no longer be readable at the next tick.)
 pub(crate) fn opt_out(
     removed: OnRemove<Interpolate>,
     mut commands: Commands,
@@ -108,12 +109,12 @@ pub(crate) fn opt_out(
     owners: Query<&PartOf>,
 ) {
     let entity = removed.entity;
-    // A part of a body that is eased goes on.
+    // A part of an interpolated body stays interpolated.
     if owners.get(entity).is_ok_and(|of| eased.contains(of.0)) {
         return;
     }
     for eased in parts.get(entity).into_iter().flat_map(BodyParts::iter).chain([entity]) {
-        // With all that it brought along, or that would go on easing.
+        // Including its required components, which would continue to interpolate.
         if let Ok(mut eased) = commands.get_entity(eased) {
             eased.queue_silenced(|mut eased: EntityWorldMut| {
                 eased.remove_with_requires::<TransformInterpolation>();

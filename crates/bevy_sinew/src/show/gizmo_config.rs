@@ -1,9 +1,10 @@
-//! Which lines are drawn for whoever debugs, and in which colours and lengths.
+//! Configuration of the debug lines: which layers are drawn, their colours and their lengths.
 
 use bevy::gizmos::config::GizmoConfigGroup;
 use bevy::prelude::*;
 
-/// Configures the lines of [`SinewGizmoPlugin`](crate::SinewGizmoPlugin): switch them on through Bevy's `GizmoConfigStore`, and choose their layers. Off by default.
+/// Configuration of the lines of [`SinewGizmoPlugin`](crate::SinewGizmoPlugin). The group is disabled by default: enable it through Bevy's `GizmoConfigStore`,
+/// and select its layers here.
 ///
 /// ```
 /// # use bevy::gizmos::config::GizmoConfigStore;
@@ -18,35 +19,35 @@ use bevy::prelude::*;
 #[derive(Reflect, GizmoConfigGroup, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Default, Clone, PartialEq)]
 pub struct SinewGizmoConfigGroup {
-    /// Particles as balls of their radius: blue, or orange if they are pinned. Default on.
+    /// Particles as balls of their radius: blue, or orange if pinned. Default on.
     pub particles: bool,
-    /// Distances as lines, green where they hold to red from 2 % of strain on. Default on.
+    /// Distances as lines, coloured by strain: from green (none) to red (2 % or more). Default on.
     pub strain: bool,
     /// Springs as yellow lines. Default on.
     pub springs: bool,
-    /// Outlines of colliders: grey, green if they are sensors, blue of rigid parts, red if they are set aside. Default on.
+    /// Outlines of colliders: grey, green for sensors, blue for rigid parts, red if set aside. Default on.
     pub colliders: bool,
-    /// From where each particle was when the last tick began to where it is. Default off.
+    /// A line from the position of each particle at the start of the last tick to its current one. Default off.
     pub previous: bool,
-    /// The way of each particle in the next [`VELOCITY_SECONDS`](Self::VELOCITY_SECONDS), at its velocity. Default off.
+    /// The velocity of each particle, as its displacement in [`VELOCITY_SECONDS`](Self::VELOCITY_SECONDS). Default off.
     pub velocities: bool,
-    /// Contacts of the last tick: a line along the normal, as long as its impulse is hard: [`METRES_PER_IMPULSE`](Self::METRES_PER_IMPULSE). Asks for the
-    /// contacts of all bodies ([`WatchedContacts::all`](crate::WatchedContacts::all)). Default off.
+    /// Contacts of the last tick: a line along the normal, with a length proportional to the impulse ([`METRES_PER_IMPULSE`](Self::METRES_PER_IMPULSE)). Sets
+    /// [`WatchedContacts::all`](crate::WatchedContacts::all). Default off.
     pub contacts: bool,
-    /// What accelerates each particle, an arrow for each kind, as long as it is strong ([`METRES_PER_ACCELERATION`](Self::METRES_PER_ACCELERATION)), in the
-    /// colours of [`FORCES`](Self::FORCES); in a [half-step](crate::PhaseSteps) their sum so far, white. Default off.
+    /// Accelerations of each particle: an arrow for each kind of force ([`METRES_PER_ACCELERATION`](Self::METRES_PER_ACCELERATION)), in the colours of
+    /// [`FORCES`](Self::FORCES); in a [phase step](crate::PhaseSteps) their sum so far, white. Default off.
     pub forces: bool,
     /// Angles, hinges, cones and bends, magenta. Default off.
     pub angles: bool,
-    /// What keeps its area or its volume, teal. Default off.
+    /// Constraints on areas and volumes, teal. Default off.
     pub volumes: bool,
-    /// Distances in a colour for each group that is solved side by side, instead of for their strain. Default off.
+    /// Distances coloured by batch (those that are solved side by side) instead of by strain. Default off.
     pub batches: bool,
-    /// Particles in a colour for each island: for what is solved together. Default off.
+    /// Particles coloured by island (those that are solved together). Default off.
     pub islands: bool,
-    /// Bodies that sleep as a violet box around their particles. Default off.
+    /// A violet box around each sleeping body. Default off.
     pub sleepers: bool,
-    /// The box around the particles of each body, and its centre of mass. Default off.
+    /// The bounding box of each body, and its centre of mass. Default off.
     pub bounds: bool,
 }
 
@@ -72,12 +73,12 @@ impl Default for SinewGizmoConfigGroup {
 }
 
 impl SinewGizmoConfigGroup {
-    /// How far ahead a velocity is drawn, seconds.
+    /// Time for which a velocity is drawn, seconds.
     pub const VELOCITY_SECONDS: f32 = 0.1;
     /// Length of the arrow of an acceleration, m/(m/s²): 0.2 m for gravity.
     pub const METRES_PER_ACCELERATION: f32 = 0.02;
-    /// The kinds of forces, by the [phases](crate::PhaseSystems) that sum them up, and their colours: gravity; springs, attractors and the game's own; wind and moving
-    /// air; buoyancy, drag and currents of fluids; charges and their fields.
+    /// The kinds of forces and their colours, in the order of the [phases](crate::PhaseSystems) that sum them up: gravity; springs, attractors and custom
+    /// forces; wind and air flow; buoyancy, drag and currents of fluids; charges and electric fields.
     pub const FORCES: [(&str, Color); 5] = [
         ("gravity", Color::srgb(0.95, 0.95, 0.95)),
         ("springs, own", Color::srgb(1.0, 0.5, 0.2)),
@@ -85,6 +86,6 @@ impl SinewGizmoConfigGroup {
         ("fluid", Color::srgb(0.25, 0.5, 1.0)),
         ("electric", Color::srgb(1.0, 0.85, 0.2)),
     ];
-    /// Length of the line of a contact, m/(N·s), besides the 0.05 m that each has.
+    /// Length of the line of a contact, m/(N·s), in addition to 0.05 m.
     pub const METRES_PER_IMPULSE: f32 = 0.1;
 }

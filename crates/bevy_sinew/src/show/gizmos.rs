@@ -1,4 +1,4 @@
-//! Lines for whoever debugs, in layers: particles, constraints coloured by strain, springs and more; colliders are in `wires`.
+//! Debug lines, in layers: particles, constraints coloured by strain, springs and more. Colliders are in `wires`.
 
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
@@ -11,16 +11,16 @@ use crate::components::{
 };
 use crate::world::SinewWorld;
 
-/// Draws particles and what connects them, and colliders. Does nothing in an app without gizmos.
+/// Draws particles, constraints, colliders and contacts as lines, as [`SinewGizmoConfigGroup`] selects. Does nothing in an app without gizmos.
 #[derive(Default)]
 pub struct SinewGizmoPlugin;
 
 impl Plugin for SinewGizmoPlugin {
     fn build(&self, _: &mut App) {}
 
-    /// Not while building, so that the order of the plugins does not matter.
+    /// In `finish`, so that the order of the plugins does not matter.
     fn finish(&self, app: &mut App) {
-        // Without a renderer there is no store of gizmo configurations, and nobody to see a line.
+        // Without a renderer there is no store of gizmo configurations.
         if !app.world().contains_resource::<GizmoConfigStore>() {
             return;
         }
@@ -52,7 +52,7 @@ impl Plugin for SinewGizmoPlugin {
     }
 }
 
-/// Whether the lines are on, and a layer is.
+/// Run condition: whether the lines and a layer are enabled.
 fn shows(
     layer: fn(&SinewGizmoConfigGroup) -> bool,
 ) -> impl FnMut(Res<GizmoConfigStore>) -> bool + Clone {
@@ -62,7 +62,7 @@ fn shows(
     }
 }
 
-/// Asks for contacts while they are drawn.
+/// Enables the listing of all contacts while they are drawn.
 fn watch(
     store: Res<GizmoConfigStore>,
     mut watched: ResMut<WatchedContacts>,
@@ -74,7 +74,7 @@ fn watch(
     }
 }
 
-/// Asks for forces while they are drawn.
+/// Enables the recording of forces while they are drawn.
 fn watch_forces(store: Res<GizmoConfigStore>, mut world: ResMut<SinewWorld>) {
     let wanted = shows(|layers| layers.forces)(store);
     if wanted != world.tables.forces.is_some() {
@@ -109,7 +109,7 @@ fn draw_strain(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorld>
         let (a, b) =
             (particles.position(distance.a as usize), particles.position(distance.b as usize));
         let strain = if distance.rest > 0.0 { distance.error(a, b) / distance.rest } else { 0.0 };
-        // Green where it holds, red from 2 % on.
+        // Green without strain, red from 2 % on.
         let hue = 120.0 * (1.0 - (strain / 0.02).min(1.0));
         gizmos.line(a, b, Color::hsl(hue, 0.9, 0.5));
     }
@@ -133,7 +133,7 @@ fn draw_springs(
     }
 }
 
-/// Where particles come from, and where they go.
+/// Draws previous positions and velocities.
 fn draw_motion(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorld>) {
     let SinewGizmoConfigGroup { previous, velocities, .. } = *gizmos.config_ext;
     let simulation = world.simulation();
@@ -151,7 +151,7 @@ fn draw_motion(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorld>
     }
 }
 
-/// Where bodies touch, and how hard; sensors green.
+/// Draws contacts and their impulses; sensors green.
 fn draw_contacts(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorld>) {
     for impact in &world.report().impacts {
         let long = 0.05 + SinewGizmoConfigGroup::METRES_PER_IMPULSE * impact.impulse;
@@ -163,7 +163,7 @@ fn draw_contacts(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorl
     }
 }
 
-/// The boxes around bodies.
+/// Draws the boxes around bodies.
 fn draw_boxes(
     mut gizmos: Gizmos<SinewGizmoConfigGroup>,
     world: Res<SinewWorld>,

@@ -1,4 +1,4 @@
-//! Layers of lines for forces, angles, volumes and batches.
+//! Layers of debug lines for forces, angles, volumes and batches.
 
 use bevy::prelude::*;
 use sinew::ConstraintKind;
@@ -10,12 +10,12 @@ use crate::world::SinewWorld;
 const ANGLES: Color = Color::srgb(0.95, 0.4, 0.9);
 const VOLUMES: Color = Color::srgb(0.25, 0.8, 0.65);
 
-/// A colour for a number, so that neighbours differ: the golden angle apart.
+/// A colour for an index, so that consecutive ones differ: hues the golden angle apart.
 pub(super) fn distinct(number: usize) -> Color {
     Color::hsl((number as f32 * 137.508).rem_euclid(360.0), 0.85, 0.6)
 }
 
-/// What each phase of the last substep has added to the accelerations; in a phase that is shown, their sum so far.
+/// Draws the acceleration that each phase of the last substep added; in a phase step, their sum so far.
 pub(super) fn draw_forces(
     mut gizmos: Gizmos<SinewGizmoConfigGroup>,
     world: Res<SinewWorld>,
@@ -26,7 +26,7 @@ pub(super) fn draw_forces(
     let gravity = world.simulation().forces.gravity;
     let mut draw = |i: usize, acceleration: Vec3, color: Color| {
         let way = acceleration * SinewGizmoConfigGroup::METRES_PER_ACCELERATION;
-        // Shorter than a millimetre it is not seen.
+        // An arrow shorter than a millimetre is not visible.
         if particles.inverse_mass(i) > 0.0 && way.length_squared() > 1e-6 && way.is_finite() {
             let at = particles.position(i);
             gizmos.arrow(at, at + way, color);
@@ -39,9 +39,9 @@ pub(super) fn draw_forces(
     let Some(forces) = &world.tables.forces else { return };
     for i in 0..particles.len() {
         let [own, rest @ ..] = forces.each_ref().map(|of| of.get(i).copied().unwrap_or_default());
-        // The first phase sums up gravity and all that is not of another phase: what a particle weighs tells them apart.
+        // The first phase sums up gravity and all forces that have no phase of their own; the weight is subtracted to tell them apart.
         let weight = gravity * particles.seed(i).gravity_scale;
-        // Round-off of the sum is no force.
+        // A difference within round-off is no force.
         let own = if (own - weight).length() > 1e-4 * weight.length() {
             own - weight
         } else {
@@ -51,7 +51,7 @@ pub(super) fn draw_forces(
     }
 }
 
-/// Angles with the arc between their arms, hinges with their axis, cones with their rim, bends across their edge.
+/// Draws angles with the arc between their arms, hinges with their axis, cones with their rim, bends across their edge.
 pub(super) fn draw_angles(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorld>) {
     let particles = world.particles();
     for constraint in world.simulation().constraints() {
@@ -96,7 +96,7 @@ pub(super) fn draw_angles(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<
     }
 }
 
-/// The outlines of what keeps its area or its volume.
+/// Draws the outlines of constraints on areas and volumes.
 pub(super) fn draw_volumes(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorld>) {
     let particles = world.particles();
     for constraint in world.simulation().constraints() {
@@ -127,7 +127,7 @@ pub(super) fn draw_volumes(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res
     }
 }
 
-/// Distances in a colour for each group that is solved side by side.
+/// Draws distances in a colour for each batch.
 pub(super) fn draw_batches(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorld>) {
     let particles = world.particles();
     for (group, distance) in world.simulation().grouped_distances() {

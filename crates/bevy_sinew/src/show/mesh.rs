@@ -1,8 +1,8 @@
-//! Meshes that follow particles: vertices where the particles are, and smooth normals to go with them.
+//! Meshes that follow particles: vertices at the particles, and smooth normals.
 //!
-//! Both are found particle by particle and then copied to the vertices: a particle on a seam of the texture has several. Where each has one, as on a
-//! grid, they are found vertex by vertex, with the solver's wide kernel. In the mesh's own frame, so that normals stand on its faces whatever the
-//! frame stretches or mirrors.
+//! Both are computed for each particle and then copied to the vertices, since a particle on a texture seam has several. Where each particle has one vertex, as
+//! on a grid, they are computed for each vertex by the solver's SIMD kernel. Everything is in the mesh's own frame, so that normals are perpendicular to its
+//! faces even if the frame is scaled or mirrored.
 
 use bevy::math::{Vec3A, Vec4};
 use bevy::mesh::{Indices, VertexAttributeValues};
@@ -17,16 +17,16 @@ use crate::rows::{GONE, Rows};
 use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
 
-/// A particle as a corner of triangles, in the frame of the mesh at hand.
+/// A particle as a corner of triangles, in the frame of the mesh.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Corner {
-    /// Where it is.
+    /// Position.
     at: Vec3A,
-    /// The sum of the area vectors of the triangles around it: along its smooth normal, across the seams of the texture too.
+    /// Sum of the area vectors of the triangles around it: the direction of the smooth normal, also across texture seams.
     normal: Vec3A,
 }
 
-/// Writes the vertices and normals of every mesh with a [`MeshFollow`], once a frame, if a tick passed or the body eases between ticks.
+/// Writes the vertices and normals of every mesh with a [`MeshFollow`], once a frame, if a tick passed or the body is interpolated.
 pub(crate) fn deform_meshes(
     world: Res<SinewWorld>,
     clock: Res<SinewClock>,
@@ -83,7 +83,7 @@ pub(crate) fn deform_meshes(
     }
 }
 
-/// Vertices that are particles, with their normals. Kept from frame to frame for its memory alone.
+/// Vertices with one particle each, and their normals. Kept from frame to frame to reuse the memory.
 #[derive(Default)]
 pub(crate) struct Smooth {
     points: Vec<Vec4>,
@@ -96,7 +96,7 @@ impl Smooth {
         self.points.extend(points.map(|at| at.extend(0.0)));
     }
 
-    /// Writes both to a mesh; `false`, and nothing is written, if its triangles are not in the form that the kernel reads.
+    /// Writes both to a mesh. Returns `false`, and writes nothing, if its indices are not in the form that the kernel reads.
     fn write(&mut self, mesh: &mut Mesh, instructions: InstructionSet) -> bool {
         let Self { points, normals } = self;
         let Ok(Indices::U32(list)) = mesh.try_indices() else { return false };
@@ -112,9 +112,9 @@ impl Smooth {
     }
 }
 
-/// Adds the area vector of each triangle to its corners. The triangles are read off the mesh each time: a game may change them.
+/// Adds the area vector of each triangle to its corners. The triangles are read from the mesh each time, since a game may change them.
 fn sum_normals(mesh: &Mesh, rows: &[u32], corners: &mut [Corner]) {
-    // A mesh may name vertices that it does not have; such a triangle shows nowhere.
+    // A mesh may have indices out of range; such a triangle is skipped.
     let row = |vertex: usize| rows.get(vertex).map_or(GONE as usize, |&row| row as usize);
     let mut add = |vertices: [usize; 3]| {
         let rows = vertices.map(row);
@@ -136,7 +136,7 @@ fn sum_normals(mesh: &Mesh, rows: &[u32], corners: &mut [Corner]) {
     }
 }
 
-/// Writes an attribute of all vertices whose particles are there.
+/// Writes an attribute of all vertices whose particles exist.
 fn write(
     mesh: &mut Mesh,
     attribute: bevy::mesh::MeshVertexAttribute,

@@ -1,4 +1,4 @@
-//! What a person sees: meshes that follow particles, and lines for whoever debugs. Nothing here is read back by the simulation.
+//! Rendering: meshes that follow particles, and debug lines. The simulation reads nothing of it.
 
 #[cfg(feature = "interpolation")]
 pub(crate) mod ease;
@@ -26,16 +26,16 @@ use bevy::transform::helper::TransformHelper;
 use crate::schedule::{Pace, SinewControl};
 use crate::world::SinewWorld;
 
-/// The way from the world into an entity's own frame.
+/// The transform from the world into an entity's own frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
-    /// Where the frame begins, metres. What is drawn is measured from there first, so that it has all its digits five kilometres out too.
+    /// Origin of the frame, metres. Positions are first taken relative to it, so that they keep their precision kilometres from the world's origin.
     origin: Vec3,
     linear: Mat3A,
 }
 
 impl Frame {
-    /// That of an entity, computed afresh; `None` if it has no inverse.
+    /// The current frame of an entity, computed on demand; `None` if its transform has no inverse.
     pub(crate) fn of(transforms: &TransformHelper, entity: Entity) -> Option<Self> {
         let transform = transforms.compute_global_transform(entity).ok()?.affine();
         let (origin, linear) = (transform.translation.into(), transform.matrix3.inverse());
@@ -43,7 +43,7 @@ impl Frame {
         sound.then_some(Self { origin, linear })
     }
 
-    /// Where a row is drawn, in the frame: at the end of the last tick, or somewhere on the way there.
+    /// The position at which a row is drawn, in the frame: at the end of the last tick, or interpolated.
     #[inline]
     pub(crate) fn place(&self, world: &SinewWorld, row: u32, ease: Option<Ease>) -> Vec3A {
         let i = row as usize;
@@ -63,16 +63,16 @@ impl Frame {
     }
 }
 
-/// What is drawn between two fixed ticks.
+/// Interpolation between two fixed ticks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ease {
-    /// Which part of the fixed tick has passed since it began, 0 to 1.
+    /// Fraction of the fixed tick that has passed since it began, 0 to 1.
     pub(crate) share: f32,
-    /// Whether that is another part of the simulation's own tick.
+    /// Whether that differs from the fraction of the simulation's tick.
     pub(crate) uneven: bool,
 }
 
-/// What says where between two ticks something is drawn.
+/// Parameters of the interpolation between two ticks.
 #[derive(SystemParam)]
 pub(crate) struct Easing<'w> {
     control: Res<'w, SinewControl>,
@@ -86,7 +86,7 @@ impl Easing<'_> {
         self.control.running()
     }
 
-    /// What is eased. A world that stands still is drawn where it stands.
+    /// The interpolation of an entity, if it has one (`eased`). A paused world is not interpolated.
     pub(crate) fn now(&self, eased: bool) -> Option<Ease> {
         let ease = || Ease { share: self.time.overstep_fraction(), uneven: self.pace.uneven };
         (eased && self.running()).then(ease)

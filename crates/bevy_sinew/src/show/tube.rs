@@ -1,4 +1,4 @@
-//! Tubes around chains of particles: what a rope looks like.
+//! Tubes around chains of particles, for ropes.
 
 use core::f32::consts::TAU;
 use core::mem::{swap, take};
@@ -14,7 +14,7 @@ use crate::rows::{GONE, Rows};
 use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
 
-/// Gives each [`TubeMesh`] a mesh of its own, and keeps it around its particles.
+/// Gives each [`TubeMesh`] a mesh of its own, and updates it.
 pub(crate) fn draw_tubes(
     mut commands: Commands,
     world: Res<SinewWorld>,
@@ -48,7 +48,7 @@ pub(crate) fn draw_tubes(
         middle.extend(there.map(|&row| Vec3::from(frame.place(&world, row, ease))));
         let sides = tube.sides.clamp(3, 64) as usize;
         let mut draw = |mesh: &mut Mesh| {
-            // In the mesh's own memory.
+            // Works in the mesh's own memory.
             skin.trade_lists(mesh);
             skin.wrap(&middle, tube.radius, sides);
             skin.trade_lists(mesh);
@@ -66,35 +66,35 @@ pub(crate) fn draw_tubes(
     }
 }
 
-/// The skin of a tube, in rings of `sides + 1` vertices (the first stands again at the end, for the texture's seam). Kept from
-/// frame to frame for its memory, and for what tubes have in common.
+/// The surface of a tube, in rings of `sides + 1` vertices (the first is repeated at the end, for the texture seam). Kept from frame to frame to reuse its
+/// memory, and for the data that tubes share.
 #[derive(Default)]
 pub(crate) struct Skin {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     indices: Vec<u32>,
-    /// Of how many rings and sides the indices are.
+    /// The number of rings and sides of the indices.
     indexed: (usize, usize),
-    /// Of each vertex of a ring.
+    /// The vertices of a ring.
     turns: Vec<Turn>,
 }
 
-/// Where on a ring a vertex is.
+/// A vertex on a ring.
 struct Turn {
-    /// Which share of the way around.
+    /// Fraction of the way around.
     share: f32,
     sin: f32,
     cos: f32,
 }
 
 impl Skin {
-    /// A tube of `radius` metres around a chain of points, closed by flat caps of its own rings. A triangle without a size for fewer
-    /// than two points, as in the frame in which a rope is spawned: for a mesh without vertices Bevy 0.19's renderer allocates nothing, and then reports an
-    /// error where it copies the vertices all the same ("use after free").
+    /// Computes a tube of `radius` metres around a chain of points, closed by flat caps from its end rings. For fewer than two points, as in the frame in which
+    /// a rope is spawned, it is a degenerate triangle: for a mesh without vertices Bevy 0.19's renderer allocates nothing, and then reports an error where it
+    /// copies the vertices all the same ("use after free").
     ///
-    /// The rings are carried along without twist: each ring's direction is the last one's, turned by the shortest arc between the two
-    /// pieces of the chain that it stands between (parallel transport).
+    /// The rings do not twist: the direction of each ring is that of the previous one, rotated by the shortest arc between the two segments that it separates
+    /// (parallel transport).
     fn wrap(&mut self, middle: &[Vec3], radius: f32, sides: usize) {
         if middle.len() < 2 {
             let at = middle.first().copied().unwrap_or_default();
@@ -125,7 +125,7 @@ impl Skin {
                 run += middle[i - 1].distance(*point);
             }
             let side = along.cross(across);
-            // One turn of the texture is as long as it is around, so that a rope's strands keep their slant.
+            // One repetition of the texture is as long as the circumference, so that the strands of a rope keep their slant.
             let high = run / around;
             let vertices = positions.iter_mut().zip(normals).zip(uvs);
             for (((position, normal), uv), turn) in vertices.zip(&*turns) {
@@ -137,7 +137,7 @@ impl Skin {
         }
     }
 
-    /// Makes room for so many rings, and the triangles between them.
+    /// Allocates this number of rings, and the triangles between them.
     fn lay_out(&mut self, rings: usize, sides: usize) {
         let Self { positions, normals, uvs, indices, indexed, turns } = self;
         let vertices = rings * (sides + 1);
@@ -172,7 +172,7 @@ impl Skin {
         }
     }
 
-    /// Trades its lists of vertices for those of a mesh.
+    /// Swaps its vertex lists with those of a mesh.
     fn trade_lists(&mut self, mesh: &mut Mesh) {
         let Self { positions, normals, uvs, .. } = self;
         for (attribute, own) in
@@ -189,7 +189,7 @@ impl Skin {
         }
     }
 
-    /// Writes the triangles into a mesh where it may have others: `changed`, or of another number.
+    /// Writes the indices into a mesh if they may differ: if the tube `changed`, or their number did.
     fn put_triangles(&self, mesh: &mut Mesh, changed: bool) {
         let Self { indices, .. } = self;
         match mesh.try_indices_mut() {
@@ -200,7 +200,7 @@ impl Skin {
     }
 }
 
-/// A unit vector across one direction, turned with it into another by the shortest arc between the two. With `w` their cross product and `c` their dot
+/// Rotates a unit vector that is perpendicular to `along` with the shortest rotation from `along` to `next`. With `w` their cross product and `c` their dot
 /// product, that is Rodrigues' `v + w × v + w × (w × v) / (1 + c)`.
 fn carried(across: Vec3, along: Vec3, next: Vec3) -> Vec3 {
     let (axis, cos) = (along.cross(next), along.dot(next));
@@ -208,7 +208,7 @@ fn carried(across: Vec3, along: Vec3, next: Vec3) -> Vec3 {
         let moved = axis.cross(across);
         across + moved + axis.cross(moved) / (1.0 + cos)
     } else {
-        // All but back to where it came from, which may be by many ways.
+        // Nearly opposite directions: the shortest rotation is not unique.
         Quat::from_rotation_arc(along, next) * across
     };
     turned.normalize_or(across)

@@ -1,4 +1,4 @@
-//! The outlines of colliders as lines, for whoever debugs.
+//! Outlines of colliders as debug lines.
 
 use core::f32::consts::TAU;
 
@@ -7,13 +7,12 @@ use bevy::prelude::*;
 use super::gizmo_config::SinewGizmoConfigGroup;
 use crate::components::{Collider, PlacedCollider, RigidPose, Sensor};
 
-/// Segments of a circle.
+/// Number of segments of a circle.
 const ROUND: u32 = 24;
-/// Half of what is drawn of an endless plane, metres.
+/// Half the size of the drawn part of an infinite plane, metres.
 const PLANE: f32 = 5.0;
 
-/// Draws the colliders that stand by themselves where the last tick had them, grey, or green if they are sensors, red if they are set aside; and
-/// those of rigid parts, blue.
+/// Draws static and kinematic colliders at their position in the last tick: grey, green for sensors, red if set aside; and those of rigid parts, blue.
 pub(super) fn draw_colliders(
     mut gizmos: Gizmos<SinewGizmoConfigGroup>,
     colliders: Query<(&Collider, &PlacedCollider, &Transform, Has<Sensor>, Has<RigidPose>)>,
@@ -72,7 +71,7 @@ fn outline(
             ring(y * h, x * r, z * r);
             ring(y * -h, x * r, z * r);
             for side in [x, z] {
-                // A circle whose upper half is lifted and whose lower half is lowered.
+                // A circle whose upper half is moved up and whose lower half is moved down.
                 let apart = move |p: Vec3| p + y * if p.y >= 0.0 { h } else { -h };
                 gizmos.lineloop(round(Vec3::ZERO, side * r, y * r).map(apart).map(point), color);
             }
@@ -87,7 +86,7 @@ fn outline(
     }
 }
 
-/// Points around an ellipse, from the centre and two half axes.
+/// Points on an ellipse, from its centre and two semi-axes.
 fn round(centre: Vec3, u: Vec3, v: Vec3) -> impl Iterator<Item = Vec3> {
     (0..ROUND).map(move |i| {
         let turn = TAU * i as f32 / ROUND as f32;

@@ -1,10 +1,10 @@
-//! What is drawn between two ticks is no state: a transform that is being eased counts as it was when the tick ended.
+//! Interpolated transforms are not state: a transform that is being interpolated is captured as it was at the end of the tick.
 
 use bevy::prelude::*;
 #[cfg(feature = "interpolation")]
 use bevy_transform_interpolation::{RotationEasingState, ScaleEasingState, TranslationEasingState};
 
-/// Makes of a transform as it is drawn the one that the tick left.
+/// Replaces an interpolated transform by the one at the end of the tick.
 #[cfg(feature = "interpolation")]
 pub(super) fn settled(world: &World, entity: Entity, transform: &mut Transform) {
     let end = world.get::<TranslationEasingState>(entity).and_then(|eased| eased.end);
@@ -15,11 +15,11 @@ pub(super) fn settled(world: &World, entity: Entity, transform: &mut Transform) 
     transform.scale = end.unwrap_or(transform.scale);
 }
 
-/// The same where nothing is eased.
+/// Without interpolation, nothing changes.
 #[cfg(not(feature = "interpolation"))]
 pub(super) fn settled(_: &World, _: Entity, _: &mut Transform) {}
 
-/// Forgets how an entity was eased: it is elsewhere now.
+/// Resets the interpolation of an entity that was moved.
 pub(super) fn forget(entity: &mut EntityWorldMut) {
     #[cfg(feature = "interpolation")]
     {

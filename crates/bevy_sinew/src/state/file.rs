@@ -1,8 +1,9 @@
-//! Snapshots as files: to RON, which can be read and compared, and to compact bytes; and back, bit for bit.
+//! Snapshots as files: RON, which can be read and compared, and compact bytes; both restore the same bits.
 //!
-//! A file is a tag, a version, how many entities there are, a column for each type (its name, the numbers of its entities, its values by reflection) and
-//! the [hash](SinewSnapshot::hash) of it all. Entities are called by their numbers in the snapshot. What is opaque to reflection stands as plain words:
-//! the shapes of colliders by what they were made of, cached contacts by their numbers. Reading touches no world: a broken file changes nothing.
+//! A file has a tag, a version, the number of entities, a column for each type (its name, the indices of its entities, its values by reflection) and the
+//! [hash](SinewSnapshot::hash) of everything. Entities are identified by their index in the snapshot. Types that are opaque to reflection are written as
+//! integers: the shapes of colliders by what they were made of, cached contacts by their numbers. Reading does not access the simulation: an invalid file
+//! changes nothing.
 
 use core::any::TypeId;
 use core::fmt::{self, Formatter};
@@ -23,23 +24,23 @@ use super::types::StateTypes;
 use super::values::{Column, Kind, StateRole, Values};
 use crate::components::{AnyConstraint, ColliderShape, ContactCache, CreationOrder};
 
-/// What files begin with.
+/// The tag at the beginning of a file.
 const TAG: &str = "bevy_sinew state";
-/// What bytes begin with.
+/// The first bytes of a binary file.
 const MAGIC: [u8; 4] = *b"SNEW";
-/// The version of the format. A file of another one is refused.
+/// The version of the format. Files of another version are refused.
 const VERSION: u32 = 1;
-/// The number of nobody.
+/// The index that stands for no entity.
 const NOBODY: u32 = u32::MAX;
 
 /// Why a snapshot cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SaveFault {
-    /// A constraint of a game's own that is not reflected: call [`register_state`](crate::RegisterState::register_state) for it.
+    /// A custom constraint is not reflected: call [`register_state`](crate::RegisterState::register_state) for it.
     #[error("{0} is not reflected: register it by register_state")]
     NotReflected(String),
-    /// Something that reflection cannot write: an [`AnyConstraint`], or a field of a game's own component.
+    /// Reflection cannot write a value: an [`AnyConstraint`], or a field of a custom component.
     #[error("it cannot be written: {0}")]
     Unwritable(String),
 }
@@ -48,30 +49,31 @@ pub enum SaveFault {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadFault {
-    /// It is no snapshot.
+    /// It is not a snapshot.
     #[error("it is not a file of bevy_sinew's state")]
     Foreign,
-    /// It is of another version of the format.
+    /// It has another version of the format.
     #[error("it is of version {0} of the format, and this is version {VERSION}")]
     Version(u32),
-    /// It has values of a type that is no state in this app, or not reflected there.
+    /// It has values of a type that is not registered as state in this app, or is not reflected there.
     #[error("{0} is no state in this app: it was not registered")]
     Unregistered(String),
-    /// It is cut off, or garbled.
+    /// It is truncated or corrupted.
     #[error("it is broken: {0}")]
     Broken(String),
-    /// Its contents are not what was written.
+    /// Its contents differ from what was written.
     #[error("its contents are not what was written: the hash differs")]
     Hash,
 }
 
 impl SinewSnapshot {
-    /// As text: Rusty Object Notation. Floats come back bit for bit.
+    /// Writes the snapshot as text, in RON (Rusty Object Notation). Floats are restored bit for bit.
     ///
-    /// Components that a game has registered as unsaved, handles and such are left out; all else is there.
+    /// Types that a game registered as unsaved, and handles, are left out; everything else is written. `world` must have the same types registered: it is
+    /// usually the world of the snapshot.
     ///
     /// # Errors
-    /// A constraint that is not reflected, or something that reflection cannot write. `world` is one with the same types: that of the snapshot.
+    /// A constraint that is not reflected, or a value that reflection cannot write.
     pub fn to_ron(&self, world: &World) -> Result<String, SaveFault> {
         self.write(world, |file| {
             let options = ron::Options::default().without_recursion_limit();
@@ -80,7 +82,7 @@ impl SinewSnapshot {
         })
     }
 
-    /// As bytes, as few as is simple: about an eighth of the text.
+    /// Writes the snapshot as bytes, about an eighth of the size of the text.
     ///
     /// # Errors
     /// As [`to_ron`](Self::to_ron).
@@ -94,10 +96,10 @@ impl SinewSnapshot {
         Ok(bytes)
     }
 
-    /// Reads what [`to_ron`](Self::to_ron) wrote, for an app in which the same types are registered.
+    /// Reads what [`to_ron`](Self::to_ron) wrote. `world` must be one in which the same types are registered.
     ///
     /// # Errors
-    /// Text that is something else, of another version, cut off, changed, or that has a type that is not registered.
+    /// Text that is not a snapshot, has another version, is truncated or changed, or has a type that is not registered.
     pub fn from_ron(text: &str, world: &World) -> Result<Self, LoadFault> {
         Self::read(world, text.len(), |file| {
             let options = ron::Options::default().without_recursion_limit();
@@ -105,7 +107,7 @@ impl SinewSnapshot {
         })
     }
 
-    /// Reads what [`to_bytes`](Self::to_bytes) wrote, for an app in which the same types are registered.
+    /// Reads what [`to_bytes`](Self::to_bytes) wrote. `world` must be one in which the same types are registered.
     ///
     /// # Errors
     /// As [`from_ron`](Self::from_ron).
@@ -173,14 +175,14 @@ impl SinewSnapshot {
     }
 }
 
-/// Fowler, Noll and Vo's hash of bytes.
+/// FNV-1a hash of bytes.
 fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     })
 }
 
-/// A snapshot on its way out.
+/// A snapshot being written.
 struct FileOut<'a> {
     snapshot: &'a SinewSnapshot,
     columns: Vec<&'a Column>,
@@ -228,13 +230,13 @@ impl Serialize for ValuesOut<'_> {
     }
 }
 
-/// A snapshot on its way in.
+/// A snapshot being read.
 struct FileIn<'a> {
     types: &'a StateTypes,
     registry: &'a TypeRegistry,
-    /// More entities than it has bytes there cannot be.
+    /// The maximum number of entities: the size of the file, in bytes.
     most: usize,
-    /// What is wrong with it beside its syntax.
+    /// The error, if it is not one of syntax.
     fault: &'a mut Option<LoadFault>,
 }
 
@@ -246,7 +248,7 @@ impl<'de> DeserializeSeed<'de> for FileIn<'_> {
     }
 }
 
-/// The next part of something, or that it is missing.
+/// The next element of a sequence, or an error if it is missing.
 fn next<'de, T: Deserialize<'de>, A: SeqAccess<'de>>(parts: &mut A) -> Result<T, A::Error> {
     parts.next_element()?.ok_or_else(|| A::Error::custom("it is cut off"))
 }
@@ -417,7 +419,7 @@ impl<'de> Visitor<'de> for ValuesIn<'_> {
     }
 }
 
-/// What is written and read otherwise than reflection would.
+/// Values that are written and read differently from their reflection.
 struct Leaves;
 
 impl ReflectSerializerProcessor for Leaves {

@@ -1,4 +1,4 @@
-//! One number for the whole state: Fowler, Noll and Vo's hash over every value, seen by reflection, down to its numbers, bit by bit.
+//! A hash of the whole state: FNV-1a, with a mixing step, over every value, traversed by reflection down to its numbers, bit by bit.
 
 use bevy::prelude::*;
 use bevy::reflect::{PartialReflect, ReflectRef};
@@ -6,10 +6,10 @@ use bevy::reflect::{PartialReflect, ReflectRef};
 use super::values::{Column, StateRole};
 use crate::components::{AnyConstraint, ColliderShape, ContactCache};
 
-/// Of the values of all types; `orders` are those in which their entities were created.
+/// The hash of the values of all types; `orders` is the order of creation of each entity.
 pub(super) fn of(orders: &[u64], columns: &[Column]) -> u64 {
     let mut hash = Hash { state: 0xcbf2_9ce4_8422_2325, orders };
-    // By name: the order in which types were registered means nothing.
+    // Sorted by name, since the order in which types were registered is irrelevant.
     let mut columns: Vec<&Column> = columns.iter().collect();
     columns.retain(|column| column.kind.is_hashed());
     columns.sort_by(|a, b| a.kind.name().cmp(b.kind.name()));
@@ -30,7 +30,7 @@ impl Hash<'_> {
         for (place, &number) in column.numbers.iter().enumerate() {
             let order = self.orders.get(number as usize).copied().unwrap_or_default();
             let is_resource = column.kind.role() == StateRole::Resource;
-            // What has no order of creation has no place that is the same everywhere.
+            // An entity without an order of creation has no place that is the same everywhere.
             if order == 0 && !is_resource {
                 continue;
             }
@@ -44,7 +44,7 @@ impl Hash<'_> {
 
     fn word(&mut self, word: u64) {
         self.state = (self.state ^ word).wrapping_mul(0x0100_0000_01b3);
-        // The product carries upwards alone; so that high bits count in low ones, too.
+        // A product propagates only to higher bits, so the high half is mixed into the low one.
         self.state ^= self.state >> 32;
     }
 
@@ -53,7 +53,7 @@ impl Hash<'_> {
         bytes.iter().for_each(|&byte| self.word(byte.into()));
     }
 
-    /// An entity counts as its order of creation.
+    /// Hashes an entity by its order of creation.
     fn entity(&mut self, entity: Entity) {
         let order = self.orders.get(entity.index_u32() as usize).copied();
         self.word(order.unwrap_or(u64::MAX));
@@ -82,7 +82,7 @@ impl Hash<'_> {
                 self.word(value.len() as u64);
                 value.iter().for_each(|item| self.value(item));
             }
-            // Without an order of their own: as the sum of what they have.
+            // Maps and sets have no order, so the hashes of their items are added.
             ReflectRef::Map(value) => {
                 let items = value.iter().map(|(key, value)| {
                     self.of(|hash| {
@@ -103,7 +103,7 @@ impl Hash<'_> {
         }
     }
 
-    /// Of something alone.
+    /// The hash of an item by itself.
     fn of(&self, add: impl FnOnce(&mut Self)) -> u64 {
         let mut alone = Self { state: 0xcbf2_9ce4_8422_2325, orders: self.orders };
         add(&mut alone);
@@ -148,14 +148,14 @@ impl Hash<'_> {
             any.particles.iter().for_each(|&entity| self.entity(entity));
             self.bytes(format!("{:?}", any.kind).as_bytes());
         } else {
-            // Of anything else what it says of itself.
+            // Any other type by its reflected hash and its `Debug` output.
             self.word(value.reflect_hash().unwrap_or_default());
             self.bytes(format!("{value:?}").as_bytes());
         }
     }
 }
 
-/// Whether reflection does not see what is in it, or more than counts.
+/// Whether reflection does not see the contents of a value, or more than is to be hashed.
 fn is_leaf(value: &dyn PartialReflect) -> bool {
     value.try_downcast_ref::<ContactCache>().is_some() || value.try_downcast_ref::<Name>().is_some()
 }

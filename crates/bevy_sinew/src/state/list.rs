@@ -1,5 +1,5 @@
-//! The list: every component and resource of ours that is state. A type that is missing here is caught by a test, which reads the source of this crate
-//! (`tests/state_list.rs`, where those that are no state stand with the reason).
+//! The list of every component and resource of this crate that is state. A missing type is found by a test that reads the source of this crate
+//! (`tests/state_list.rs`, which lists the types that are not state with the reason).
 
 use bevy::prelude::*;
 
@@ -29,7 +29,7 @@ use crate::recipes::{
 };
 use crate::schedule::{SinewClock, SinewControl};
 
-/// Components that make their entity part of the simulation, and are plain data.
+/// Plain components that make their entity part of the simulation.
 macro_rules! components {
     ($app:ident: $($component:ty,)*) => {$(
         $app.register_type::<$component>();
@@ -37,7 +37,7 @@ macro_rules! components {
     )*};
 }
 
-/// Recipes, with what is known of how they were built.
+/// Recipes, with what they were built from.
 macro_rules! recipes {
     ($app:ident: $($recipe:ty,)*) => {$(
         components!($app: $recipe,);
@@ -50,7 +50,7 @@ macro_rules! recipes {
     )*};
 }
 
-/// Who belongs to whom, and the lists of those who do, in the order in which they joined.
+/// Relationships, and the lists of related entities in the order in which they were added.
 macro_rules! relationships {
     ($app:ident: $($relationship:ty => $list:ty,)*) => {$(
         $app.register_type::<$relationship>().register_type::<$list>();
@@ -70,12 +70,12 @@ macro_rules! resources {
     )*};
 }
 
-/// Adds all that is state to the list of an app.
+/// Registers all state types of this crate.
 pub(crate) fn add(app: &mut App) {
-    // The order of creation first: what requires it then finds it.
+    // The order of creation first, so that components that require it find it.
     components!(app:
         CreationOrder,
-        // Particles and what holds them together.
+        // Particles and constraints.
         Particle, Mass, Pinned, PinnedTo, Radius, Charge, Drag, ExternalForce, RestPlace,
         DistanceConstraint, Spring,
     );
@@ -87,7 +87,7 @@ pub(crate) fn add(app: &mut App) {
         ExtractedTransform, LinearVelocity, AngularVelocity, ExtractedVelocity, WorldCenterOfMass, Inertia,
         ControlForce, ExternalTorque, ExternalImpulse, TickForces, PendingEdits, Relax,
         GravityScale, BodySolver, Representation, Sleep, SleepingDisabled, Floats,
-        // Surroundings.
+        // Environment.
         Wind, AirFlow, Fluid, Region, Attractor, ElectricField, Flatland, Ground, BoundingBox,
         // Contacts.
         Collider, ColliderMotion, ContactCache, SurfaceMaterial, CollisionLayers, Sensor, BodyContacts,
@@ -107,24 +107,24 @@ pub(crate) fn add(app: &mut App) {
     add_special(app);
 }
 
-/// Those of which something is special.
+/// Registers the types with special options.
 fn add_special(app: &mut App) {
     app.register_type::<(Touching, BodyReport, Transform, Name, ChildOf)>();
-    // Nobody is told that contacts end of what never was.
+    // Contacts that are cleared by a restore must not send events.
     let let_go: Option<fn(&mut World, Entity)> = Some(|world, entity| {
         if let Some(mut touching) = world.get_mut::<Touching>(entity) {
             touching.0.clear();
         }
     });
     let touching = Options { let_go, ..Options::<Touching>::reflected() };
-    // Asked for by being there; the numbers are of the wall clock, too.
+    // Added by tools, and with wall-clock times, so it is not hashed.
     let report = Options { hashed: false, ..Options::<BodyReport>::reflected() };
     let role = StateRole::Carried;
     let transform = Options::<Transform>::reflected();
     let transform = Options { role, pruned: false, taken: Some(settled), ..transform };
     let name = Options { role, pruned: false, ..Options::<Name>::reflected() };
     let parent = Options { role, ..Options::<ChildOf>::with(join_listed::<ChildOf>).viewed() };
-    // Handles and marks of this very world.
+    // Handles and markers that are valid in their own world only.
     let role = StateRole::Local;
     let (pruned, hashed) = (false, false);
     let mesh = Options::<Mesh3d>::with(supply::<Mesh3d>);

@@ -1,17 +1,17 @@
-//! The state of the simulation: which types it is in, how it is captured and put back, and a hash of it.
+//! The state of the simulation: which types it consists of, how it is captured and restored, and its hash.
 //!
-//! | file | what it holds |
+//! | file | contents |
 //! |---|---|
-//! | `list` | the list: every type of ours that is state |
-//! | `types` | [`StateTypes`], which holds that list and what a game adds to it: [`RegisterState`] |
-//! | `values` | the values of one type, taken out of a world and put back |
-//! | `snapshot` | [`SinewSnapshot`]: all of it at one instant |
-//! | `restore` | a snapshot put back, in place or into another app |
-//! | `hash` | one number for all of it |
-//! | `size` | how much memory it takes |
+//! | `list` | the list of all types of this crate that are state |
+//! | `types` | [`StateTypes`], which has that list and the types that a game adds: [`RegisterState`] |
+//! | `values` | the values of one type, copied out of a world and back |
+//! | `snapshot` | [`SinewSnapshot`]: the whole state at one instant |
+//! | `restore` | restoring a snapshot, in place or into another app |
+//! | `hash` | the hash of the state |
+//! | `size` | the memory that a snapshot takes |
 //! | `file` | snapshots as RON and as bytes, with the feature `serialize` |
 //! | `rollback` | rollback netcode, with the feature `ggrs` |
-//! | `eased` | what is drawn between two ticks is no state |
+//! | `eased` | interpolated transforms are not state |
 
 mod eased;
 #[cfg(feature = "serialize")]

@@ -1,4 +1,4 @@
-//! A snapshot put back: what came since goes, what went since is there again, and what stayed has the values that it had.
+//! Restoring a snapshot: entities that were added since are despawned, those that were despawned are spawned again, and all get the values of the snapshot.
 
 use std::collections::BTreeSet;
 
@@ -16,47 +16,47 @@ use crate::components::{ContactEnded, ContactStarted, TopologyChanged};
 use crate::recipes::BodyBuilt;
 use crate::schedule::PhaseSteps;
 
-/// Why a snapshot cannot be put back. Nothing has changed.
+/// Why a snapshot cannot be restored. Nothing has changed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RestoreFault {
     /// The app has no [`SinewPlugin`](crate::SinewPlugin).
     #[error("the world has no SinewPlugin")]
     NoPlugin,
-    /// The snapshot has values of a type that is no state in this app: a game's own constraint that was not registered, for one.
+    /// The snapshot has values of a type that is not registered as state in this app, for instance a custom constraint.
     #[error("{0} is no state in this world: it was not registered")]
     Unregistered(String),
 }
 
 impl SinewSnapshot {
-    /// Makes the simulation of a world what it was when this was captured. Returns what each entity of the snapshot is now.
+    /// Restores the simulation of a world to the state of the snapshot. Returns the current entity for each entity of the snapshot.
     ///
-    /// In the world that it was captured in, what is still there stays the entity that it is; what has gone since is spawned again under another id;
-    /// and what has come since, and is part of the simulation, is despawned. In any other world all of it is spawned, and what the simulation had there
-    /// is despawned. Components that are no state stay on entities that stay. Messages of contacts, breaks and builds that nobody has read yet are dropped: they
-    /// tell of what has not happened. Hooks and observers of the components that are inserted or removed run as ever.
+    /// In the world in which it was captured, entities that still exist keep their ids; those that have been despawned since are spawned again with another id;
+    /// and entities of the simulation that have been spawned since are despawned. In any other world all entities are spawned, and those that the simulation
+    /// had there are despawned. Components that are not state stay on entities that stay. Unread messages of contacts, breaks and builds are dropped, since
+    /// they report events that have been undone. Hooks and observers of inserted and removed components run as usual.
     ///
     /// # Errors
-    /// A world without the plugin, or one in which a type of the snapshot was not registered. Nothing has changed then.
+    /// A world without the plugin, or one in which a type of the snapshot is not registered. Nothing has changed then.
     pub fn restore(&self, world: &mut World) -> Result<EntityHashMap<Entity>, RestoreFault> {
         self.restore_onto(world, &EntityHashMap::default())
     }
 
-    /// The same where some entities that have gone are known to be there again under other ids.
+    /// Restores a snapshot, where some despawned entities are `known` to exist again with other ids.
     pub(crate) fn restore_onto(
         &self,
         world: &mut World,
         known: &EntityHashMap<Entity>,
     ) -> Result<EntityHashMap<Entity>, RestoreFault> {
         self.check(world)?;
-        // A phase that is shown is of a tick that was not.
+        // A phase that is shown belongs to a tick that is undone.
         if let Some(mut phases) = world.get_resource_mut::<PhaseSteps>() {
             phases.end();
         }
         world.resource_scope(|world, types: Mut<StateTypes>| Ok(self.put(world, &types, known)))
     }
 
-    /// Whether every type of it is registered.
+    /// Whether every type of the snapshot is registered.
     fn check(&self, world: &World) -> Result<(), RestoreFault> {
         let types = world.get_resource::<StateTypes>().ok_or(RestoreFault::NoPlugin)?;
         let lacks = self.columns.iter().find(|column| types.find(column.kind.id()).is_none());
@@ -77,7 +77,7 @@ impl SinewSnapshot {
         });
         let kept: Vec<Option<Entity>> = kept.collect();
 
-        // Nobody is to be despawned along with others, nor to say that it ends.
+        // No entity may be despawned along with others, or send events.
         let now = members(world, types);
         for kind in &types.kinds {
             now.iter().for_each(|&entity| kind.let_go(world, entity));
@@ -87,7 +87,7 @@ impl SinewSnapshot {
             world.try_despawn(entity).ok();
         }
 
-        // One that hung on what was despawned may have gone with it.
+        // A kept entity may have been despawned along with another one.
         let entities: Vec<Entity> = kept
             .into_iter()
             .map(|kept| match kept.filter(|&kept| there(world, kept)) {
@@ -112,7 +112,7 @@ impl SinewSnapshot {
         self.entities.iter().copied().zip(entities).collect()
     }
 
-    /// Puts all values back, and takes away what was not there.
+    /// Restores all values, and removes components that did not exist.
     fn put_columns(
         &self,
         world: &mut World,
@@ -142,7 +142,7 @@ impl SinewSnapshot {
             }
         }
         put(world, false);
-        // Whoever does not belong to anybody any more says so to lists that are empty, before those are put back.
+        // Entities that leave a relationship are removed from its list while the lists are empty, before these are restored.
         had.prune(world, types, entities, false);
         put(world, true);
         had.prune(world, types, entities, true);
@@ -154,7 +154,7 @@ impl SinewSnapshot {
     }
 }
 
-/// Which entity had which kinds of components: a bit each.
+/// Which entity had which kinds of components: one bit each.
 struct Had {
     stride: usize,
     bits: Vec<u64>,
@@ -176,7 +176,7 @@ impl Had {
         self.bits[entity * self.stride + kind / 64] & 1 << (kind % 64) != 0
     }
 
-    /// Takes what they did not have from entities: lists of others, or anything else.
+    /// Removes the components that the entities did not have: relationship lists, or all others.
     fn prune(&self, world: &mut World, types: &StateTypes, entities: &[Entity], lists: bool) {
         let places = Places::new(world, types);
         let goes = |place: usize, id: &ComponentId| {
@@ -191,7 +191,7 @@ impl Had {
             let all = there.archetype().components().iter().copied();
             let gone: Vec<ComponentId> = all.filter(|id| goes(place, id)).collect();
             for id in gone {
-                // A hook of one before it may have despawned it.
+                // A hook of an earlier component may have despawned the entity.
                 if let Ok(mut entity) = world.get_entity_mut(entity) {
                     entity.remove_by_id(id);
                 }

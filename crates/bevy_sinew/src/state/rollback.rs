@@ -1,7 +1,7 @@
-//! Rollback netcode: the state is saved and loaded when `bevy_ggrs` says so.
+//! Rollback netcode: the state is saved and loaded when `bevy_ggrs` requests it.
 //!
-//! One snapshot a frame holds all of it, in place of a store for each type: so that bodies with thousands of entities need no mark on each, what was
-//! despawned comes back with its relationships, and nothing that is state can be forgotten.
+//! One snapshot per frame holds the whole state, instead of a store for each type: bodies with thousands of entities need no marker on each, despawned entities
+//! are restored with their relationships, and no type of the state can be forgotten.
 
 use std::collections::VecDeque;
 
@@ -14,12 +14,12 @@ use bevy_ggrs::{
 
 use super::SinewSnapshot;
 
-/// Has [`bevy_ggrs`] roll the simulation back: all that is in [`StateTypes`](crate::StateTypes), a game's registered constraints and whatever else it
-/// [registers](crate::RegisterState). A hash of it all goes into the checksum of each frame, by which desyncs are found.
+/// Rolls the simulation back with [`bevy_ggrs`]: all types in [`StateTypes`](crate::StateTypes), including a game's registered constraints and whatever else it
+/// [registers](crate::RegisterState). The hash of the state is part of the checksum of each frame, by which desyncs are detected.
 ///
-/// The simulation runs in [`GgrsSchedule`](bevy_ggrs::GgrsSchedule), and entities of the simulation need no `Rollback`; a game that marks them all the
-/// same may do so, to have components of its own rolled back by `bevy_ggrs`. Those that name entities are mapped by its
-/// `update_component_with_map_entities` where a body had to be spawned again.
+/// The simulation runs in [`GgrsSchedule`](bevy_ggrs::GgrsSchedule). Entities of the simulation need no `Rollback` marker; a game may add it to have components
+/// of its own rolled back by `bevy_ggrs`. Components that refer to entities are mapped by its `update_component_with_map_entities` if a body had to be spawned
+/// again.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -43,25 +43,25 @@ impl Plugin for SinewRollbackPlugin {
     }
 }
 
-/// The frames that may yet be rolled back to.
+/// The snapshots of the frames to which the game may still roll back.
 #[derive(Resource, Default)]
 pub struct RollbackHistory {
-    /// The oldest first.
+    /// The oldest frame first.
     frames: VecDeque<(i32, SinewSnapshot)>,
-    /// Who carries the checksum.
+    /// The entity with the checksum.
     part: Option<Entity>,
 }
 
-/// More than any window of prediction.
+/// Maximum number of frames: more than any prediction window.
 const MOST: usize = 256;
 
 impl RollbackHistory {
-    /// The state when a frame began, if that is held still.
+    /// The state at the beginning of a frame, if it is still stored.
     pub fn at(&self, frame: i32) -> Option<&SinewSnapshot> {
         self.frames.iter().find(|(held, _)| *held == frame).map(|(_, snapshot)| snapshot)
     }
 
-    /// Adds a frame. Those after it are of a future that was undone; those before the confirmed one are not asked for any more.
+    /// Adds a frame. Later frames have been undone, and frames before the confirmed one are not needed any more.
     fn push(&mut self, frame: i32, confirmed: i32, snapshot: SinewSnapshot) {
         self.frames.retain(|&(held, _)| held < frame && held >= confirmed);
         self.frames.push_back((frame, snapshot));
@@ -93,7 +93,7 @@ fn load(world: &mut World) {
         error!("sinew: frame {frame} was not saved, so the simulation cannot be rolled back to it");
         return;
     };
-    // Who was spawned again by `bevy_ggrs` itself is not spawned twice.
+    // An entity that `bevy_ggrs` has already spawned again is not spawned twice.
     let known = world.get_resource::<RollbackEntityMap>();
     let mut known: EntityHashMap<Entity> =
         known.into_iter().flat_map(RollbackEntityMap::iter).collect();

@@ -1,4 +1,4 @@
-//! How much memory a snapshot takes: for whoever keeps many of them and has to stop somewhere.
+//! The memory that a snapshot takes, for tools that keep many of them.
 
 use bevy::prelude::*;
 use bevy::reflect::{PartialReflect, ReflectRef};
@@ -7,7 +7,7 @@ use sinew::CachedManifold;
 use super::values::Column;
 use crate::components::ContactCache;
 
-/// Of the values of one type, bytes.
+/// The memory of the values of one type, bytes.
 pub(super) fn of(column: &Column) -> usize {
     let (own, may_own_more) = column.values.bytes();
     let numbers = size_of_val(&*column.numbers);
@@ -18,7 +18,7 @@ pub(super) fn of(column: &Column) -> usize {
     own + numbers + values.map(heap).sum::<usize>()
 }
 
-/// What a value owns on the heap, bytes, as far as reflection sees it.
+/// The heap memory of a value, bytes, as far as reflection sees it.
 fn heap(value: &dyn PartialReflect) -> usize {
     if let Some(ContactCache(cached)) = value.try_downcast_ref::<ContactCache>() {
         return cached.len() * size_of::<CachedManifold>();
@@ -37,7 +37,7 @@ fn heap(value: &dyn PartialReflect) -> usize {
         ReflectRef::List(list) => {
             let Some(first) = list.get(0) else { return 0 };
             let items = list.len() * size_of_val(first);
-            // Where the first one owns nothing none does: lists of entities and of points are long.
+            // If the first item has no heap memory, none has: lists of entities and of points are long.
             if heap(first) == 0 { items } else { items + list.iter().map(heap).sum::<usize>() }
         }
         _ => 0,

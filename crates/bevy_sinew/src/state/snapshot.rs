@@ -1,4 +1,4 @@
-//! The whole state at one instant, taken out of its world.
+//! The whole state at one instant, copied out of its world.
 
 use std::collections::BTreeSet;
 
@@ -16,9 +16,9 @@ use crate::components::CreationOrder;
 
 /// The whole state of the simulation at one instant: every component and resource in [`StateTypes`]. Cheap to clone.
 ///
-/// It holds the entities that are part of the simulation, and those that they name or hang on, such as a moving platform: of these the transform, the
-/// name and the parent. Put back, the simulation goes on bit for bit as it did: in place ([`restore`](Self::restore)), as often as you like, or in another
-/// app with the same plugins and the same constraints registered. What is drawn (meshes, materials) and messages are no part of it.
+/// It has the entities that are part of the simulation, and those that they refer to or are attached to, such as a moving platform: of these only the
+/// transform, the name and the parent. A restored simulation continues bit for bit: in place ([`restore`](Self::restore)), any number of times, or in another
+/// app with the same plugins and the same registered constraints. What is drawn (meshes, materials) and messages are not part of it.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -37,11 +37,11 @@ use crate::components::CreationOrder;
 /// ```
 #[derive(Clone, Default)]
 pub struct SinewSnapshot {
-    /// Whose entities those are; `None` if they are from a file.
+    /// The world of the entities; `None` for a snapshot from a file.
     pub(super) world: Option<WorldId>,
-    /// By their numbers: those that are part of the simulation, in the order of creation; then those that they name.
+    /// The entities by index: those that are part of the simulation, in the order of creation; then those that they refer to.
     pub(super) entities: Vec<Entity>,
-    /// The order of creation of each, 0 if it has none.
+    /// The order of creation of each entity, 0 if it has none.
     pub(super) orders: Vec<u64>,
     /// The values of each type.
     pub(super) columns: Vec<Column>,
@@ -56,9 +56,9 @@ impl core::fmt::Debug for SinewSnapshot {
 }
 
 impl SinewSnapshot {
-    /// Takes the state out of a world, which stays as it is. Empty if the plugin is not there.
+    /// Copies the state out of a world, which is not changed. Empty if the plugin is missing.
     ///
-    /// Any time is a good one but in the middle of a tick: between two schedules, or in an exclusive system before or after the tick.
+    /// Call it at any time except in the middle of a tick: between two schedules, or in an exclusive system before or after the tick.
     pub fn capture(world: &World) -> Self {
         let Some(types) = world.get_resource::<StateTypes>() else { return Self::default() };
         let places = Places::new(world, types);
@@ -85,7 +85,7 @@ impl SinewSnapshot {
             values.map(&mut names);
             taken.push((numbers, values));
         }
-        // What they name goes along with what is carried of it.
+        // Referenced entities are included with their carried components.
         let Names::Note(named) = names else { return Self::default() };
         let others = others(world, named, &numbers);
         entities.extend(&others);
@@ -115,41 +115,41 @@ impl SinewSnapshot {
         Self { world: Some(world.id()), entities, orders, columns }
     }
 
-    /// A number made of all that counts: of every value of every component and resource, bit by bit. Two worlds in the same state have the same,
-    /// whatever ids their entities have; whatever differs gives another one, but for chance.
+    /// A hash of the state: of every value of every component and resource, bit by bit. Two worlds in the same state have the same hash, whatever their entity
+    /// ids; different states have different hashes, except by chance.
     ///
-    /// Left out are handles, reports, and what is neither reflected nor a constraint. Of entities without a [`CreationOrder`] nothing counts.
+    /// Handles, reports, and types that are neither reflected nor constraints are left out, and so are entities without a [`CreationOrder`].
     pub fn hash(&self) -> u64 {
         hash::of(&self.orders, &self.columns)
     }
 
-    /// Memory that it takes, bytes: an estimate, within some percent. Clones share it.
+    /// An estimate of the memory that it takes, bytes, within some per cent. Clones share that memory.
     pub fn memory_bytes(&self) -> usize {
         let ids = size_of_val(&*self.entities) + size_of_val(&*self.orders);
         ids + self.columns.iter().map(size::of).sum::<usize>()
     }
 
-    /// Calls its entities by the ids that another snapshot's [`restore`](Self::restore) gave them: entities that are not in the map keep theirs. For a game that
-    /// keeps several snapshots of one world. What was despawned is spawned again once, and the next snapshot is put back onto that.
+    /// Replaces entity ids by those that the [`restore`](Self::restore) of another snapshot assigned; entities that are not in the map keep theirs. For a game
+    /// that keeps several snapshots of one world: an entity that was despawned is then spawned again only once, and the next snapshot is restored onto it.
     pub fn rename(&mut self, moved: &EntityHashMap<Entity>) {
         for entity in &mut self.entities {
             *entity = moved.get(entity).copied().unwrap_or(*entity);
         }
     }
 
-    /// The entities that it holds, as they were called in its world. One that was read from a file calls them by numbers.
+    /// The entities of the snapshot, by their ids in its world. In a snapshot from a file, the ids are indices.
     pub fn entities(&self) -> &[Entity] {
         &self.entities
     }
 }
 
-/// Which components of a world are state, and in which archetypes they are.
+/// Which components of a world are state, and which archetypes have them.
 pub(super) struct Places {
-    /// The kind of each component of the world.
+    /// The state type of each component of the world.
     pub(super) kind_of: Vec<Option<u32>>,
-    /// Whether each kind makes its entity part of the simulation.
+    /// Whether each state type makes its entity part of the simulation.
     marks: Vec<bool>,
-    /// Entities that are out of sight.
+    /// The components that disable entities.
     hidden: Vec<ComponentId>,
 }
 
@@ -168,7 +168,7 @@ impl Places {
         Self { kind_of, marks, hidden }
     }
 
-    /// The kinds of an archetype; none if that is of nothing that takes part.
+    /// The state types of an archetype; empty if its entities do not take part.
     fn kinds<'a>(&'a self, archetype: &'a Archetype) -> impl Iterator<Item = usize> + 'a {
         let seen = !archetype.is_empty() && !self.hidden.iter().any(|&id| archetype.contains(id));
         let all = archetype.components().iter().filter(move |_| seen);
@@ -181,7 +181,7 @@ impl Places {
         self.kinds(archetype).any(|kind| self.marks[kind])
     }
 
-    /// Those that are part of the simulation, with their order of creation less one: those that have none come last.
+    /// The entities that are part of the simulation, with their order of creation minus one: entities without one come last.
     fn members(&self, world: &World) -> Vec<(u64, Entity)> {
         let archetypes = world.archetypes().iter().filter(|archetype| self.is_member(archetype));
         let entities = archetypes.flat_map(Archetype::entities);
@@ -192,7 +192,7 @@ impl Places {
         entities.collect()
     }
 
-    /// Which of them have a component of each kind, in the order of their numbers.
+    /// The entities with a component of each state type, by index.
     fn holders(&self, world: &World, numbers: &EntityHashMap<u32>) -> Vec<Vec<(u32, Entity)>> {
         let mut holders = vec![Vec::new(); self.marks.len()];
         for archetype in world.archetypes().iter().filter(|archetype| self.is_member(archetype)) {
@@ -206,7 +206,7 @@ impl Places {
     }
 }
 
-/// Whose entity is part of the simulation.
+/// The entities that are part of the simulation, in the order of creation.
 pub(super) fn members(world: &World, types: &StateTypes) -> Vec<Entity> {
     let mut members = Places::new(world, types).members(world);
     members.sort_unstable();
@@ -217,7 +217,7 @@ fn numbered(entities: &[Entity]) -> EntityHashMap<u32> {
     entities.iter().zip(0..).map(|(&entity, number)| (entity, number)).collect()
 }
 
-/// Those that are named and are no part of the simulation, and their parents; each once, by their ids.
+/// The entities that are referred to but are not part of the simulation, and their parents; each once, by id.
 fn others(world: &World, mut named: Vec<Entity>, known: &EntityHashMap<u32>) -> Vec<Entity> {
     let mut others = BTreeSet::new();
     while let Some(entity) = named.pop() {

@@ -1,4 +1,4 @@
-//! The list of what is state, as a resource: ours, and what a game adds.
+//! The list of state types as a resource: those of this crate, and those that a game adds.
 
 use core::any::TypeId;
 use std::sync::Arc;
@@ -10,8 +10,8 @@ use bevy::reflect::{FromReflect, GetTypeRegistration, TypePath};
 use super::values::{Kind, Options, StateRole, kind, put_resource};
 use crate::components::ParticleConstraint;
 
-/// Every type that is state: what a [`SinewSnapshot`](super::SinewSnapshot) holds. Ours are in it from the start; a game's own constraints come in by
-/// [`register_particle_constraint`](crate::RegisterParticleConstraint), and whatever else by [`RegisterState`].
+/// Every type that is state: the contents of a [`SinewSnapshot`](super::SinewSnapshot). The types of this crate are in it from the start; a game's constraints
+/// are added by [`register_particle_constraint`](crate::RegisterParticleConstraint), and any other types by [`RegisterState`].
 #[derive(Resource, Default)]
 pub struct StateTypes {
     pub(super) kinds: Vec<Arc<dyn Kind>>,
@@ -21,18 +21,18 @@ pub struct StateTypes {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct StateType<'a> {
-    /// The crate and the short name, such as `bevy_sinew::Particle`: what it is called in a file.
+    /// The crate and the short name, such as `bevy_sinew::Particle`: its name in files.
     pub name: &'a str,
-    /// The Rust type.
+    /// The id of the Rust type.
     pub id: TypeId,
-    /// What it is to the state.
+    /// Its role in the state.
     pub role: StateRole,
     /// Whether its values can be written to a file: whether it is reflected.
     pub reflected: bool,
 }
 
 impl StateTypes {
-    /// All of them, in the order in which they were registered.
+    /// All entries, in the order of registration.
     pub fn iter(&self) -> impl Iterator<Item = StateType<'_>> {
         self.kinds.iter().map(|kind| {
             let (name, id) = (kind.name(), kind.id());
@@ -40,7 +40,7 @@ impl StateTypes {
         })
     }
 
-    /// Whether a type is one of them.
+    /// Whether a type is state.
     pub fn contains<T: 'static>(&self) -> bool {
         self.find(TypeId::of::<T>()).is_some()
     }
@@ -49,7 +49,7 @@ impl StateTypes {
         self.kinds.iter().position(|kind| kind.id() == id)
     }
 
-    /// Adds a type. One that is there already is replaced if it was not reflected and this is.
+    /// Adds a type. An entry that is not reflected is replaced by one that is.
     pub(super) fn add(&mut self, kind: Arc<dyn Kind>) {
         match self.find(kind.id()) {
             None => self.kinds.push(kind),
@@ -62,13 +62,13 @@ impl StateTypes {
     }
 }
 
-/// Adds a game's own components and resources to the state of the simulation, so that they are captured and put back with the rest.
+/// Adds a game's components and resources to the state of the simulation, so that they are captured and restored with the rest.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::RegisterState;
-/// /// What is left of a crate.
+/// /// Remaining hit points of a crate.
 /// #[derive(Component, Reflect, Clone)]
 /// struct Health(u32);
 ///
@@ -77,21 +77,21 @@ impl StateTypes {
 /// app.register_state::<Health>();
 /// ```
 pub trait RegisterState {
-    /// Has a component captured and put back on the entities of the simulation, and written to files. Entities that it names go along if its fields
-    /// are marked `#[entities]`. A second call for one type does nothing.
+    /// Registers a component: it is captured and restored on the entities of the simulation, and written to files. Entities that it refers to are included if
+    /// the fields are marked `#[entities]`. A second call for the same type does nothing.
     ///
-    /// For a constraint that [`register_particle_constraint`](crate::RegisterParticleConstraint) has registered it adds that it can be written to
-    /// files.
+    /// For a constraint that is registered with [`register_particle_constraint`](crate::RegisterParticleConstraint), it adds that the constraint can be written
+    /// to files.
     fn register_state<C>(&mut self) -> &mut Self
     where
         C: Component<Mutability = Mutable> + Clone + FromReflect + TypePath + GetTypeRegistration;
 
-    /// The same for a component that is not reflected: it is captured and put back, and left out of files.
+    /// Registers a component that is not reflected: it is captured and restored, but not written to files.
     fn register_unsaved_state<C>(&mut self) -> &mut Self
     where
         C: Component<Mutability = Mutable> + Clone;
 
-    /// Has a resource captured, put back and written to files. One that is not there when it is captured is taken away when that is put back.
+    /// Registers a resource: it is captured, restored and written to files. A resource that did not exist at the capture is removed by the restore.
     fn register_state_resource<R>(&mut self) -> &mut Self
     where
         R: Resource + Clone + FromReflect + TypePath + GetTypeRegistration;
@@ -128,7 +128,7 @@ impl RegisterState for App {
     }
 }
 
-/// Adds a constraint of a registered type, which may be reflected or not.
+/// Adds a registered constraint type, which may be reflected or not.
 pub(crate) fn add_constraint<T: ParticleConstraint>(world: &mut World) {
     let named = Some(T::particles as fn(&T) -> &[Entity]);
     add(world, kind(Options { named, ..Options::<T>::plain() }));

@@ -1,7 +1,7 @@
-//! The values of one type of state: how they are taken out of a world and put back.
+//! The values of one state type: how they are copied out of a world and back.
 //!
-//! What differs from type to type is a few functions, [`Options`]; all else works on every type in the same way, without knowing it. While a value is out
-//! of its world, the entities that it names are numbers of entities of the snapshot, so that it means the same anywhere.
+//! The operations that differ from type to type are functions in [`Options`]; everything else works on all types in the same way, without knowing them. Outside
+//! of a world, the entities that a value refers to are indices of the snapshot's entities, so that the value is valid in any world.
 
 use core::any::{TypeId, type_name};
 use std::sync::Arc;
@@ -12,46 +12,46 @@ use bevy::ecs::relationship::{Relationship, RelationshipHookMode, RelationshipTa
 use bevy::prelude::*;
 use bevy::reflect::{FromReflect, PartialReflect, TypePath};
 
-/// What a type is to the state.
+/// The role of a type in the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum StateRole {
     /// A component that makes its entity part of the simulation.
     Simulation,
-    /// A component that is captured where its entity is part of the simulation, or is named by what is.
+    /// A component that is captured if its entity is part of the simulation, or is referred to by one that is.
     Carried,
-    /// The same, but meaningless outside of its own world, such as a handle: put back there alone.
+    /// Like `Carried`, but valid in its own world only, such as a handle: it is not restored into another world.
     Local,
     /// A resource.
     Resource,
 }
 
-/// What is done with the values of one type.
+/// How the values of one type are handled.
 pub(super) struct Options<C> {
     pub(super) role: StateRole,
-    /// Whether it is taken from entities that did not have it.
+    /// Whether a restore removes it from entities that did not have it.
     pub(super) pruned: bool,
-    /// Whether it counts in the hash.
+    /// Whether it is hashed.
     pub(super) hashed: bool,
-    /// Whether it is a list of those who joined an entity.
+    /// Whether it is the list of a relationship.
     pub(super) lists: bool,
-    /// Its name, and the value as reflection sees it, and back.
+    /// Its name, and the conversion to and from reflection.
     pub(super) reflection: Option<Reflection<C>>,
-    /// Puts a value where it belongs.
+    /// Restores a value.
     pub(super) put: fn(&mut World, Entity, C),
-    /// Makes of what is found in the world what is state.
+    /// Adjusts a value that was copied from the world.
     pub(super) taken: Option<fn(&World, Entity, &mut C)>,
-    /// Brings it in order once its entities are known under other ids.
+    /// Sorts a value after its entities have been replaced by other ids.
     pub(super) ordered: Option<fn(&mut C)>,
-    /// Takes out what means nothing in another world.
+    /// Clears what is not valid in another world.
     pub(super) foreign: Option<fn(&mut C)>,
-    /// Has the component that is there let go of others, before anything is despawned.
+    /// Disconnects an existing component from other entities, before anything is despawned.
     pub(super) let_go: Option<fn(&mut World, Entity)>,
-    /// The particles that a constraint names.
+    /// The particles of a constraint.
     pub(super) named: Option<fn(&C) -> &[Entity]>,
 }
 
-/// A type as reflection sees it.
+/// Access to a type by reflection.
 pub(super) struct Reflection<C> {
     name: fn() -> String,
     view: fn(&C) -> &dyn PartialReflect,
@@ -75,12 +75,12 @@ impl<C> Clone for Options<C> {
 impl<C> Copy for Options<C> {}
 
 impl<C: Component<Mutability = Mutable> + Clone> Options<C> {
-    /// Of a component that makes its entity part of the simulation, and is not reflected.
+    /// Options of a component that makes its entity part of the simulation, and is not reflected.
     pub(super) fn plain() -> Self {
         Self::with(assign::<C>)
     }
 
-    /// The same of one that is reflected.
+    /// The same for a reflected component.
     pub(super) fn reflected() -> Self
     where
         C: FromReflect + TypePath,
@@ -106,7 +106,7 @@ impl<C: Component + Clone> Options<C> {
         }
     }
 
-    /// The same, seen by reflection.
+    /// Returns the same options with access by reflection.
     pub(super) fn viewed(self) -> Self
     where
         C: FromReflect + TypePath,
@@ -115,7 +115,7 @@ impl<C: Component + Clone> Options<C> {
             let of = C::crate_name().unwrap_or_default();
             format!("{of}::{}", C::short_type_path())
         };
-        // What is there whole is taken whole: reflection leaves out what it does not see.
+        // A value of the type itself is cloned: reflection omits ignored fields.
         let make = |value: &dyn PartialReflect| {
             value.try_downcast_ref::<C>().cloned().or_else(|| C::from_reflect(value))
         };
@@ -124,7 +124,7 @@ impl<C: Component + Clone> Options<C> {
     }
 }
 
-/// Overwrites a component, or inserts it where it is not.
+/// Overwrites a component, or inserts it if it does not exist.
 fn assign<C: Component<Mutability = Mutable>>(world: &mut World, entity: Entity, value: C) {
     let Ok(mut entity) = world.get_entity_mut(entity) else { return };
     if let Some(mut own) = entity.get_mut::<C>() {
@@ -134,14 +134,14 @@ fn assign<C: Component<Mutability = Mutable>>(world: &mut World, entity: Entity,
     entity.insert(value);
 }
 
-/// Inserts a component where it is not, and leaves it alone where it is.
+/// Inserts a component if it does not exist; an existing one is kept.
 pub(super) fn supply<C: Component>(world: &mut World, entity: Entity, value: C) {
     if let Ok(mut entity) = world.get_entity_mut(entity) {
         entity.insert_if_new(value);
     }
 }
 
-/// Joins an entity to another one, whose list is put back by itself.
+/// Inserts a relationship without its hook, since the list is restored separately.
 pub(super) fn join<R: Relationship>(world: &mut World, entity: Entity, value: R) {
     let Ok(mut entity) = world.get_entity_mut(entity) else { return };
     if entity.get::<R>().map(R::get) != Some(value.get()) {
@@ -149,7 +149,7 @@ pub(super) fn join<R: Relationship>(world: &mut World, entity: Entity, value: R)
     }
 }
 
-/// Joins an entity to another one, whose list follows.
+/// Inserts a relationship, whose list is updated by its hook.
 pub(super) fn join_listed<R: Relationship>(world: &mut World, entity: Entity, value: R) {
     let Ok(mut entity) = world.get_entity_mut(entity) else { return };
     if entity.get::<R>().map(R::get) != Some(value.get()) {
@@ -157,7 +157,7 @@ pub(super) fn join_listed<R: Relationship>(world: &mut World, entity: Entity, va
     }
 }
 
-/// Empties the list of those who joined an entity, so that none is despawned with it.
+/// Empties the list of a relationship, so that no entity is despawned with it.
 pub(super) fn empty<T: RelationshipTarget<Collection = Vec<Entity>>>(
     world: &mut World,
     entity: Entity,
@@ -171,13 +171,13 @@ pub(super) fn put_resource<R: Resource>(world: &mut World, _: Entity, value: R) 
     world.insert_resource(value);
 }
 
-/// What is done with the entities that a value names.
+/// How the entities that a value refers to are mapped.
 pub(super) enum Names<'a> {
-    /// They are noted.
+    /// They are recorded.
     Note(Vec<Entity>),
-    /// They become numbers; what has none becomes nobody.
+    /// They are replaced by indices; an entity without one becomes the placeholder.
     Number(&'a EntityHashMap<u32>),
-    /// Numbers become those entities; a number that is none of them becomes nobody.
+    /// Indices are replaced by these entities; an invalid index becomes the placeholder.
     Read(&'a [Entity]),
 }
 
@@ -205,7 +205,7 @@ impl EntityMapper for Names<'_> {
     fn set_mapped(&mut self, _: Entity, _: Entity) {}
 }
 
-/// One type of state, seen without knowing it.
+/// One state type, without its Rust type.
 pub(super) trait Kind: Send + Sync {
     fn id(&self) -> TypeId;
 
@@ -219,16 +219,16 @@ pub(super) trait Kind: Send + Sync {
 
     fn is_reflected(&self) -> bool;
 
-    /// Whether it is a list of those who joined an entity.
+    /// Whether it is the list of a relationship.
     fn lists(&self) -> bool;
 
-    /// The same in another role.
+    /// The same kind in another role.
     fn with_role(&self, role: StateRole) -> Arc<dyn Kind>;
 
-    /// Clones the values of some entities that have one; of a resource, that of the world.
+    /// Clones the values of those entities that have one; of a resource, the one of the world.
     fn take(&self, world: &World, entities: &[Entity]) -> Box<dyn Values>;
 
-    /// No values, to be [pushed](Values::push).
+    /// An empty list, to which values can be [pushed](Values::push).
     #[cfg_attr(not(feature = "serialize"), expect(dead_code))]
     fn none(&self) -> Box<dyn Values>;
 
@@ -239,23 +239,23 @@ pub(super) trait Kind: Send + Sync {
 pub(super) trait Values: Send + Sync {
     fn len(&self) -> usize;
 
-    /// Notes or renames the entities that they name.
+    /// Records or replaces the entities that they refer to.
     fn map(&mut self, entities: &mut Names);
 
-    /// Puts them onto entities, as many as they are. `names` says which entity each number is.
+    /// Restores them onto as many entities. `names` has the entity of each index.
     fn put(&self, world: &mut World, onto: &[Entity], names: &[Entity], foreign: bool);
 
-    /// Bytes that they take, each of the same size, and whether any of them may own more on the heap.
+    /// The memory of the values without the heap, bytes, and whether any of them may have heap memory.
     fn bytes(&self) -> (usize, bool);
 
-    /// One as reflection sees it; `None` if its type is not reflected.
+    /// A value by reflection; `None` if its type is not reflected.
     fn view(&self, place: usize) -> Option<&dyn PartialReflect>;
 
-    /// Adds what reflection has made. Whether it could be.
+    /// Adds a value from reflection. Returns whether the conversion succeeded.
     #[cfg_attr(not(feature = "serialize"), expect(dead_code))]
     fn push(&mut self, value: &dyn PartialReflect) -> bool;
 
-    /// The particles that a constraint names, by their numbers.
+    /// The particles of a constraint, by index.
     fn named(&self, place: usize) -> &[Entity];
 }
 
@@ -263,12 +263,12 @@ pub(super) trait Values: Send + Sync {
 #[derive(Clone)]
 pub(super) struct Column {
     pub(super) kind: Arc<dyn Kind>,
-    /// The number of the entity of each, ascending. Of a resource 0.
+    /// The index of the entity of each value, ascending. 0 for a resource.
     pub(super) numbers: Arc<[u32]>,
     pub(super) values: Arc<dyn Values>,
 }
 
-/// Makes a kind of what is done with its values.
+/// Makes a kind from its options.
 pub(super) fn kind<C: Component + Clone>(options: Options<C>) -> Arc<dyn Kind> {
     let name = options.reflection.map_or_else(|| type_name::<C>().into(), |of| (of.name)());
     Arc::new(Of { options, name })

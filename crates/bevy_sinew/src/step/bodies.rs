@@ -1,5 +1,4 @@
-//! Bodies at gather: what a body asks of the solver, how gravity pulls on it and how it takes part in contacts, is written to the rows of its
-//! particles.
+//! Gathers bodies: writes solver settings, gravity scale and contact settings of each body to the rows of its particles.
 
 use std::collections::BTreeSet;
 
@@ -34,7 +33,7 @@ type Loose = (
     )>,
 );
 
-/// What is said of contacts.
+/// The contact components of a body.
 type ContactsData = (
     Option<&'static BodyContacts>,
     Option<&'static ResolvedShape>,
@@ -44,21 +43,21 @@ type ContactsData = (
     Has<ContactsDisabled>,
 );
 
-/// The same in one table.
+/// The contact components in one table.
 type ContactsTable<'w> = (
     Option<ContiguousRef<'w, BodyContacts>>,
     Option<ContiguousRef<'w, SurfaceMaterial>>,
     Option<ContiguousRef<'w, CollisionLayers>>,
 );
 
-/// The same, with when it changed.
+/// The contact components, with their change ticks.
 type ContactsRefs = (
     Option<Ref<'static, BodyContacts>>,
     Option<Ref<'static, SurfaceMaterial>>,
     Option<Ref<'static, CollisionLayers>>,
 );
 
-/// What bodies say in one table.
+/// The components of bodies in one table.
 type BodyTable<'w> = (
     ContiguousRef<'w, BodyParticles>,
     Option<ContiguousRef<'w, BodySolver>>,
@@ -67,7 +66,7 @@ type BodyTable<'w> = (
     Option<ContiguousRef<'w, Representation>>,
 );
 
-/// Whether bodies have something new to say.
+/// Detects changes of the components of bodies.
 #[derive(SystemParam)]
 pub(crate) struct Bodies<'w, 's> {
     all: Query<
@@ -83,7 +82,7 @@ pub(crate) struct Bodies<'w, 's> {
     >,
     loose: Query<'w, 's, ContactsRefs, Loose>,
     places: Query<'w, 's, Ref<'static, RestPlace>>,
-    /// How many said something of each kind: what came is a change, and fewer than before is all that is left to notice.
+    /// Components whose additions are found by change detection, and whose removals by comparing the count.
     events: Query<'w, 's, Ref<'static, ContactEvents>>,
     sleepers: Query<'w, 's, (), With<Sleep>>,
     disabled: Query<'w, 's, Ref<'static, ContactsDisabled>>,
@@ -92,11 +91,11 @@ pub(crate) struct Bodies<'w, 's> {
 }
 
 impl Bodies<'_, '_> {
-    /// Whether one came, went or changed since the system that asks last ran.
+    /// Whether any was added, removed or changed since the calling system last ran.
     pub(crate) fn changed(&mut self) -> bool {
         let mut changed = self.watched.is_changed();
         let (mut now, mut with_itself) = ([0; 14], false);
-        // There may be very many of all of these: table by table. All are kept in tables.
+        // Table by table, as there may be very many. All of these components have table storage.
         for table in self.all.contiguous_iter().into_iter().flatten() {
             let change_ticks = body_change_ticks(&table);
             now[..7].iter_mut().zip(change_ticks).for_each(|(sum, change_ticks)| {
@@ -156,21 +155,21 @@ fn body_change_ticks<'w>(
     ]
 }
 
-/// What bodies said that is broken, so that each is reported once; what they say; and memory.
+/// Which bodies have errors, so that each is reported once; the settings of bodies; and scratch memory.
 #[derive(Default)]
 pub(crate) struct Known {
     scales: BTreeSet<Entity>,
     materials: BTreeSet<Entity>,
-    /// How many particles have a place in a rest shape.
+    /// The number of particles with a rest position.
     places: usize,
     ordered: Vec<(Option<CreationOrder>, Entity)>,
     settings: Vec<BodySettings>,
     contacts: Vec<sinew::BodyContacts>,
-    /// Of each row.
+    /// For each row.
     of_rows: Vec<OfBody>,
 }
 
-/// What a particle has of its body.
+/// The properties that a particle has from its body.
 #[derive(Clone, Copy)]
 struct OfBody {
     body: Option<u32>,
@@ -178,10 +177,10 @@ struct OfBody {
     has_rest: bool,
 }
 
-/// Lists what bodies have to say, and writes to the rows of their particles what is not there yet, if bodies have anything new to say or rows were filled
-/// afresh with what each particle says of itself.
+/// Lists the settings of bodies, and writes to the rows of their particles what differs, if a body has changed or rows were filled again from the particles'
+/// own components.
 ///
-/// A scale of gravity that is not finite is none, a material with a broken number is the default one, and both are reported when that is news.
+/// A gravity scale that is not finite counts as 1, a material with an invalid number as the default; both are reported once.
 pub(crate) fn gather_bodies(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
@@ -220,7 +219,7 @@ pub(crate) fn gather_bodies(
         let (now, moved) = census(&places);
         core::mem::replace(count, now) != now || moved
     };
-    // Nothing is solved in the order of their numbers, but what is reported of contacts is sorted by them.
+    // The solver does not depend on the order of bodies, but the contact report is sorted by it.
     ordered.clear();
     ordered.extend(entities.iter().map(|(entity, order)| (order.copied(), entity)));
     ordered.sort_unstable();
@@ -272,7 +271,7 @@ pub(crate) fn gather_bodies(
         tables.bodies.push(entity);
     }
     write(simulation, &tables.held, of_rows);
-    // What is written to is new.
+    // Written only if different, since writing marks it as changed.
     if *simulation.bodies != *settings {
         (*simulation.bodies).clone_from(settings);
     }
@@ -282,8 +281,8 @@ pub(crate) fn gather_bodies(
     tables.edits = simulation.particles.edits();
 }
 
-/// Writes to rows what particles have of their bodies, where it is not what stands there. A scale of gravity that is not finite with that of the body is the
-/// particle's own.
+/// Writes to rows what particles have from their bodies, where it differs. If the product of the gravity scales of body and particle is not finite, the
+/// particle's applies.
 fn write(simulation: &mut sinew::Simulation, held: &HeldProperties, of_rows: &[OfBody]) {
     let particles = &mut simulation.particles;
     for (row, (of_body, &own)) in of_rows.iter().zip(&held.gravity_scale).enumerate() {
@@ -298,7 +297,7 @@ fn write(simulation: &mut sinew::Simulation, held: &HeldProperties, of_rows: &[O
     }
 }
 
-/// How a body takes part in contacts.
+/// The contact settings of a body.
 fn contacts_of(
     broken: &mut BTreeSet<Entity>,
     messages: &mut MessageWriter<Refused>,

@@ -1,4 +1,4 @@
-//! Solids: rigid parts that collide by their shape, and the segments of ropes, told to the solver when those changed.
+//! Body colliders: rigid parts that collide by their shape, and the segments of ropes, passed to the solver when they change.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ use crate::messages::{Refusal, Refused};
 use crate::rows::{GONE, Rows};
 use crate::world::{SinewWorld, Tables};
 
-/// What changes the shape of a part, or whose part it is.
+/// Detects changes of the shape of a part, or of the body that it belongs to.
 #[derive(SystemParam)]
 pub(crate) struct Reshaped<'w, 's> {
     shapes: Query<'w, 's, Ref<'static, Collider>, With<RigidPose>>,
@@ -31,7 +31,7 @@ impl Reshaped<'_, '_> {
     }
 }
 
-/// Who says how it takes part in contacts, whether it is a body and built, and what triangles it has.
+/// Bodies with explicit contact settings, whether they are built, and their triangles.
 type Asking = (
     Entity,
     &'static BodyContacts,
@@ -40,28 +40,28 @@ type Asking = (
     Option<&'static WindSurface>,
 );
 
-/// What decides by what a body, or something else with a pose, collides.
+/// The components that determine the shape by which an entity with a pose collides.
 type Shaped = (
     Option<Ref<'static, BodyContacts>>,
     Option<Ref<'static, ResolvedShape>>,
     Has<ContactsDisabled>,
 );
 
-/// What was wrong, so that each is reported once; and how many there were.
+/// Which entities have errors, so that each is reported once; and the counts of components.
 #[derive(Default)]
 pub(crate) struct Known {
     shapes: BTreeSet<Entity>,
     bodies: BTreeSet<Entity>,
     counts: [usize; 4],
-    /// Whether something collides by its segments, or did when that was last asked.
+    /// Whether any body collides by its segments, as of the last check.
     bends: bool,
 }
 
-/// Lists the solids afresh if particles came or went or were set aside, or a body asks for something else, or a part has another shape, or, where a
-/// body collides by its segments, a rod or a particle is not what it was.
+/// Lists the body colliders again if particles were added, removed or set aside, if the contact settings of a body or the shape of a part changed, or, where a
+/// body collides by its segments, if a rod or a particle changed.
 ///
-/// A part with a broken shape, or one of a kind that cannot move, is left out and reported, one with a particle that is gone or set aside is left
-/// out; their particles collide for themselves.
+/// A part with an invalid shape, or one of a kind that cannot move, is left out and reported; a part with a particle that is gone or set aside is left out.
+/// Their particles then collide by themselves.
 pub(crate) fn compile_body_colliders(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
@@ -86,14 +86,14 @@ pub(crate) fn compile_body_colliders(
     let Known { shapes, bodies, counts, bends: any_bends } = &mut *known;
     let all = [census(&contacts), census(&resolved), census(&disabled)];
     let changed = all.iter().any(|&(_, changed)| changed);
-    // What went is not told as a change; what came is one, so that their number says the rest.
+    // Change detection finds additions; a removal changes the count.
     let now = [all[0].0, all[1].0, all[2].0, parts.iter().len()];
     let went = core::mem::replace(counts, now) != now;
     let retied = || {
         tables.retied || tables.properties_gathered || tables.bodies_changed || segments.are_off()
     };
     let anew = tables.relinked || went || changed || reshaped.any();
-    // By what something collides; `None` if by nothing.
+    // The representation by which an entity collides; `None` if it does not.
     let shape = |owner: Entity| match shaped.get(owner) {
         Ok((_, _, true)) => None,
         Ok((Some(own), _, _)) if own.shape != ContactShape::Auto => Some(own.shape),
@@ -133,7 +133,7 @@ pub(crate) fn compile_body_colliders(
         sound(shapes, &mut messages, part, reason);
         body_colliders.extend(solid.map(|solid| (*order, part, solid)));
     }
-    // What has rigid parts collides by those, unless it asks for segments.
+    // A body with rigid parts collides by those, unless it explicitly uses segments.
     owners.sort_unstable();
     let with_parts = owners.clone();
     let asks = |body: Entity| {
@@ -145,7 +145,7 @@ pub(crate) fn compile_body_colliders(
     body_colliders.sort_unstable_by_key(|&(order, part, _)| (order, part));
     owners.sort_unstable();
     for (body, own, is_body, is_built, surface) in &asking {
-        // One that is yet to be built waits.
+        // A body that is not built yet is no error.
         let waits = is_body && !is_built;
         let lacks = match own.shape {
             ContactShape::Solid | ContactShape::Segments => owners.binary_search(&body).is_err(),
@@ -167,7 +167,7 @@ pub(crate) fn compile_body_colliders(
             rows.collider = Some(number);
         }
     }
-    // Where rods may have changed, but none did, the solver need not be told.
+    // Rods may have changed without an effect on the segments; the solver's list is then not marked as changed.
     let same =
         || simulation.body_colliders().iter().eq(body_colliders.iter().map(|(_, _, solid)| solid));
     if anew || !same() {
@@ -177,7 +177,7 @@ pub(crate) fn compile_body_colliders(
     }
 }
 
-/// The solid of a part; `None` while one of its particles is gone or set aside.
+/// The collider of a part; `None` while one of its particles is gone or set aside.
 fn solid(
     tables: &Tables,
     collider: &Collider,

@@ -1,5 +1,5 @@
-//! Colliders at gather: what the game says of each becomes one of the solver's, in the order of creation. A warm tick compares where each is with
-//! where it was, and writes that down: shapes are made when they or their scale changed, and the list is put in order when one came, went or broke.
+//! Gathers colliders: the components of each become a collider of the solver, in the order of creation. A warm tick only compares and copies placements; shapes
+//! are made when they or their scale change, and the list is sorted when a collider is added, removed or set aside.
 
 use std::collections::BTreeSet;
 
@@ -17,11 +17,11 @@ use crate::messages::{Refusal, Refused};
 use crate::schedule::{Pace, SinewClock};
 use crate::world::SinewWorld;
 
-/// What stands by itself: on a body and its parts, a collider is what that collides by.
+/// Static and kinematic colliders: on a body and its parts, a collider is the shape of the body.
 type StandsAlone =
     (Without<RigidPose>, Without<ParticleBody>, Without<Particle>, Without<ContactsDisabled>);
 
-/// All that is said of one.
+/// The components of a collider.
 type ColliderData = (
     Entity,
     &'static CreationOrder,
@@ -36,10 +36,10 @@ type ColliderData = (
     &'static mut PlacedCollider,
 );
 
-/// What is known from the last tick.
+/// What is kept from tick to tick.
 #[derive(Default)]
 pub(crate) struct Known {
-    /// Those with something wrong, so that each is reported once.
+    /// Colliders with an error, so that each is reported once.
     broken: BTreeSet<Entity>,
     gathering: u64,
     listing: u64,
@@ -47,14 +47,14 @@ pub(crate) struct Known {
     ordered: Vec<(CreationOrder, Entity)>,
 }
 
-/// Has rooms be as large as they are said to be.
+/// Updates the colliders of bounding boxes that were resized.
 pub(crate) fn size_rooms(mut rooms: Query<(&BoundingBox, &mut Collider), Changed<BoundingBox>>) {
     for (room, mut collider) in &mut rooms {
         collider.set_if_neq(room.collider());
     }
 }
 
-/// Tells the solver of all colliders; one with something wrong is left out, and reported when that is news.
+/// Updates the solver's list of colliders; one with an error is left out, and reported once.
 pub(crate) fn gather_colliders(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
@@ -86,9 +86,9 @@ pub(crate) fn gather_colliders(
         let placed = placed.into_inner();
         let at = if parented { frames.of(entity) } else { Ok(*transform) };
         let misplaced = at.err().map(Refusal::from);
-        // What is sheared stays where it was, and is set aside.
+        // A sheared collider stays where it was, and is set aside.
         let at = at.unwrap_or(placed.at);
-        // One that was no collider of its own in the last tick may have changed while nobody looked.
+        // A collider that was not gathered in the last tick may have changed in the meantime.
         let unseen = core::mem::replace(&mut placed.seen, *gathering) + 1 != *gathering;
         let reshaped = unseen || collider.is_changed() || placed.at.scale != at.scale;
         place(placed, &collider, at, reshaped);
@@ -140,7 +140,7 @@ pub(crate) fn gather_colliders(
     }
 }
 
-/// Puts one where it is, and makes its shape if that changed.
+/// Updates the placement of a collider, and its shape if that changed.
 fn place(placed: &mut PlacedCollider, collider: &Collider, at: Transform, reshaped: bool) {
     let moved = placed.at != at;
     if reshaped {
@@ -158,7 +158,7 @@ fn place(placed: &mut PlacedCollider, collider: &Collider, at: Transform, reshap
     }
 }
 
-/// Where several ticks are taken in a row, each goes its part of the way: stops one short of where it is to be.
+/// If several ticks are run in a row, each moves the collider by its share of the remaining motion.
 fn limit_motion(placed: &mut PlacedCollider, motion: Option<&ColliderMotion>, left: u32) {
     let Some(was) = motion.and_then(|motion| motion.0).filter(|_| left > 1) else { return };
     let Some(made) = placed.made.as_deref_mut() else { return };
@@ -169,14 +169,14 @@ fn limit_motion(placed: &mut PlacedCollider, motion: Option<&ColliderMotion>, le
     let share = 1.0 / left as f32;
     let (a, b) = (Vec3::from(was.translation), placed.at.translation);
     let (p, q) = (was.rotation, placed.at.rotation);
-    // The shorter way round.
+    // The shorter rotation.
     let q = if p.dot(q) < 0.0 { -q } else { q };
     placed.at.translation = a + (b - a) * share;
     placed.at.rotation = (p * (1.0 - share) + q * share).normalize();
     made.end = Frame::new(placed.at.translation, placed.at.rotation);
 }
 
-/// Where one that is at a place now was when the last tick ended; where it is if that is nowhere.
+/// The placement of a collider at the end of the last tick; the current one if that is not valid.
 fn began(motion: &ColliderMotion, at: &Transform, now: Frame) -> Frame {
     let Some(was) = motion.0.filter(|was| *was != isometry(at)) else { return now };
     let start = Frame::new(was.translation.into(), was.rotation);
@@ -187,7 +187,7 @@ fn isometry(at: &Transform) -> Isometry3d {
     Isometry3d::new(at.translation, at.rotation)
 }
 
-/// What is wrong with one whose shape is sound.
+/// The error of a collider with a valid shape.
 fn fault(collider: &sinew::Collider) -> Option<ColliderFault> {
     if !collider.end.is_valid() {
         Some(ColliderFault::Transform)
@@ -198,7 +198,7 @@ fn fault(collider: &sinew::Collider) -> Option<ColliderFault> {
     }
 }
 
-/// Notes where each collider was in the tick that ends. Not of one that was set aside: where it is mended is where it begins.
+/// Stores where each collider was in this tick. A collider that is set aside has no stored placement, so it starts where it is corrected.
 pub(crate) fn keep_places(
     mut commands: Commands,
     world: Res<SinewWorld>,
@@ -208,7 +208,7 @@ pub(crate) fn keep_places(
         (With<Collider>, StandsAlone),
     >,
 ) {
-    // A fixed clock that stood still took no tick.
+    // With a time step of zero, no tick was taken.
     if clock.seconds == world.simulation.time {
         return;
     }

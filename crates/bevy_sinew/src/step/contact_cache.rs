@@ -1,4 +1,4 @@
-//! What contacts remember goes from the parts to the solver before a tick, and back after it.
+//! Copies the contact caches of the parts to the solver before a tick, and back after it.
 
 use bevy::ecs::change_detection::Tick;
 use bevy::ecs::system::SystemChangeTick;
@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use crate::components::ContactCache;
 use crate::world::SinewWorld;
 
-/// Tells the solver what each part remembers, unless that is what it left.
+/// Copies the contact cache of each part to the solver, unless the solver's is the same.
 pub(crate) fn gather_contact_cache(
     mut world: ResMut<SinewWorld>,
     memories: Query<&ContactCache>,
@@ -32,7 +32,7 @@ pub(crate) fn gather_contact_cache(
     }
 }
 
-/// Keeps what each part is to remember.
+/// Copies the contact cache of each part back.
 pub(crate) fn keep_contact_cache(
     mut world: ResMut<SinewWorld>,
     mut memories: Query<&mut ContactCache>,
@@ -51,7 +51,7 @@ pub(crate) fn keep_contact_cache(
             all = false;
             continue;
         };
-        // Of who slept through the tick it is what it was. Of what is awake it is another one in nearly every tick: to ask that costs more than to write it.
+        // For a body that slept through the tick it has not changed. For an awake body it changes in nearly every tick: a comparison costs more than the copy.
         let row = solid.rows.first().map(|&row| row as usize);
         let body = row.and_then(|row| simulation.particles.body(row)).map(|body| body as usize);
         let sleeps = |bodies: &[bool]| body.and_then(|body| bodies.get(body)) == Some(&true);
@@ -69,7 +69,7 @@ pub(crate) fn keep_contact_cache(
     tables.cache_kept = all.then(|| (ticks.this_run(), memories.iter().len()));
 }
 
-/// Whether nobody remembers anything else than when it was kept, or is new or gone.
+/// Whether no cache has changed since it was kept, or was added or removed.
 fn is_as_kept(kept: &Query<Ref<ContactCache>>, (then, before): (Tick, usize), now: Tick) -> bool {
     let Ok(tables) = kept.contiguous_iter() else { return false };
     let mut count = 0;

@@ -1,5 +1,4 @@
-//! What of a body touches others where it does not say ([`ContactShape::Auto`]): its particles if they let nothing through, otherwise its triangles or its
-//! segments.
+//! Resolves [`ContactShape::Auto`]: the particles of a body if they leave no holes, otherwise its triangles or its segments.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -12,11 +11,11 @@ use crate::components::{
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
 
-/// How far a place of a triangle may be from its nearest corner, as a share of the diameter of the balls there, for none as large to pass between them. A
-/// little less than all of it, so that rounding does not decide.
+/// How far a point of a triangle may be from its nearest corner, as a fraction of the diameter of the balls there, so that no ball of the same size passes
+/// between them. Slightly less than 1, so that rounding does not decide.
 const CLOSED: f32 = 0.995;
 
-/// What a body is made of that may close it.
+/// The components of a body that determine its contact shape.
 type Made = (
     Entity,
     Ref<'static, BodyParticles>,
@@ -26,7 +25,7 @@ type Made = (
     &'static mut ResolvedShape,
 );
 
-/// Finds it for bodies whose particles, surface or rods have changed.
+/// Resolves the shape of bodies whose particles, surface or rods have changed.
 pub(crate) fn resolve_shapes(
     world: Res<SinewWorld>,
     mut bodies: Query<Made>,
@@ -43,7 +42,7 @@ pub(crate) fn resolve_shapes(
         let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
         let there = rows.iter().filter(|&&row| row != GONE);
         let radius = there.map(|&row| particles.radius(row as usize)).fold(f32::INFINITY, f32::min);
-        // What has a surface may be torn at any time, and its rods do not matter.
+        // A surface may be torn in any tick, and its rods do not affect the result.
         let new = match (&surface, &constraints) {
             (Some(surface), _) => surface.is_changed(),
             (None, Some(constraints)) => constraints.is_changed(),
@@ -52,7 +51,7 @@ pub(crate) fn resolve_shapes(
         let same = tables.layout.same_since(resolved.layout);
         let stays = !members.is_changed() && rows.iter().all(|&row| (row as usize) < same);
         if !new && stays && resolved.radius == radius {
-            // What it comes to is the same.
+            // The result is the same.
             resolved.bypass_change_detection().layout = tables.layout.number;
             continue;
         }
@@ -73,7 +72,7 @@ pub(crate) fn resolve_shapes(
     }
 }
 
-/// Particles at rest, and rods.
+/// Rest positions of particles, and rods.
 #[derive(SystemParam)]
 pub(crate) struct Parts<'w, 's> {
     places: Query<'w, 's, &'static RestPlace>,
@@ -82,7 +81,7 @@ pub(crate) struct Parts<'w, 's> {
 }
 
 impl Parts<'_, '_> {
-    /// How far a place in some triangles may be from its nearest corner in the rest shape, metres; `None` where a corner has no place there.
+    /// The maximum distance of a point of the triangles from its nearest corner in the rest shape, metres; `None` if a corner has no rest position.
     fn widest_gap(&self, triangles: &[[Entity; 3]]) -> Option<f32> {
         let mut widest = 0.0_f32;
         for corners in triangles {
@@ -92,7 +91,7 @@ impl Parts<'_, '_> {
         Some(widest)
     }
 
-    /// The longest rod of a chain, metres; `None` if it is none: a particle has more than two rods, or there are no rods.
+    /// The longest rod of a chain, metres; `None` if the body is not a chain: if a particle has more than two rods, or there are none.
     fn longest_link(&self, body: Entity, constraints: &BodyConstraints) -> Option<f32> {
         let mut ends: Vec<Entity> = Vec::new();
         let mut longest = None::<f32>;
@@ -110,10 +109,10 @@ impl Parts<'_, '_> {
     }
 }
 
-/// How far a place of a triangle may be from its nearest corner, in the unit of its places.
+/// The maximum distance of a point of a triangle from its nearest corner, in the unit of the corners.
 ///
-/// With the sides `a ≤ b ≤ c` that is its circumradius, `a b c / 4A`, where the centre of its circumcircle is in it: where no angle is obtuse. Otherwise the
-/// place is on the longest side, where the bisector of `a` or of `b` meets it: at `a/(2 cos β)` from their common corner, with `2 a c cos β = a² + c² - b²`.
+/// With the sides `a ≤ b ≤ c` it is the circumradius, `a b c / 4A`, if the circumcentre is in the triangle: if no angle is obtuse. Otherwise the point is on
+/// the longest side, where the bisector of `a` or of `b` intersects it: at `a/(2 cos β)` from their common corner, with `2 a c cos β = a² + c² - b²`.
 pub fn gap(corners: [Vec3; 3]) -> f32 {
     let [p, q, r] = corners;
     let mut squares = [p.distance_squared(q), q.distance_squared(r), r.distance_squared(p)];

@@ -1,5 +1,5 @@
-//! Forces that a game steers, at gather: what each control acts on is looked up when that changed, what it does is told to the solver every tick; and so
-//! are the forces and torques on whole bodies, and those that were asked for this tick.
+//! Gathers control forces: the particles on which each acts are looked up when they change, its force is passed to the solver every tick. Forces and torques on
+//! whole bodies, and those of the current tick, are passed in the same list.
 
 use std::collections::BTreeSet;
 
@@ -19,14 +19,14 @@ use crate::rows::{GONE, Rows};
 use crate::schedule::SinewClock;
 use crate::world::{SinewWorld, Tables};
 
-/// Which particles an entity stands for.
+/// The components that determine which particles an entity has.
 type Targets<'w, 's> = Query<
     'w,
     's,
     (Option<&'static BodyParticles>, Option<&'static RigidPose>, Has<ParticleBody>, Has<Particle>),
 >;
 
-/// Tells the solver of all control forces, in the order of their creation.
+/// Passes all control forces to the solver, in the order of their creation.
 pub(crate) fn gather_controls(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
@@ -49,7 +49,7 @@ pub(crate) fn gather_controls(
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     let list = &mut simulation.forces.controls;
-    // Read even if there are no controls, or they would pile up.
+    // Read even without controls, since unread messages would accumulate.
     let ungrouped = ungrouped.read().count() > 0;
     if controls.is_empty() && wholes.are_left_alone() {
         list.clear();
@@ -70,11 +70,11 @@ pub(crate) fn gather_controls(
         let target = control.on.unwrap_or(entity);
         let changed = regrouped || resolved.0 != Some(target);
         resolved.0 = Some(target);
-        // Asked only if it changed, so that a warm tick looks up no particle.
+        // Evaluated only if it changed, so that a warm tick looks up no particle.
         let named = core::iter::once(target).flat_map(|target| particles_of(&targets, target));
         let rows = rows.resolve(&tables.layout, changed, named);
 
-        // The lists of rows and the names are kept from tick to tick.
+        // The allocations of rows and names are kept from tick to tick.
         if used == list.len() {
             list.push(Control::default());
         }
@@ -107,18 +107,18 @@ pub(crate) fn gather_controls(
     list.truncate(used);
 }
 
-/// Whether a row is there and sound.
+/// Whether a row exists and is not set aside.
 fn takes_part(tables: &Tables, row: u32) -> bool {
     row != GONE && tables.is_sound(row as usize)
 }
 
-/// Forgets the forces that were asked for a tick, at the end of it.
+/// Clears the forces of the tick at its end.
 pub(crate) fn drop_tick_forces(
     world: Res<SinewWorld>,
     clock: Res<SinewClock>,
     mut forces: Query<&mut TickForces>,
 ) {
-    // A fixed clock that stood still took no tick.
+    // With a time step of zero, no tick was taken.
     if clock.seconds != world.simulation.time {
         for mut forces in &mut forces {
             forces.set_if_neq(TickForces::default());
@@ -126,14 +126,14 @@ pub(crate) fn drop_tick_forces(
     }
 }
 
-/// Bodies and rigid parts with forces on all of them together, and particles with those of a tick.
+/// Bodies and rigid parts with forces on the whole, and particles with forces of the tick.
 #[derive(SystemParam)]
 pub(crate) struct Wholes<'w, 's> {
     forced: Query<'w, 's, Forced, OfWholes>,
     ordered: Local<'s, Vec<(Option<CreationOrder>, Entity)>>,
 }
 
-/// What acts on one, and on which particles.
+/// The forces on an entity, and its particles.
 type Forced = (
     Entity,
     Option<&'static CreationOrder>,
@@ -155,12 +155,12 @@ type OfWholes = Or<(
 )>;
 
 impl Wholes<'_, '_> {
-    /// Whether nothing acts on any.
+    /// Whether there are none.
     fn are_left_alone(&self) -> bool {
         self.forced.is_empty()
     }
 
-    /// Adds what acts on them, in the order of their creation; one with a number that is not finite is refused, and nothing of it acts.
+    /// Adds their forces, in the order of their creation; an entity with a number that is not finite is refused, and none of its forces acts.
     fn add_to(
         &mut self,
         tables: &Tables,
@@ -190,7 +190,7 @@ impl Wholes<'_, '_> {
                 (None, None, Some(row)) => row,
                 (None, None, None) => continue,
             };
-            // The force on a particle alone is one of its properties.
+            // The steady force on a single particle is a property of the particle.
             let force = force.filter(|_| particle.is_none()).map_or(Vec3::ZERO, |force| force.0);
             let torque = torque.map_or(Vec3::ZERO, |torque| torque.0);
             let nothing = TickForces::default();
@@ -199,7 +199,7 @@ impl Wholes<'_, '_> {
             let whole = (force + tick.force, torque + tick.torque, None);
             let points = tick.at_points.iter().map(|&(f, point)| (f, Vec3::ZERO, Some(point)));
             for (force, torque, point) in core::iter::once(whole).chain(points) {
-                // The lists of rows are kept from tick to tick.
+                // The allocations of rows are kept from tick to tick.
                 if *used == list.len() {
                     list.push(Control::default());
                 }
@@ -228,7 +228,7 @@ fn particles_of(targets: &Targets, target: Entity) -> Vec<Entity> {
     }
 }
 
-/// Whether what has no particles is a body that is yet to be built: that is no fault.
+/// Whether an entity without particles is a body that is not built yet, which is no error.
 fn waits(targets: &Targets, target: Entity) -> bool {
     targets.get(target).is_ok_and(|(.., is_body, _)| is_body)
 }

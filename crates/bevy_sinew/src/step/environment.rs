@@ -1,5 +1,5 @@
-//! The surroundings at gather: resources and entities become the force laws of the solver, and the plane of a world in 2D, every tick. There are a handful of
-//! each kind at most, so nothing is kept from tick to tick but which errors were reported.
+//! Gathers the environment: resources and entities become the solver's forces, and the plane of a 2D world, every tick. There are only a few of each kind, so
+//! nothing is kept from tick to tick but the reported errors.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ use crate::messages::{Refusal, Refused, refuse};
 use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
 
-/// Copies the configuration and the surroundings; what has a broken number is left out, and reported when that is news.
+/// Copies the settings and the environment; fields with an invalid number are left out, and reported once.
 pub(crate) fn gather_environment(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
@@ -43,13 +43,13 @@ pub(crate) fn gather_environment(
     *known = validator.now;
 }
 
-/// What fills the world, and of which there is one.
+/// The resources of the environment.
 #[derive(SystemParam)]
 pub(crate) struct Everywhere<'w, 's> {
     gravity: Res<'w, Gravity>,
     drag: Res<'w, AirDrag>,
     electric: Res<'w, Electric>,
-    /// Resources are on entities of their own, which a message can name.
+    /// The entities of the resources, which a message can name.
     gravity_at: Query<'w, 's, Entity, With<Gravity>>,
     drag_at: Query<'w, 's, Entity, With<AirDrag>>,
     electric_at: Query<'w, 's, Entity, With<Electric>>,
@@ -65,7 +65,7 @@ impl Everywhere<'_, '_> {
         let sound = validator.resource("AirDrag", &self.drag_at, (0.0..=1.0).contains(&drag));
         forces.drag = if sound { drag } else { 0.0 };
 
-        // The solver leaves an invalid law out by itself.
+        // The solver ignores invalid electric settings by itself.
         forces.electric = (*self.electric).into();
         validator.resource("Electric", &self.electric_at, forces.electric.is_valid());
     }
@@ -73,7 +73,7 @@ impl Everywhere<'_, '_> {
 
 type Field<T> = (Entity, &'static CreationOrder, &'static T, Option<&'static Region>);
 
-/// The fields that fill a place, or act from one.
+/// The entities of the environment.
 #[derive(SystemParam)]
 pub(crate) struct Fields<'w, 's> {
     winds: Query<'w, 's, Field<Wind>>,
@@ -134,10 +134,10 @@ impl Fields<'_, '_> {
     }
 }
 
-/// The planes of worlds in 2D.
+/// The planes of 2D worlds.
 type Sheets<'w, 's> = Query<'w, 's, (Entity, &'static CreationOrder), With<Flatland>>;
 
-/// The plane that a world in 2D lies in: of several, the first that is sound.
+/// The plane of a 2D world: of several, the first valid one.
 fn sheet(
     sheets: &Sheets,
     list: &mut Vec<Plane>,
@@ -155,32 +155,31 @@ fn sheet(
     list.first().copied()
 }
 
-/// The plane through an entity's origin that is square to one of its axes: its normal, and its distance from the world's origin along that.
+/// The plane through an entity's origin that is perpendicular to one of its axes: its normal, and its distance from the world's origin along that.
 fn plane(frame: &Transform, axis: Vec3) -> (Vec3, f32) {
-    // Not `Transform::up`, which asserts that a rotation is one: a broken one is to be refused, not to end the game.
+    // Not `Transform::up`, which asserts that the rotation is normalised: an invalid one must be refused, not panic.
     let normal = (frame.rotation * axis).normalize_or_zero();
     (normal, normal.dot(frame.translation))
 }
 
-/// What is kept from tick to tick for its memory alone.
+/// Scratch memory, kept from tick to tick.
 #[derive(Default)]
 pub(crate) struct Scratch {
     places: Vec<(CreationOrder, Entity, usize)>,
     planes: Vec<Plane>,
 }
 
-/// An entity and the number of what is broken on it: it may be several things at once.
+/// An entity and the index of what is invalid on it, which may be several things.
 type Broken = (Entity, u32);
 
-/// Lets the sound ones pass, in the order of creation, whatever the order of the query; and reports the others, once for each time that one
-/// broke.
+/// Passes valid entries in the order of creation, whatever the order of the query, and reports the others, each once until it is corrected.
 struct FieldValidator<'a, 'w> {
     before: BTreeSet<Broken>,
     now: BTreeSet<Broken>,
-    /// Counts what was asked for.
+    /// Index of the list or resource that is being validated.
     kind: u32,
     messages: &'a mut MessageWriter<'w, Refused>,
-    /// Who the entries of the list at hand are of, and where each was before it was put in order.
+    /// The entities of the list's entries, and the index of each entry before sorting.
     places: &'a mut Vec<(CreationOrder, Entity, usize)>,
 }
 
@@ -207,7 +206,7 @@ impl FieldValidator<'_, '_> {
         }
         self.places.sort_unstable();
         for i in 0..list.len() {
-            // What belongs here was swapped away for each place before it that it stood in.
+            // The entry for this place has been swapped away once for each earlier place at which it was.
             let mut from = self.places[i].2;
             while from < i {
                 from = self.places[from].2;
@@ -222,7 +221,7 @@ impl FieldValidator<'_, '_> {
         });
     }
 
-    /// Whether a resource is sound; its entity is the one that is named.
+    /// Whether a resource is valid; an error names its entity.
     fn resource<T: Resource>(
         &mut self,
         name: &'static str,

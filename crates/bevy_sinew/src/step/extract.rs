@@ -1,4 +1,4 @@
-//! Extraction: what a game wants to know of a body, read off its particles after each tick.
+//! Extraction: transforms, velocities and other aggregates of a body, computed from its particles after each tick.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -13,10 +13,10 @@ use crate::rows::{GONE, Rows};
 use crate::schedule::Pace;
 use crate::world::SinewWorld;
 
-/// Whatever has a pose, and where it was.
+/// A pose and its rows.
 type Posed = (Ref<'static, RigidPose>, &'static mut Rows<RigidPose>);
 
-/// Writes the transform of everything that has a [`RigidPose`]: in the frame of its parents, which are written before it.
+/// Writes the transform of every entity with a [`RigidPose`], relative to its parent. Parents are written first.
 pub(crate) fn extract_poses(
     world: Res<SinewWorld>,
     mut roots: ParamSet<(
@@ -34,7 +34,7 @@ pub(crate) fn extract_poses(
     if world.tables.rested {
         return;
     }
-    // While time stands still nothing moves by itself: a pose that is found again is nearer to the best one in its last digits, and is no other pose.
+    // While time is paused nothing moves: a pose that is computed again may differ in its last digits, but it is the same pose.
     let stands = pace.left == 0;
     let stays = |known: Option<&ExtractedTransform>, found: &Pose| {
         let known = known.and_then(|known| known.0);
@@ -48,8 +48,8 @@ pub(crate) fn extract_poses(
         let at_hand = rows.collider.and_then(|number| world.rigid_pose(number, transform.rotation));
         let found = at_hand.or_else(|| found(&world, &rigid, &mut rows, transform.rotation));
         let Some(found) = found else { continue };
-        // Of one that sleeps, what was found last may differ in its last digits, which depend on what was found before: it stays, whether that is known of
-        // it or it was put back.
+        // The pose of a sleeping body may differ in its last digits, which depend on the previous one. It is kept, whether the previous pose is known or was
+        // restored.
         let is_known = known.as_ref().is_none_or(|known| known.0 == Some(*transform));
         if !eased && is_known && is_at(&transform, &found) && world.slept_through(rows.get()) {
             continue;
@@ -87,15 +87,15 @@ pub(crate) fn extract_poses(
             *transform = own;
         }
         if let Some(mut known) = known {
-            // As it will be found again, to the last bit, if nobody moves it.
+            // Stored as it will be computed in the next tick, to the last bit, if the entity is not moved.
             let of = |entity| transforms.get(entity).ok().copied();
             known.0 = on_top(own, child, of, &parents).ok();
         }
     }
 }
 
-/// Writes where bodies and loose particles are in a [phase that is shown](crate::PhaseSteps), for the renderer alone: their components say where they are at the
-/// tick's end.
+/// Writes the poses of bodies and loose particles in a [phase that is shown](crate::PhaseSteps), for the renderer only: the components have the state at the
+/// end of the tick.
 pub(crate) fn show_poses(
     world: Res<SinewWorld>,
     mut bodies: Query<(Entity, Ref<RigidPose>, &mut Rows<RigidPose>, &Transform)>,
@@ -110,7 +110,7 @@ pub(crate) fn show_poses(
         let new = GlobalTransform::from(Affine3A::from_scale_rotation_translation(
             scale, rotation, place,
         ));
-        // What is drawn below it goes along.
+        // Its descendants move along.
         let along = new.affine() * old.affine().inverse();
         if !along.is_finite() {
             return;
@@ -133,7 +133,7 @@ pub(crate) fn show_poses(
     }
 }
 
-/// Whether a transform says where a pose is, but for round-off.
+/// Whether a transform equals a pose within round-off.
 fn is_at(transform: &Transform, pose: &Pose) -> bool {
     let off = (transform.translation - pose.translation).abs().max_element();
     let turned = Vec4::from(transform.rotation) - Vec4::from(pose.rotation);
@@ -141,7 +141,7 @@ fn is_at(transform: &Transform, pose: &Pose) -> bool {
     off <= digits.max(1e-5) && turned.abs().max_element() <= 1e-5
 }
 
-/// Where the particles of a pose put it in the world, near where it was turned before; `None` if none of them is there.
+/// The pose of the particles in the world, with the rotation near the previous one (`before`); `None` if none of the particles exists.
 fn found(
     world: &SinewWorld,
     rigid: &Ref<RigidPose>,
@@ -151,7 +151,7 @@ fn found(
     let (particles, tables) = (&world.simulation.particles, &world.tables);
     let rows = rows.resolve(&tables.layout, rigid.is_changed(), rigid.particles.iter().copied());
     let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
-    // Relative to a point near them: far out, positions in the world have no digits for how a body is turned.
+    // Relative to a nearby point: far from the origin, world positions do not have enough digits for a rotation.
     let &first = rows.iter().find(|&&row| sound(row))?;
     let near = particles.position(first as usize);
     let points = rows.iter().zip(&rigid.rest).filter_map(|(&row, &rest)| {
@@ -162,10 +162,10 @@ fn found(
     Some(Pose { translation: near + found.translation, ..found })
 }
 
-/// Writes the velocities, the barycentre and the inertia of every body that has particles.
+/// Writes the velocities, the centre of mass and the inertia of every body with particles.
 ///
-/// In a tick in which no time passes velocities are what they were, unless somebody has changed one of its particles: what a step knew of accelerations is not of what a
-/// restored snapshot has put in its place.
+/// While time is paused, velocities are kept unless one of the particles was changed: the solver's accelerations belong to the last step, not to a state that a
+/// snapshot has restored.
 pub(crate) fn extract_motion(
     world: Res<SinewWorld>,
     particles: Query<Ref<Particle>>,
@@ -202,7 +202,7 @@ pub(crate) fn extract_motion(
         let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
         let is_written = |entity| particles.get(entity).is_ok_and(|one| one.is_changed());
         let moves = tables.stepped || is_stale(&known, || members.iter().any(is_written));
-        // One part is all there is of it.
+        // If the body is one rigid part, its motion is that of the part.
         let at_hand = part
             .filter(|part| part.current(&tables.layout) == rows)
             .and_then(|part| world.rigid_motion(part.collider?));
@@ -223,7 +223,7 @@ pub(crate) fn extract_motion(
     }
 }
 
-/// Writes the velocities of single particles that are to have one.
+/// Writes the velocities of single particles that have a [`LinearVelocity`].
 pub(crate) fn extract_particle_velocities(
     world: Res<SinewWorld>,
     mut particles: Query<
@@ -247,13 +247,13 @@ pub(crate) fn extract_particle_velocities(
     }
 }
 
-/// Whether velocities that were known are no longer so, in a tick in which no time passes: none were, or particles were written, and not the velocities with them, as where
-/// a snapshot is restored.
+/// While time is paused, whether the stored velocities are out of date: there are none, or particles were written without the velocities, as when a snapshot is
+/// restored.
 fn is_stale(known: &Mut<ExtractedVelocity>, mut is_written: impl FnMut() -> bool) -> bool {
     known.0.is_none() || !known.is_changed() && is_written()
 }
 
-/// Moves the transforms of loose particles that have one: a ball on its own is drawn where its particle is. In the frame of its parents, if it has any.
+/// Writes the transforms of loose particles that have one, relative to their parent: a mesh on the same entity is drawn at the particle.
 pub(crate) fn extract_particles(
     mut particles: ParamSet<(
         Query<(&Particle, &mut Transform), (Changed<Particle>, Without<ChildOf>)>,
@@ -273,7 +273,7 @@ pub(crate) fn extract_particles(
         let above = on_top(Transform::IDENTITY, child, of, &parents);
         let at = Transform::from_translation(particle.position);
         let place = above.map(|above| into(&above, &at).translation);
-        // In a parent that shears it no transform of its own says where it is.
+        // If the parent is sheared, no transform of the child expresses its position.
         if let (Ok(place), Ok(mut transform)) = (place, transforms.get_mut(child))
             && place.is_finite()
         {
@@ -282,7 +282,7 @@ pub(crate) fn extract_particles(
     }
 }
 
-/// Fills the reports of the bodies that ask for one.
+/// Writes the reports of the bodies with a [`BodyReport`].
 pub(crate) fn extract_reports(
     world: Res<SinewWorld>,
     mut bodies: Query<(Ref<BodyParticles>, &mut Rows<BodyParticles>, &mut BodyReport)>,

@@ -1,9 +1,9 @@
-//! Gather: the values of the particles' components into the columns, every tick.
+//! Gather: copies the components of particles into the columns, every tick.
 //!
-//! A warm tick copies what moves, the [`Particle`]s, table by table. What rarely changes (masses, radii, charges and so on) stands in the columns
-//! already, and is copied again for the particles of which Bevy saw a change, or that have other components than they had; for all, where a game has
-//! written to the columns. So what is written around Bevy's change detection is not seen, except in a [`Particle`] that is awake. A `Particle` that sleeps is not scattered, so that its change
-//! tick says whether somebody else wrote to it; where nobody did, it stands in the columns already, too.
+//! A warm tick copies what moves, the [`Particle`]s, table by table. Properties that rarely change (mass, radius, charge and so on) stay in the columns. They
+//! are copied again for particles for which Bevy detected a change, or whose set of components differs from before; and for all particles if a game has written
+//! to the columns. A write that bypasses Bevy's change detection is therefore not seen, except in a [`Particle`] that is awake. A sleeping `Particle` is not
+//! scattered, so its change tick tells whether anything else wrote to it; if nothing did, its state is in the columns as well.
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::prelude::*;
@@ -18,7 +18,7 @@ use crate::components::{
 use crate::messages::{Refusal, Refused, refuse};
 use crate::world::{HeldProperties, SinewWorld, Tables};
 
-/// All that is said of a particle.
+/// The components of a particle.
 type ParticleData = (
     Entity,
     Ref<'static, Particle>,
@@ -33,7 +33,7 @@ type ParticleData = (
     Option<Ref<'static, GravityScale>>,
 );
 
-/// The same of a table: as many entries in each column as there are entities.
+/// The columns of a table: as many entries in each as there are entities.
 type Table<'w> = (
     &'w [Entity],
     ContiguousRef<'w, Particle>,
@@ -48,14 +48,14 @@ type Table<'w> = (
     Option<ContiguousRef<'w, GravityScale>>,
 );
 
-/// Copies every particle into its row; a faulty one is set aside, and reported when that is news.
+/// Copies every particle into its row; one with an error is set aside, and reported once.
 pub(crate) fn gather_particles(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
     particles: Query<ParticleData>,
     mut bodies: Bodies,
 ) {
-    // All of these are kept in tables.
+    // All of these components have table storage.
     let Ok(tables) = particles.contiguous_iter() else { return };
     let (mut counts, mut changed, mut added) = ([0; 8], false, false);
     for table in tables {
@@ -71,7 +71,7 @@ pub(crate) fn gather_particles(
     let SinewWorld { simulation, tables } = &mut *world;
     let layout = tables.layout.number;
     let is_relaid = core::mem::replace(&mut tables.held.layout, layout) != layout;
-    // Of what was added, as many others may have been removed, which leaves no mark.
+    // As many components may have been removed as were added, which the counts do not show.
     let removed =
         core::mem::replace(&mut tables.held.counts, counts) != counts || added || is_relaid;
     let which = match tables.edits != simulation.particles.edits() {
@@ -91,18 +91,18 @@ pub(crate) fn gather_particles(
     }
 }
 
-/// Of which particles the properties are to be copied.
+/// The particles whose properties must be copied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum DirtyProperties {
     None,
-    /// Of those that changed; and where components may have been `removed`, of those that have others than they had.
+    /// Those that changed, and, if components may have been `removed`, those with other components than before.
     Changed {
         removed: bool,
     },
     All,
 }
 
-/// Notes which particles somebody else has written to since, if one sleeps.
+/// If any body sleeps, lists the particles that anything but the simulation has written to.
 fn note_touched(world: &mut SinewWorld, particles: &Query<ParticleData>, all: bool) {
     let Tables { touched, asleep, scattered, .. } = &mut world.tables;
     touched.rows.clear();
@@ -121,7 +121,7 @@ fn note_touched(world: &mut SinewWorld, particles: &Query<ParticleData>, all: bo
     }
 }
 
-/// Copies the states of all particles, and the properties of some. Whether there were such.
+/// Copies the states of all particles, and the properties of some. Returns whether there were such.
 fn gather_tables(
     world: &mut SinewWorld,
     messages: &mut MessageWriter<Refused>,
@@ -152,7 +152,7 @@ fn gather_tables(
             let run = world.tables.sound_run(&rows[i..end]);
             let loaded = world.load(&states[..end], &rows[..end], i);
             i += loaded;
-            // What stopped it is a particle that is or was set aside.
+            // The run ended at a particle that is or was set aside.
             if loaded == 0 || loaded < run {
                 any |= gather_one(world, messages, &table, (i, false));
                 i += 1;
@@ -162,7 +162,7 @@ fn gather_tables(
     any
 }
 
-/// Marks the places of a table at which properties are to be copied; empty if there are none.
+/// Marks the entries of a table whose properties must be copied; empty if there are none.
 fn mark_dirty(held: &HeldProperties, table: &Table, which: DirtyProperties, dirty: &mut Vec<bool>) {
     let rows = table.2;
     dirty.clear();
@@ -186,7 +186,7 @@ fn mark_dirty(held: &HeldProperties, table: &Table, which: DirtyProperties, dirt
     }
 }
 
-/// Copies all that is said of one particle, and says so. Of one that is set aside, as it was, nothing is, but where `anew`.
+/// Copies all properties of one particle. Returns whether it did: a particle that is and was set aside is copied only if `anew`.
 fn gather_one(
     world: &mut SinewWorld,
     messages: &mut MessageWriter<Refused>,
@@ -227,7 +227,7 @@ fn gather_one(
     tables.held.kinds[row] = kinds(table);
     tables.held.gravity_scale[row] = 1.0;
     if fault.is_some() {
-        // Last good position, infinite mass, no charge: nothing notices it.
+        // The last valid position, infinite mass and no charge: it has no effect on others.
         let last = ParticleSeed::at(simulation.particles.position(row)).pinned();
         let put = simulation.particles.set(row, last);
         debug_assert!(put.is_ok(), "columns hold only finite positions");
@@ -237,7 +237,7 @@ fn gather_one(
     let held = pinned.is_some() || pinned_to.is_some();
     let put = simulation.particles.set(row, if held { seed.pinned() } else { seed });
     debug_assert!(put.is_ok(), "the seed was checked above");
-    // It has none since it was put there.
+    // `set` has cleared the force.
     if external != Vec3::ZERO {
         simulation.particles.set_external_force(row, external);
     }
@@ -245,19 +245,19 @@ fn gather_one(
     true
 }
 
-/// Whether anything but positions and velocities changed in a table. That one is pinned counts, where to does not.
+/// Whether anything but positions and velocities changed in a table. Adding a pin counts, moving its target does not.
 fn properties_changed(table: &Table) -> bool {
     let [pinned, pinned_to, rest @ ..] = change_ticks(table);
     [pinned, pinned_to].iter().flatten().any(ChangeTicks::any_added)
         || rest.iter().flatten().any(ChangeTicks::any_changed)
 }
 
-/// Which of these columns a table has, a bit for each. Mass it always has.
+/// The optional columns that a table has, one bit each. Mass is always present.
 fn kinds(table: &Table) -> u8 {
     change_ticks(table).iter().rev().fold(0, |bits, column| bits << 1 | u8::from(column.is_some()))
 }
 
-/// The columns of a table that hold properties.
+/// The columns of a table with properties.
 fn change_ticks<'w>(table: &Table<'w>) -> [Option<ChangeTicks<'w>>; 8] {
     let (.., mass, pinned, pinned_to, radius, charge, drag, force, scale) = table;
     [

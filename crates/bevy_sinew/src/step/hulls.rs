@@ -1,4 +1,4 @@
-//! Hulls: what bodies float by is compiled among rows when a body, its shape or the particles changed, and at no other time.
+//! Hulls: what bodies float by, compiled from entities to rows when a body, its shape or the particles change.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::components::{
 use crate::messages::{Refusal, Refused, refuse};
 use crate::world::{SinewWorld, Tables};
 
-/// What a hull may be made of.
+/// The components of which a hull may be made.
 type Parts = (
     &'static Floats,
     Option<&'static RigidPose>,
@@ -21,9 +21,10 @@ type Parts = (
     Has<BodyParticles>,
 );
 
-/// Compiles all hulls afresh if particles came, went or were set aside, or something that a hull is made of came, went or changed.
+/// Compiles all hulls again if particles were added, removed or set aside, or if a component of which a hull is made was added, removed or changed.
 ///
-/// One that is at fault is left out, and reported once; so is, without a word, one whose body is not built yet or whose particles are all set aside.
+/// A hull with an error is left out, and reported once; a hull whose body is not built yet, or whose particles are all set aside, is left out without a
+/// message.
 pub(crate) fn compile_hulls(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
@@ -39,7 +40,7 @@ pub(crate) fn compile_hulls(
     mut known: Local<BTreeMap<Entity, HullFault>>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    // What went is not told as a change; what came is one, so that their number says the rest.
+    // Change detection finds additions; a removal changes the count.
     let mut now = [0; 4];
     for (_, _, (_, pose, surface, part, ..)) in &floating {
         let there = [true, pose.is_some(), surface.is_some(), part.is_some()];
@@ -67,7 +68,7 @@ pub(crate) fn compile_hulls(
     }
 }
 
-/// The hull of a body; `None` while it is not there.
+/// The hull of a body; `None` while the body or its particles are missing.
 fn hull(
     tables: &Tables,
     (floats, pose, surface, part, is_body, is_built): <Parts as bevy::ecs::query::QueryData>::Item<
@@ -88,7 +89,7 @@ fn hull(
     }
 }
 
-/// A skin in the frame of a rigid body, carried by those of its particles that are there and sound.
+/// A hull in the frame of a rigid body, carried by those of its particles that exist and are not set aside.
 fn posed(
     tables: &Tables,
     pose: Option<&RigidPose>,
@@ -105,7 +106,7 @@ fn posed(
     made(tables, rows, triangles, skin, pose.particles.iter().copied())
 }
 
-/// A skin whose corners are particles; a triangle without all three of them is left out, as for the wind.
+/// A hull whose corners are particles; a triangle with a missing corner is left out, as for the wind.
 fn carried(tables: &Tables, surface: Option<&WindSurface>) -> Result<Option<Hull>, HullFault> {
     let corners = &surface.ok_or(HullFault::Empty)?.triangles;
     let row = |corner| tables.sound_row(corner);
@@ -114,13 +115,13 @@ fn carried(tables: &Tables, surface: Option<&WindSurface>) -> Result<Option<Hull
     let mut rows: Vec<u32> = sound.iter().flatten().copied().collect();
     rows.sort_unstable();
     rows.dedup();
-    // Each is there: the list was made of them.
+    // Every row is in the list, which was made from them.
     let place = |row: u32| rows.partition_point(|&other| other < row) as u32;
     let triangles = sound.iter().map(|corners| corners.map(place)).collect();
     made(tables, rows.clone(), triangles, Skin::Carriers, corners.iter().flatten().copied())
 }
 
-/// The hull, or what is wrong with it. Where nobody is left to carry it because all are set aside, it waits for them.
+/// The hull, or its error. If all of its particles are set aside, it waits for them.
 fn made(
     tables: &Tables,
     rows: Vec<u32>,
@@ -134,9 +135,9 @@ fn made(
     Hull::new(rows, triangles, skin).map(Some)
 }
 
-/// The skin of a solid box about the origin: corner `i` is on the positive side of x, y and z where bit 0, 1 and 2 of `i` is set.
+/// A solid box about the origin: corner `i` is on the positive side of x, y and z if bit 0, 1 and 2 of `i` is set.
 fn boxed(size: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    // Counter-clockwise from outside, as the faces of `sinew::recipes::box_3d`.
+    // Counter-clockwise from outside, like the faces of `sinew::recipes::box_3d`.
     const FACES: [[u32; 4]; 6] =
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let side = |i: u32, bit: u32| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };

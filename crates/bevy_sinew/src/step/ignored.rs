@@ -1,4 +1,5 @@
-//! What never touches although no constraint joins it: a body and what it is pinned or attached to, and a body and the colliders that are its children.
+//! Pairs that do not collide although no constraint connects them: a body and what it is pinned or attached to, and a body and the colliders that are its
+//! children.
 
 use bevy::prelude::*;
 use sinew::ContactParticipant;
@@ -10,7 +11,7 @@ use crate::components::{
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
 
-/// Tells the solver.
+/// Lists these pairs for the solver.
 pub(crate) fn gather_ignored(
     mut world: ResMut<SinewWorld>,
     pins: Query<(&PinnedTo, &ParticleRow)>,
@@ -32,7 +33,7 @@ pub(crate) fn gather_ignored(
         let rows = bodies.get(owner).ok()?.get();
         body_of_row(*rows.iter().find(|&&row| row != GONE)? as usize)
     };
-    // A collider's number is that of the last listing in which it was sound.
+    // A collider's index is that of the last listing in which it was valid.
     let collider = |entity: Entity, placed: &PlacedCollider| {
         let listed = tables.colliders.get(placed.number) == Some(&entity);
         listed.then_some(ContactParticipant::Collider(placed.number as u32))
@@ -46,7 +47,7 @@ pub(crate) fn gather_ignored(
         }
     }
     for attached in &attached {
-        // Pins of particles are among those above.
+        // Pinned particles are already in the list.
         if !attached.pinned.is_empty() {
             continue;
         }

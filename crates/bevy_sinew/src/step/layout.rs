@@ -1,4 +1,4 @@
-//! Layout: which particle has which row. Done afresh when particles come or go, and only then.
+//! Layout: assigns rows to particles, only when particles are added or removed.
 
 use bevy::prelude::*;
 use sinew::Simulation;
@@ -6,7 +6,7 @@ use sinew::Simulation;
 use crate::components::{CreationCounter, CreationOrder, Particle, ParticleRow, TopologyChanged};
 use crate::world::{SinewWorld, Tables};
 
-/// Gives each particle its row, in the order of creation, if any came or went since the last tick.
+/// Assigns each particle its row, in the order of creation, if any was added or removed since the last tick.
 pub(crate) fn lay_out(
     mut changed: ResMut<TopologyChanged>,
     mut counter: ResMut<CreationCounter>,
@@ -26,7 +26,7 @@ pub(crate) fn lay_out(
     present.resize(last.len(), false);
     new.clear();
     for (entity, mut number, row) in &mut particles {
-        // Spawned before the plugin was there to count.
+        // Particles that were spawned before the plugin was added.
         if number.0 == 0 {
             counter.0 += 1;
             number.0 = counter.0;
@@ -38,7 +38,7 @@ pub(crate) fn lay_out(
         }
     }
     let mut same = present.iter().position(|&present| !present).unwrap_or(last.len());
-    // Those that stay are in order already, and what is new mostly comes behind them.
+    // The remaining particles are sorted already, and new ones usually come after them.
     let mut is_present = present.iter();
     last.retain(|_| is_present.next() == Some(&true));
     new.sort_unstable();
@@ -59,15 +59,15 @@ pub(crate) fn lay_out(
     tables.order = order;
 }
 
-/// Memory.
+/// Scratch memory.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    /// For each row whether its particle is still there.
+    /// For each row, whether its particle still exists.
     present: Vec<bool>,
     new: Vec<(CreationOrder, Entity)>,
 }
 
-/// Gives all their rows but so many, from the first on, that keep theirs.
+/// Assigns rows to all particles but the leading ones that are the same.
 fn assign_rows(
     simulation: &mut Simulation,
     tables: &mut Tables,
@@ -76,7 +76,7 @@ fn assign_rows(
 ) {
     tables.layout.number += 1;
     tables.layout.same = same;
-    // Making room is no edit of the game's.
+    // The resize does not count as an edit by the game.
     let unedited = tables.edits == simulation.particles.edits();
     carry_over(simulation, tables, order);
     if unedited {
@@ -89,7 +89,7 @@ fn assign_rows(
     }
 }
 
-/// Moves the rows that stay, behind those that are the same, to their new places, so that a particle that is set aside keeps its last good position.
+/// Moves the remaining rows to their new places, so that a particle that is set aside keeps its last valid position.
 fn carry_over(simulation: &mut Simulation, tables: &mut Tables, order: &[(CreationOrder, Entity)]) {
     let same = tables.layout.same;
     let new = order.iter().map(|(_, entity)| *entity).skip(same);

@@ -1,4 +1,4 @@
-//! What happens around the substeps: components into columns, and columns back into components.
+//! The systems around the substeps: they copy components into the solver's columns, and columns back into components.
 
 pub(crate) mod bodies;
 pub(crate) mod body_colliders;

@@ -1,4 +1,4 @@
-//! Motion that a game asks for by components: velocities that it spawned or changed, and impulses.
+//! Velocities that a game spawned or changed, and impulses, as components.
 
 use bevy::prelude::*;
 
@@ -10,16 +10,16 @@ use crate::components::{
 };
 use crate::messages::{EditFault, Refusal, Refused, refuse};
 
-/// What is asked of a body, in the order of creation.
+/// The requested edits, in the order of creation.
 type Asked = (Option<CreationOrder>, Entity, BodyEdit);
 
-/// Whose velocity somebody has written, be it the last tick: of a sleeper it has not.
+/// A velocity was written, by the game or by the last tick. (For a sleeping body it is not.)
 type Sped = Or<(Changed<LinearVelocity>, Changed<AngularVelocity>, Changed<ExtractedVelocity>)>;
 
-/// What has velocities: bodies, and single particles.
+/// Entities with velocities: bodies, and single particles.
 type Moves = Or<(With<BodyParticles>, With<Particle>)>;
 
-/// A run condition: whether a velocity was written, or read off particles.
+/// Run condition: whether a velocity was written, or extracted.
 pub(crate) fn any_velocity_changed(
     linear: Query<Ref<LinearVelocity>, Moves>,
     angular: Query<Ref<AngularVelocity>, Moves>,
@@ -28,9 +28,9 @@ pub(crate) fn any_velocity_changed(
     census(&linear).1 || census(&angular).1 || census(&known).1
 }
 
-/// Gives bodies and single particles the velocities that a game spawned with them, or has changed since the last tick.
+/// Applies the velocities that a game spawned with bodies and single particles, or has changed since the last tick.
 ///
-/// One that is not finite is refused and put back to what the body has.
+/// A velocity that is not finite is refused and reset to that of the body.
 pub(crate) fn follow_velocities(
     mut bodies: Query<
         (
@@ -57,7 +57,7 @@ pub(crate) fn follow_velocities(
         let mut linear = linear;
         let order = order.copied();
         let edits = match known.0 {
-            // Particles of a body at rest may have velocities of their own, which are yet to be read off them.
+            // The particles of a body with zero velocity may have velocities of their own, which have not been extracted yet.
             None if now == (Vec3::ZERO, Vec3::ZERO) => continue,
             None => [Some(BodyEdit::Motion(now.0, now.1)), None],
             Some((velocity, spin)) => {
@@ -83,7 +83,7 @@ pub(crate) fn follow_velocities(
     carry_out(&mut asked, &mut editor, &mut messages);
 }
 
-/// Gives bodies, rigid parts and particles the impulses that a game has put onto them, and takes those off.
+/// Applies the impulses that a game has put on bodies, rigid parts and particles, and resets them.
 pub(crate) fn apply_impulses(
     mut pushed: Query<
         (Entity, Option<&CreationOrder>, &mut ExternalImpulse, Option<&mut Sleep>),
@@ -114,9 +114,9 @@ pub(crate) fn apply_impulses(
     carry_out(&mut asked, &mut editor, &mut messages);
 }
 
-/// Does what is asked, body by body in the order of creation; what cannot be done is refused.
+/// Executes the edits, body by body in the order of creation; an edit that fails is refused.
 fn carry_out(asked: &mut [Asked], editor: &mut Editor, messages: &mut MessageWriter<Refused>) {
-    // A stable sort: what is asked of one body stays in its order.
+    // A stable sort: the edits of one body stay in order.
     asked.sort_by_key(|&(order, entity, _)| (order, entity));
     for &(_, entity, edit) in &*asked {
         let fault = match editor.apply(entity, edit) {

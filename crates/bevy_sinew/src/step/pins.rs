@@ -1,4 +1,4 @@
-//! Pins at gather: the points that pinned particles are led to.
+//! Gathers pins: the targets of pinned particles.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use crate::messages::{Refusal, Refused, refuse};
 use crate::schedule::Pace;
 use crate::world::SinewWorld;
 
-/// Leads particles that are pinned to a point, and those that are pinned to other entities; lets go of those whose entity is gone.
+/// Lists the targets of particles that are pinned to a point or to another entity; releases those whose entity is gone.
 pub(crate) fn gather_pins(
     mut commands: Commands,
     mut world: ResMut<SinewWorld>,
@@ -33,7 +33,7 @@ pub(crate) fn gather_pins(
             pins.push(Pin { particle: row as u32, target });
         }
     }
-    // A query's order is not the order of creation; each particle has one pin of each kind at most, so sorting makes it so.
+    // A query's order is not the order of creation. Each particle has one pin of each kind at most, so sorting by row is sufficient.
     pins.sort_unstable_by_key(|pin| pin.particle);
     let still = pins.len();
     for (entity, pin, row) in &pinned_to {
@@ -41,12 +41,12 @@ pub(crate) fn gather_pins(
         if tables.refused[row].is_some() {
             continue;
         }
-        // Computed afresh: GlobalTransform is a frame old in the fixed schedule.
+        // Computed on demand: `GlobalTransform` is a frame old in the fixed schedule.
         match transforms.compute_global_transform(pin.entity) {
             Ok(transform) => {
                 let target = transform.transform_point(pin.offset);
                 if target.is_finite() {
-                    // Of several ticks in a row, each goes its part of the way.
+                    // If several ticks are run in a row, each moves by its share of the way.
                     let way = particles.relative_to(row, target);
                     let target = if pace.left > 1 {
                         target + way * (1.0 - 1.0 / pace.left as f32)
@@ -62,11 +62,11 @@ pub(crate) fn gather_pins(
             }
         }
     }
-    // Behind the others: of two pins on one particle, the one on an entity wins. Each list has a particle once, so nothing is left to chance.
+    // After the others: of two pins on one particle, the one on an entity takes effect. Each list has a particle once, so the order is unique.
     pins[still..].sort_unstable_by_key(|pin| pin.particle);
 }
 
-/// Whether nothing is wrong; what is gets reported once, until it was mended.
+/// Whether there is no error; an error is reported once, until it is corrected.
 pub(crate) fn sound(
     broken: &mut BTreeSet<Entity>,
     messages: &mut MessageWriter<Refused>,

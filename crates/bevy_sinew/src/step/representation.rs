@@ -1,4 +1,4 @@
-//! Which bodies move as explicit rigid bodies: told to the solver when that changed.
+//! Passes to the solver which bodies are explicit rigid bodies, when that changes.
 
 use bevy::prelude::*;
 
@@ -7,9 +7,9 @@ use crate::messages::{Refusal, Refused, refuse};
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
 
-/// Lists the compounds afresh if particles came or went, or a body changed its representation.
+/// Lists the compounds again if particles were added or removed, or a body changed its representation.
 ///
-/// One that cannot be rigid, because it has no [`RigidPose`] or a particle of it is gone or set aside, goes on as particles.
+/// A body that cannot be rigid, because it has no [`RigidPose`] or one of its particles is gone or set aside, remains particles.
 pub(crate) fn compile_compounds(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
@@ -19,7 +19,7 @@ pub(crate) fn compile_compounds(
     mut count: Local<usize>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    // What lost the component is not told as a change, but their number says it.
+    // A removal is not detected as a change, but it changes the count.
     let now = bodies.iter().len();
     let went = core::mem::replace(&mut *count, now) != now;
     if !tables.stale && !went && changed.is_empty() {
@@ -42,7 +42,7 @@ pub(crate) fn compile_compounds(
     }
     compounds.sort_by_key(|(order, _)| *order);
     let compounds = compounds.into_iter().map(|(_, compound)| compound);
-    // To say that they may have changed is to have all compiled afresh.
+    // Written only if different, since writing causes everything to be compiled again.
     if !compounds.clone().eq(simulation.compounds().iter().cloned()) {
         *simulation.compounds_mut() = compounds.collect();
     }

@@ -1,4 +1,4 @@
-//! Scatter: the columns back into the components, at the end of a tick.
+//! Scatter: copies the columns back into the components, at the end of a tick.
 
 use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
@@ -7,7 +7,7 @@ use crate::components::{Particle, ParticleRow};
 use crate::messages::{Refusal, Refused, refuse};
 use crate::world::SinewWorld;
 
-/// Writes position, velocity and lag of every particle that took part; one that was set aside, or slept, keeps what it has.
+/// Writes position, velocity and lag of every particle that took part. Particles that are set aside, or slept, are not written.
 pub(crate) fn scatter(
     mut world: ResMut<SinewWorld>,
     ticks: SystemChangeTick,
@@ -21,7 +21,7 @@ pub(crate) fn scatter(
     }
     let (columns, tables) = (&world.simulation.particles, &world.tables);
     list_awake(&world, &mut awake);
-    // Table by table, all of a table marked as changed at once. Not with one set aside among them, or asleep: that one did not change.
+    // Table by table, with a whole table marked as changed at once; not if a particle in it is set aside or asleep, since that did not change.
     if !awake.is_empty() {
         if awake.contains(&true) {
             scatter_awake(&world, &mut particles, &awake);
@@ -50,7 +50,7 @@ pub(crate) fn scatter(
     }
 }
 
-/// Lists for each row whether it is to be written, if some are not because they sleep.
+/// Lists for each row whether it is to be written; empty if no body sleeps.
 fn list_awake(world: &SinewWorld, awake: &mut Vec<bool>) {
     let SinewWorld { simulation, tables } = world;
     awake.clear();
@@ -64,7 +64,7 @@ fn list_awake(world: &SinewWorld, awake: &mut Vec<bool>) {
         }));
 }
 
-/// Writes some rows, and marks those alone as changed.
+/// Writes some rows, and marks only those as changed.
 fn scatter_awake(
     world: &SinewWorld,
     particles: &mut Query<(&mut Particle, &ParticleRow)>,

@@ -9,10 +9,10 @@ use crate::components::{
 };
 use crate::world::Tables;
 
-/// What is a rod and nothing else that collides.
+/// Rods that do not collide otherwise.
 type Rod = (With<DistanceConstraint>, Without<Collider>, Without<RigidPose>);
 
-/// Rods.
+/// The rods of all bodies.
 #[derive(SystemParam)]
 pub(crate) struct Segments<'w, 's> {
     rods: Query<
@@ -24,18 +24,18 @@ pub(crate) struct Segments<'w, 's> {
     all: Query<'w, 's, Entity, Rod>,
     remembering: Query<'w, 's, Entity, (With<ContactCache>, Rod)>,
     commands: Commands<'w, 's>,
-    /// How many rods have a memory since they were last listed.
+    /// The number of rods with a contact cache when they were last listed.
     listed: Local<'s, usize>,
 }
 
 impl Segments<'_, '_> {
-    /// Whether rods have got or lost a memory since they were listed: a rollback does that.
+    /// Whether rods have gained or lost a contact cache since they were listed, as after a rollback.
     pub(crate) fn are_off(&self) -> bool {
         self.remembering.iter().len() != *self.listed
     }
 
-    /// Lists the segments of bodies that ask for them, if `any` does, and who has any. Which particles are whose is known already. What becomes one is given a
-    /// memory of what it touches, and loses that when it ceases to be one.
+    /// Lists the segments of the bodies that collide by them (`asks`), if there are `any`, and the owners of the segments. The mapping from particles to bodies
+    /// must be up to date. A rod that becomes a segment is given a contact cache, which is removed when it is one no longer.
     pub(crate) fn list(
         &mut self,
         (simulation, tables): (&Simulation, &Tables),
@@ -71,7 +71,7 @@ impl Segments<'_, '_> {
             all.iter().for_each(take);
             return;
         }
-        // The solver's list, which has all there are, is in one piece, and there may be many rods of others.
+        // The solver's list has all rods, in contiguous memory, and there may be many of other bodies.
         let is_asking = |row: u32| particles.body(row as usize).is_some_and(asks);
         let mut maybe: Vec<Entity> = remembering.iter().collect();
         let known = simulation.distances().iter().zip(&tables.links.distances);
@@ -82,15 +82,15 @@ impl Segments<'_, '_> {
     }
 }
 
-/// The number of the body that both ends of a rod belong to.
+/// The index of the body to which both ends of a rod belong.
 fn owner(rod: &DistanceConstraint, particles: &Particles, tables: &Tables) -> Option<u32> {
     let body = |end: Entity| particles.body(*tables.layout.row_of.get(&end)? as usize);
     let one = body(rod.a)?;
     (rod.bound != Bound::AtLeast && body(rod.b) == Some(one)).then_some(one)
 }
 
-/// The capsule of a rod, as thick as its thinner end; `None` if it has no thickness, or an end is gone or set aside. Rods of a rope are much alike:
-/// `last` is what the one before became.
+/// The capsule of a rod, as thick as its thinner end; `None` if it has no thickness, or an end is gone or set aside. Rods of a rope are mostly equal, so the
+/// previous one (`last`) is reused.
 fn segment(
     rod: &DistanceConstraint,
     particles: &Particles,

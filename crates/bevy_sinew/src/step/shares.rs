@@ -1,4 +1,4 @@
-//! What a body says of all its particles together, shared out onto them: its mass and its charge by their masses, its radius and its drag to each.
+//! Distributes the properties of a body to its particles: mass and charge in proportion to their masses, radius and drag to each.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::bevy_version::OnRemove;
 use crate::components::{BodyParticles, Charge, Drag, Mass, Particle, Radius};
 use crate::messages::{Refusal, Refused};
 
-/// What is said of a body.
+/// The properties of a body.
 type Said = (
     Option<Ref<'static, Mass>>,
     Option<Ref<'static, Radius>>,
@@ -18,7 +18,7 @@ type Said = (
     Option<Ref<'static, Drag>>,
 );
 
-/// Of a particle.
+/// The properties of a particle.
 type Own = (
     &'static mut Mass,
     Option<&'static mut Radius>,
@@ -26,10 +26,10 @@ type Own = (
     Option<&'static mut Drag>,
 );
 
-/// How far the sum of the particles' masses may be from the body's, as a share, before they are scaled: what rounding leaves.
+/// Relative deviation of the sum of the particles' masses from the body's mass below which they are not scaled: round-off.
 const ROUNDING: f64 = 1e-6;
 
-/// Writes what a body says onto its particles, if the body was built or what it says has changed since the last tick.
+/// Writes the properties of a body to its particles, if the body was built or a property changed since the last tick.
 ///
 /// A number that is not finite, or out of range, is refused once and changes nothing.
 pub(crate) fn share_out(
@@ -71,7 +71,7 @@ pub(crate) fn share_out(
             if let (Some(radius), true) = (&radius, wide) {
                 put(&mut commands, particle, own_radius, **radius);
             }
-            // The charge changes with the masses, too: it is spread as they are.
+            // The charge is distributed as the masses are, so it changes with them, too.
             if let (Some(charge), true) = (&charge, charged || heavy) {
                 let share = f64::from(charge.0) * f64::from(mass.0) / total;
                 put(&mut commands, particle, own_charge, Charge(share as f32));
@@ -83,7 +83,8 @@ pub(crate) fn share_out(
     }
 }
 
-/// Takes from the particles of a body what was taken from it: its charge, its drag. (An observer, for a tick may be too late to be told of what went.)
+/// Removes from the particles of a body a component that was removed from the body: its charge, its drag. (An observer, because a removal may no longer be
+/// readable at the next tick.)
 pub(crate) fn take_back<T: Component>(
     removed: OnRemove<T>,
     mut commands: Commands,
@@ -94,7 +95,7 @@ pub(crate) fn take_back<T: Component>(
     }
 }
 
-/// What is wrong with a number of a body, if anything is: what would be wrong with it on a particle.
+/// The error of a body's property, if any: the one that it would be on a particle.
 fn fault(
     mass: Option<&Mass>,
     radius: Option<&Radius>,
@@ -109,12 +110,12 @@ fn fault(
         drag: drag.map_or(seed.drag, |drag| drag.0),
         ..seed
     };
-    // An infinite mass pins a particle, which a body's cannot.
+    // An infinite mass pins a particle; a body cannot have one.
     let heavy = mass.is_some_and(|mass| !mass.0.is_finite()).then_some(ParticleFault::Mass);
     heavy.or(seed.fault())
 }
 
-/// Mass of some particles, kg.
+/// Total mass of some particles, kg.
 fn sum(
     particles: &Query<Own, (With<Particle>, Without<BodyParticles>)>,
     list: &BodyParticles,
@@ -123,7 +124,7 @@ fn sum(
     own.map(|(mass, ..)| f64::from(mass.0)).filter(|mass| mass.is_finite()).sum()
 }
 
-/// Scales the masses of particles that weigh `total` kg, so that they weigh `wanted`.
+/// Scales the masses of particles with a total of `total` kg to a total of `wanted` kg.
 fn scale_masses(
     particles: &mut Query<Own, (With<Particle>, Without<BodyParticles>)>,
     list: &BodyParticles,
@@ -141,7 +142,7 @@ fn scale_masses(
     }
 }
 
-/// Writes a component where it is, if it is another one, or puts it there.
+/// Writes a component if it differs, or inserts it.
 fn put<T: Component<Mutability = bevy::ecs::component::Mutable> + PartialEq>(
     commands: &mut Commands,
     particle: Entity,

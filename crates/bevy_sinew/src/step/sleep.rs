@@ -1,4 +1,4 @@
-//! Sleep: what bodies keep of it goes to the solver before a tick and comes back after it.
+//! Copies the sleep state of bodies to the solver before a tick, and back after it.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -13,7 +13,7 @@ use crate::frames::Frames;
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
 
-/// What fills the world: where something of it changes, all wake.
+/// The environment: a change wakes all bodies.
 #[derive(SystemParam)]
 pub(crate) struct Surroundings<'w, 's> {
     gravity: Res<'w, Gravity>,
@@ -28,8 +28,8 @@ pub(crate) struct Surroundings<'w, 's> {
 }
 
 impl Surroundings<'_, '_> {
-    /// One number for all of it, of its values alone: put back as it was, it is the same. There are a handful at most, so it is summed up every tick: parents may
-    /// have moved one.
+    /// A hash of the values of the environment: restoring the same values restores the hash. Computed every tick, since a parent may have moved a field; there
+    /// are only a few.
     fn number(&self) -> u64 {
         let (drag, electric) = (self.air_drag.0, *self.electric);
         let everywhere = [drag, electric.constant, electric.softening];
@@ -62,7 +62,7 @@ impl Surroundings<'_, '_> {
         sum.max(1)
     }
 
-    /// Where a field is, and how large its region.
+    /// The placement of a field, and the size of its region.
     fn place_of(&self, entity: Entity, region: Option<&Region>) -> impl Iterator<Item = f32> {
         let at = self.frames.of(entity).unwrap_or_default();
         let size = match region.map(|region| region.shape) {
@@ -78,15 +78,15 @@ impl Surroundings<'_, '_> {
     }
 }
 
-/// Fowler, Noll and Vo's hash of some numbers.
+/// FNV-1a hash of some numbers.
 fn mixed(kind: u64, numbers: impl IntoIterator<Item = f32>) -> u64 {
     let mix = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0100_0000_01b3);
     let begin = mix(0xcbf2_9ce4_8422_2325, kind);
     numbers.into_iter().fold(begin, |hash, number| mix(hash, u64::from(number.to_bits())))
 }
 
-/// A run condition: whether [`gather_sleep`] may find anything else than the solver has. It does not while particles are not gathered, no [`Sleep`] has changed,
-/// which a step that changes it writes back, what fills the world is the same, and nobody asks for every contact.
+/// Run condition: whether [`gather_sleep`] may differ from what the solver has. It does not while particles are not gathered, no [`Sleep`] has changed (a step
+/// that changes one writes it back), the environment is the same, and no entity has [`ContactEvents::Every`].
 pub(crate) fn any_sleep_changed(
     world: Res<SinewWorld>,
     surroundings: Surroundings,
@@ -102,14 +102,14 @@ pub(crate) fn any_sleep_changed(
     !(now.0 && same) || changed || came || asked
 }
 
-/// Bodies whose contacts are all asked for, and what is gathered, by the numbers of bodies; memory.
+/// Bodies whose contacts are all reported, and the gathered state by body index; scratch memory.
 #[derive(Default)]
 pub(crate) struct Scratch {
     watched: Vec<Entity>,
     gathered: Vec<sinew::Sleep>,
 }
 
-/// Tells the solver who may sleep and who does.
+/// Passes to the solver which bodies may sleep, and which do.
 pub(crate) fn gather_sleep(
     mut world: ResMut<SinewWorld>,
     surroundings: Surroundings,
@@ -124,7 +124,7 @@ pub(crate) fn gather_sleep(
     gathered.clear();
     gathered.resize(if bodies.is_empty() { 0 } else { number }, sinew::Sleep::default());
     let now = surroundings.number();
-    // Who asks for every contact is to hear of those that rest, too.
+    // Contacts at rest are reported, too, so bodies in contact with an entity with [`ContactEvents::Every`] are kept awake.
     watched.clear();
     for (asking, _, touching) in asking.iter().filter(|one| *one.1 == ContactEvents::Every) {
         watched.push(asking);
@@ -146,7 +146,7 @@ pub(crate) fn gather_sleep(
             *own = sinew::Sleep { allowed: true, keeps_awake, speed, still, asleep, support_hash };
         }
     }
-    // What is as it was is not written, so that a step at rest is known at a glance.
+    // Written only if different, so that a step at rest is recognised at once.
     if *simulation.sleep != *gathered {
         (*simulation.sleep).clone_from(gathered);
     }
@@ -169,7 +169,7 @@ pub(crate) fn gather_sleep(
     }
 }
 
-/// Notes, after the step, who slept through all of it. Those need not be written: they are as they were gathered.
+/// After the step, notes which bodies slept through all of it. They need not be written: they are as they were gathered.
 pub(crate) fn note_sleepers(mut world: ResMut<SinewWorld>) {
     if world.tables.rested {
         return;
@@ -184,7 +184,7 @@ pub(crate) fn note_sleepers(mut world: ResMut<SinewWorld>) {
     }
 }
 
-/// Keeps what has become of it.
+/// Copies the sleep state back.
 pub(crate) fn keep_sleep(
     world: Res<SinewWorld>,
     mut bodies: Query<(&Rows<BodyParticles>, &mut Sleep)>,

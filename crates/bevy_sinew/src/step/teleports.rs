@@ -1,4 +1,4 @@
-//! Bodies that somebody else moved take their particles along: by their own `Transform`, or by that of a parent.
+//! Teleports: moves the particles of bodies that the game moved, by their own `Transform` or by that of a parent.
 
 use bevy::prelude::*;
 
@@ -6,10 +6,10 @@ use crate::carry::Carry;
 use crate::components::{BodyParticles, ExtractedTransform, Particle, Sleep};
 use crate::frames::Frames;
 
-/// Moves the particles of bodies that are elsewhere in the world than the simulation left them: that is a teleport of the whole body.
+/// Moves the particles of bodies whose world transform differs from the one that the simulation left: a teleport of the whole body.
 ///
-/// Velocities turn with the body and otherwise stay, so that a portal carries a flying box through. So a body whose parent moves goes with it by as much
-/// in every tick, besides what it does by itself, and its velocity in the world says only the latter.
+/// Velocities turn with the body and otherwise stay, so that a portal carries a flying box through. A body whose parent moves is thus moved by as much in every
+/// tick, in addition to its own motion, and its velocity in the world is that of its own motion only.
 pub(crate) fn follow_teleports(
     mut bodies: Query<(
         Entity,
@@ -24,7 +24,7 @@ pub(crate) fn follow_teleports(
 ) {
     for (entity, transform, parented, mut known, members, sleep) in &mut bodies {
         let Some(old) = known.0 else { continue };
-        // One that a parent shears stays where it is; building it says so.
+        // A body that a parent shears stays where it is; the error is reported when it is built.
         let Ok(now) = (if parented { frames.of(entity) } else { Ok(*transform) }) else { continue };
         if old == now {
             continue;

@@ -1,4 +1,4 @@
-//! Contacts that began and ended, told to whoever asked.
+//! Sends contact events.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -12,10 +12,10 @@ use crate::components::{
 use crate::recipes::Rescaled;
 use crate::world::SinewWorld;
 
-/// What a tick told of one entity: who, whom, and how.
+/// A contact of an entity in this tick: the entity, the other one, the impact, and the sign of its normal.
 type TouchingPair = (Entity, Entity, Impact, f32);
 
-/// Notes what lost its parent. (An observer, for a tick may be too late to be told of what went.)
+/// Notes entities that lost their parent. (An observer, because a removal may no longer be readable at the next tick.)
 pub(crate) fn note_orphan(
     removed: OnRemove<ChildOf>,
     involved: Query<(), Or<(With<ParticleBody>, With<Collider>, With<Particle>)>>,
@@ -26,7 +26,7 @@ pub(crate) fn note_orphan(
     }
 }
 
-/// Compares whom each one who asked touches with whom it touched.
+/// Compares the current contacts of each entity with [`ContactEvents`] with its previous ones, and sends what began and ended.
 pub(crate) fn write_contact_messages(
     world: Res<SinewWorld>,
     mut commands: Commands,
@@ -59,7 +59,7 @@ pub(crate) fn write_contact_messages(
             }
         }
     }
-    // A stable sort: those of one are in the order of the report, which is that of creation, whatever entities are called.
+    // A stable sort: the contacts of one entity stay in the order of the report, which is that of creation, whatever the entity ids.
     told.sort_by_key(|&(entity, ..)| entity);
     order.clear();
     order.extend(asking.iter().map(|(entity, order, ..)| (order.copied(), entity)));
@@ -76,11 +76,11 @@ pub(crate) fn write_contact_messages(
             report_impulses(every, &mut impulses, &mut commands);
             continue;
         }
-        // Sorted, for a floor may touch a thousand.
+        // Sorted, since a floor may touch a thousand bodies.
         let Lists { met, known } = &mut *lists;
         sort(met, now.iter().map(|one| one.1));
         sort(known, touching.0.iter().copied());
-        // Two that rest against each other are not solved, and touch all the same.
+        // Two bodies that rest against each other asleep are not solved, but still touch.
         let met = |other: &Entity| met.binary_search(other).is_ok();
         let rests = |other: &Entity| !met(other) && resting.do_rest(entity, *other);
         let touches = |other: &Entity| goes_on(other) && (met(other) || rests(other));
@@ -109,7 +109,7 @@ pub(crate) fn write_contact_messages(
     }
 }
 
-/// Whom one meets in a tick, and whom it touched before, sorted. Scratch.
+/// The current and the previous contacts of an entity, sorted. Scratch.
 #[derive(Default)]
 pub(crate) struct Lists {
     met: Vec<Entity>,
@@ -122,7 +122,7 @@ fn sort(list: &mut Vec<Entity>, all: impl Iterator<Item = Entity>) {
     list.sort_unstable();
 }
 
-/// Who rests.
+/// Finds out whether a pair is at rest.
 #[derive(SystemParam)]
 pub(crate) struct Resting<'w, 's> {
     sleepers: Query<'w, 's, &'static Sleep>,
@@ -130,7 +130,7 @@ pub(crate) struct Resting<'w, 's> {
 }
 
 impl Resting<'_, '_> {
-    /// Whether one of two sleeps, and the other sleeps or stands by itself.
+    /// Whether one of the two sleeps, and the other sleeps or is a static or kinematic collider.
     fn do_rest(&self, one: Entity, other: Entity) -> bool {
         let asleep = |entity| self.sleepers.get(entity).map(|sleep| sleep.asleep);
         match (asleep(one), asleep(other)) {
@@ -142,7 +142,7 @@ impl Resting<'_, '_> {
     }
 }
 
-/// Reports each contact of one who asked for all of them.
+/// Sends each contact of an entity with [`ContactEvents::Every`].
 fn report_impulses(
     list: &[TouchingPair],
     messages: &mut MessageWriter<ContactImpulse>,

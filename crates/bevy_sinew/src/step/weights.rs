@@ -1,4 +1,4 @@
-//! Weights at gather: what the game moves presses on what it stands on, as forces for the tick.
+//! Gathers weights: kinematic colliders press on what they stand on, as forces for the tick.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ use crate::components::{Collider, PlacedCollider, Weighs};
 use crate::messages::{Refusal, Refused};
 use crate::world::SinewWorld;
 
-/// Adds the forces, collider by collider in the order of creation. Behind the game's own controls, which are listed anew in each tick.
+/// Adds the forces, collider by collider in the order of creation; after the game's control forces, whose list is built again in each tick.
 pub(crate) fn gather_weights(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,

@@ -1,44 +1,44 @@
-//! Which spring or constraint stands where in the solver's lists.
+//! The places of springs and constraints in the solver's lists.
 
 use bevy::prelude::*;
 
 use crate::components::CreationOrder;
 
-/// Whose links stand in the solver's lists, place by place.
+/// The place of each link in the solver's lists, by index.
 #[derive(Default)]
 pub(crate) struct Links {
     pub(crate) distances: Vec<Place>,
     pub(crate) constraints: Vec<Place>,
     pub(crate) springs: Vec<Place>,
-    /// Whether all links there are do.
+    /// Whether all links are in the lists: none is invalid or waits.
     pub(crate) sound: bool,
-    /// The layout whose rows they name.
+    /// The layout of the rows that they refer to.
     pub(crate) layout: u64,
-    /// Counts the changes of the lists.
+    /// A counter of changes of the lists.
     pub(crate) version: u64,
     pub(crate) surfaces: CompiledSurfaces,
 }
 
-/// Of what the solver's list of triangles was made.
+/// What the solver's list of triangles was compiled from.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct CompiledSurfaces {
-    /// How many surfaces there were.
+    /// The number of surfaces.
     pub(crate) count: usize,
     /// Whether no particle was set aside.
     pub(crate) all_sound: bool,
-    /// The layout of rows that they named, and the end of those rows.
+    /// The layout of rows, and the end of the rows that the triangles refer to.
     pub(crate) layout: u64,
     pub(crate) end: usize,
 }
 
-/// Where a link stands in the solver's lists.
+/// The index of a link in one of the solver's lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum LinkAt {
-    /// The number of a distance.
+    /// In the list of distances.
     Distance(usize),
-    /// Of a spring.
+    /// In the list of springs.
     Spring(usize),
-    /// Of any other constraint.
+    /// In the list of all other constraints.
     Constraint(usize),
 }
 
@@ -53,7 +53,7 @@ impl LinkAt {
 }
 
 impl Links {
-    /// Finds all links of an entity.
+    /// Calls `each` for all links of an entity.
     pub(crate) fn find(&self, order: CreationOrder, entity: Entity, mut each: impl FnMut(LinkAt)) {
         let lists: [(&[Place], fn(usize) -> LinkAt); 3] = [
             (&self.distances, LinkAt::Distance),
@@ -69,7 +69,7 @@ impl Links {
     }
 }
 
-/// Whose link it is, and where it stands in its list: by creation, and for several on one entity by their kind.
+/// The entity of a link, and its sort key: by creation, and for several on one entity by their kind.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Place {
     pub(crate) order: CreationOrder,

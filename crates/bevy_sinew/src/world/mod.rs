@@ -1,5 +1,5 @@
-//! The solver's working copy of the components, and the tables that lead from one to the other. Scratch: it is refilled at the start
-//! of every tick, and nothing in it survives one.
+//! The solver's working copy of the components, and the tables that map between the two. Scratch: it is filled at the start of every tick, and none of it
+//! persists.
 
 mod links;
 mod phases;
@@ -19,37 +19,36 @@ use crate::components::{CreationOrder, Particle, ParticleRow};
 use crate::messages::ReportedErrors;
 use crate::rows::Layout;
 
-/// The columns that the phases work on, for the systems of a game that join in between [phases](crate::PhaseSystems).
+/// The solver's particles and reports: for custom systems that run between [phases](crate::PhaseSystems), for spatial queries, and to read statistics.
 ///
-/// Outside the substeps it holds the last tick's end. To change the simulation there, change components.
+/// Outside of the substeps it has the state at the end of the last tick. To change the simulation there, change components.
 #[derive(Resource, Default)]
 pub struct SinewWorld {
-    /// The simulation whose columns were gathered from the components of this tick. In a box, since the world is moved out of its resource and back by systems
-    /// that need all else as well.
+    /// The simulation, gathered from the components. Boxed, since systems that need the rest of the world move this resource out and back.
     pub(crate) simulation: Box<Simulation>,
     pub(crate) tables: Tables,
 }
 
-/// Between which places rows are drawn where time does not pass by one whole tick for each fixed tick. Nothing of the simulation depends on it.
+/// The positions between which rows are drawn if the simulation has a speed of its own. The simulation does not depend on it.
 #[derive(Default)]
 pub(crate) struct Played {
-    /// Where the rows were when the last fixed tick ended, as far as that was played, metres.
+    /// Positions at the end of the previous fixed tick, as far as it was played, metres.
     from: Vec<Vec3>,
-    /// Where they were when this one ended.
+    /// Positions at the end of this one, metres.
     to: Vec<Vec3>,
-    /// Where they were when the last tick began, metres.
+    /// Positions at the start of the last tick, metres.
     began: Vec<Vec3>,
-    /// The layout of rows that they are in.
+    /// The layout of the rows.
     layout: u64,
 }
 
 impl SinewWorld {
-    /// The particles of this substep. [`ParticleRow`](crate::ParticleRow) says which row is whose.
+    /// The particles of this substep. [`ParticleRow`](crate::ParticleRow) is the row of a particle entity.
     pub fn particles(&self) -> &Particles {
         &self.simulation.particles
     }
 
-    /// The particles of this substep, to add forces to or to move. What there is of them follows from components alone.
+    /// The particles of this substep, for adding forces or moving them. Particles are added and removed by components only.
     pub fn particles_mut(&mut self) -> ParticlesMut<'_> {
         ParticlesMut(&mut self.simulation.particles)
     }
@@ -59,31 +58,31 @@ impl SinewWorld {
         &self.simulation
     }
 
-    /// Length of the current substep, seconds, and how many are left in this tick.
+    /// Length of the current substep, seconds, and the number of substeps that remain in this tick.
     pub fn substep(&self) -> sinew::Substep {
         self.simulation.substep()
     }
 
-    /// How the last tick went.
+    /// Statistics of the last tick: sweeps, errors, contacts.
     pub fn report(&self) -> &SolverReport {
         self.simulation.report()
     }
 
-    /// Who takes part in a contact of the [report](Self::report) of the last tick: a body, a loose particle or a collider. It may have been
-    /// despawned since.
+    /// The entity of a participant in a contact of the last tick's [report](Self::report): a body, a loose particle or a collider. It may have been despawned
+    /// since.
     pub fn entity_of(&self, participant: ContactParticipant) -> Option<Entity> {
         let (list, number) = match participant {
             ContactParticipant::Body(number) => (&self.tables.bodies, number),
             ContactParticipant::Particle(row) => (&self.tables.entities, row),
             ContactParticipant::Collider(number) => (&self.tables.colliders, number),
-            // Grounds and rooms are colliders.
+            // The plugin passes grounds and bounding boxes as colliders.
             ContactParticipant::Plane(_) | ContactParticipant::Box(_) => return None,
         };
         list.get(number as usize).copied()
     }
 
-    /// Notes what a fixed tick has played of the last tick, of which the part `ahead` is yet to come; and where that began, if it has just been `taken`: a
-    /// gathering later, the simulation does not know.
+    /// Stores what a fixed tick has played of the last tick, of which the fraction `ahead` is still to be played; and where that tick began, if it has just
+    /// been `taken`, since the next gather discards that.
     pub(crate) fn play(&mut self, ahead: f32, taken: bool) {
         let Self { simulation, tables: Tables { played, layout, .. } } = self;
         let layout = layout.number;
@@ -104,21 +103,21 @@ impl SinewWorld {
         }
     }
 
-    /// Where a row is a share of the way through the fixed tick, as far as that played, metres; `None` of one that is new.
+    /// The position of a row, metres, at a fraction (`share`) of the fixed tick, as played; `None` for a new row.
     pub(crate) fn played_at(&self, row: usize, share: f32) -> Option<Vec3> {
         let (from, to) = (self.tables.played.from.get(row)?, self.tables.played.to.get(row)?);
         Some(*from + (*to - *from) * share)
     }
 
-    /// Energies and momenta of everything, J, kg·m/s and kg·m²/s, as of the end of the last tick.
+    /// Energies and momenta of everything at the end of the last tick, J, kg·m/s and kg·m²/s.
     pub fn ledger(&mut self) -> sinew::Ledger {
         self.simulation.ledger()
     }
 }
 
-/// The particles of a substep as a game's system between two [phases](crate::PhaseSystems) may change them: forces, velocities and positions. It reads as
-/// [`Particles`] does. A row out of range panics, as an index does; a number that is not finite makes that particle alone non-finite, and the tick's end
-/// puts it back to where the tick began. What [sleeps](crate::Sleep) feels nothing of it, and is awake in the next tick.
+/// Write access to the particles of a substep for a custom system between two [phases](crate::PhaseSystems): forces, velocities and positions. It dereferences
+/// to [`Particles`]. A row out of range panics, like an index. A number that is not finite affects only that particle, which is put back to the start of the
+/// tick at its end. A [sleeping](crate::Sleep) body is not affected in this tick, and is awake in the next one.
 pub struct ParticlesMut<'w>(&'w mut Particles);
 
 impl Deref for ParticlesMut<'_> {
@@ -130,7 +129,7 @@ impl Deref for ParticlesMut<'_> {
 }
 
 impl ParticlesMut<'_> {
-    /// Adds a force to particle `i` in this substep, N. Before [`Integrate`](crate::PhaseSystems::Integrate) only.
+    /// Adds a force to particle `i` in this substep, N. Only before [`Integrate`](crate::PhaseSystems::Integrate).
     pub fn add_force(&mut self, i: usize, force: Vec3) {
         if force != Vec3::ZERO {
             self.0.wake(i);
@@ -138,7 +137,7 @@ impl ParticlesMut<'_> {
         self.0.add_force(i, force);
     }
 
-    /// Adds an acceleration to particle `i` in this substep, m/s², whatever its mass. Before [`Integrate`](crate::PhaseSystems::Integrate) only.
+    /// Adds an acceleration to particle `i` in this substep, m/s², independent of its mass. Only before [`Integrate`](crate::PhaseSystems::Integrate).
     pub fn add_acceleration(&mut self, i: usize, acceleration: Vec3) {
         if acceleration != Vec3::ZERO {
             self.0.wake(i);
@@ -146,35 +145,35 @@ impl ParticlesMut<'_> {
         self.0.add_acceleration(i, acceleration);
     }
 
-    /// Adds a drag of `rate` per second, 0 and up, towards a velocity, m/s, to particle `i` in this substep.
+    /// Adds damping with the rate `rate`, 1/s, 0 or more, towards a velocity, m/s, to particle `i` in this substep.
     pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {
         self.0.wake(i);
         self.0.drag_towards(i, rate, velocity);
     }
 
-    /// Scales the gravity that particle `i` feels, for the rest of this tick.
+    /// Scales the gravity on particle `i`, for the rest of this tick.
     pub fn scale_gravity(&mut self, i: usize, factor: f32) {
         self.0.wake(i);
         self.0.scale_gravity(i, factor);
     }
 
-    /// Puts particle `i` somewhere, metres in the world. Its velocity stays.
+    /// Moves particle `i` to a position, metres in the world. Its velocity stays.
     pub fn set_position(&mut self, i: usize, position: Vec3) {
         self.0.set_position(i, position);
     }
 
-    /// Moves particle `i` by so much, metres. Its velocity stays.
+    /// Moves particle `i` by a displacement, metres. Its velocity stays.
     pub fn displace(&mut self, i: usize, displacement: Vec3) {
         self.0.displace(i, displacement);
     }
 
-    /// Gives particle `i` a velocity, m/s.
+    /// Sets the velocity of particle `i`, m/s.
     pub fn set_velocity(&mut self, i: usize, velocity: Vec3) {
         self.0.wake(i);
         self.0.set_velocity(i, velocity);
     }
 
-    /// Adds an impulse to particle `i`, N·s. A pinned particle does not feel it.
+    /// Applies an impulse to particle `i`, N·s. A pinned particle is not affected.
     pub fn add_impulse(&mut self, i: usize, impulse: Vec3) {
         if impulse != Vec3::ZERO {
             self.0.wake(i);
@@ -182,99 +181,99 @@ impl ParticlesMut<'_> {
         self.0.add_impulse(i, impulse);
     }
 
-    /// Adds an impulse, N·s, to some particles as a whole, at a point in the world, metres.
+    /// Applies an impulse, N·s, at a point in the world, metres, to some particles as a whole.
     pub fn apply_impulse_at(&mut self, rows: &[u32], impulse: Vec3, point: Vec3) {
         rows.iter().for_each(|&row| self.0.wake(row as usize));
         self.0.apply_impulse_at(rows, impulse, point);
     }
 
-    /// Adds an angular impulse, N·m·s, to some particles about their barycentre.
+    /// Applies an angular impulse, N·m·s, to some particles about their centre of mass.
     pub fn apply_angular_impulse(&mut self, rows: &[u32], angular_impulse: Vec3) {
         rows.iter().for_each(|&row| self.0.wake(row as usize));
         self.0.apply_angular_impulse(rows, angular_impulse);
     }
 }
 
-/// Who is in which row, and what is set aside.
+/// The mapping between entities and rows, and what is set aside.
 #[derive(Default)]
 pub(crate) struct Tables {
     /// The particle of each row, in the order of creation.
     pub(crate) entities: Vec<Entity>,
-    /// The same with their numbers.
+    /// The particles with their order of creation.
     pub(crate) order: Vec<(CreationOrder, Entity)>,
-    /// Why a row is set aside, if it is.
+    /// The error of each row that is set aside.
     pub(crate) refused: Vec<Option<ParticleFault>>,
-    /// How many rows are set aside.
+    /// The number of rows that are set aside.
     pub(crate) set_aside: usize,
-    /// Which properties of particles the columns hold.
+    /// The properties of particles that the columns have.
     pub(crate) held: HeldProperties,
-    /// How often properties in the columns had been changed when gathering was done. A game that does so, too, does it for a tick.
+    /// The solver's count of property edits at the end of the gather. Edits by a game are valid for one tick, and change the count.
     pub(crate) edits: u64,
-    /// Whether properties of a particle were copied in this tick.
+    /// Whether properties of any particle were copied in this tick.
     pub(crate) properties_gathered: bool,
-    /// Whether a body came, went or has something new to say in this tick, or has its particles in other rows.
+    /// Whether a body was added, removed or changed in this tick, or has its particles in other rows.
     pub(crate) bodies_changed: bool,
-    /// Mass of each row, kg, pinned or not: a pinned particle still counts where its body is.
+    /// Mass of each row, kg. Pinned particles have theirs, too: it counts for their body's centre of mass.
     pub(crate) mass: Vec<f32>,
-    /// The body (or the loose particle) of each number in `Simulation::bodies` and `Simulation::contacts`.
+    /// The body (or the loose particle) of each index in `Simulation::bodies` and `Simulation::contacts`.
     pub(crate) bodies: Vec<Entity>,
-    /// The collider of each number in `Simulation::colliders`, in the order of creation.
+    /// The collider of each index in `Simulation::colliders`, in the order of creation.
     pub(crate) colliders: Vec<Entity>,
     /// The part, or the rod, of each of `Simulation::body_colliders`.
     pub(crate) parts: Vec<Entity>,
-    /// Why a spring or a constraint is set aside: so that each is reported once.
+    /// Errors of springs and constraints, so that each is reported once.
     pub(crate) reported_errors: ReportedErrors,
-    /// Pins with a broken number: so that each is reported once.
+    /// Pins with an invalid number, so that each is reported once.
     pub(crate) broken: BTreeSet<Entity>,
-    /// Which links the solver's lists hold.
+    /// The places of links in the solver's lists.
     pub(crate) links: Links,
-    /// Distances, springs or surfaces must be compiled afresh.
+    /// Whether distances, springs or surfaces must be compiled again.
     pub(crate) stale: bool,
-    /// Whether they were in this tick.
+    /// Whether they were compiled in this tick.
     pub(crate) relinked: bool,
-    /// Whether distances came, went or changed before this tick.
+    /// Whether distances were added, removed or changed before this tick.
     pub(crate) retied: bool,
     /// Where rows are drawn.
     pub(crate) played: Played,
-    /// When particles were last written back.
+    /// The change tick at which particles were last written back.
     pub(crate) scattered: Option<Tick>,
-    /// Which particles somebody else has written to since they were last gathered, by row, and whether it may have been any.
+    /// Rows of particles that anything but the simulation has written to since they were last gathered.
     pub(crate) touched: Touched,
-    /// Whether loading the particles is put off until something is known to have changed.
+    /// Whether loading the particles is deferred until a change is found.
     pub(crate) deferred: bool,
     /// Whether nothing but the time changed in this tick.
     pub(crate) rested: bool,
-    /// Whether a step was taken in this tick, and is over.
+    /// Whether a step was taken in this tick, and has ended.
     pub(crate) stepped: bool,
-    /// The bodies that sleep, by number: from the end of gathering on as they were, from scattering on those that slept through the tick.
+    /// Whether each body sleeps, by index: after the gather as at the start of the tick, after the scatter whether it slept through the tick.
     pub(crate) asleep: Vec<bool>,
-    /// Those of them of which nothing was written: what is extracted of them stays as it is.
+    /// Whether each body slept, and nothing wrote to it: what was extracted from it is still valid.
     pub(crate) unmoved: Vec<bool>,
-    /// When the contact cache was last kept, and how many there were who might remember something; `None` if the parts are not the same since.
+    /// The change tick at which the contact cache was last kept, and the number of caches; `None` if the parts have changed since.
     pub(crate) cache_kept: Option<(Tick, usize)>,
-    /// Which row each particle has.
+    /// The row of each particle.
     pub(crate) layout: Layout,
-    /// Who watches the phases of the tick at hand; nobody in a usual one.
+    /// The record of the phases of this tick; `None` in a usual one.
     pub(crate) watch: Option<Box<PhaseWatch>>,
-    /// What each of the phases of forces added to the acceleration of each row in the last substep, m/s²; `None`: nobody wants to know.
+    /// The acceleration that each of the force phases added to each row in the last substep, m/s²; `None` if it is not recorded.
     pub(crate) forces: Option<Box<[Vec<Vec3>; 4]>>,
 }
 
-/// What properties the columns hold.
+/// The properties that the columns have.
 #[derive(Debug, Default)]
 pub(crate) struct HeldProperties {
-    /// The layout of rows that they are in.
+    /// The layout of their rows.
     pub(crate) layout: u64,
-    /// How many particles there are with each of the components that say them.
+    /// The number of particles with each of the property components.
     pub(crate) counts: [usize; 8],
-    /// Which of these components the particle of each row had when its properties were copied, a bit for each; 0 of a row whose properties never were.
+    /// Which of these components the particle of each row had when its properties were copied, one bit each; 0 for a row whose properties were never copied.
     pub(crate) kinds: Vec<u8>,
-    /// By how much each particle says that gravity on it is scaled; its body may scale it, too.
+    /// The gravity scale of each particle, without that of its body.
     pub(crate) gravity_scale: Vec<f32>,
 }
 
 impl HeldProperties {
-    /// Makes room for so many rows, of which some, from the first on, are what they were.
+    /// Resizes to this number of rows, of which the first `same` are kept.
     pub(crate) fn lay_out(&mut self, same: usize, rows: usize) {
         self.kinds.truncate(same);
         self.kinds.resize(rows, 0);
@@ -283,17 +282,17 @@ impl HeldProperties {
     }
 }
 
-/// Which particles were written to since they were last gathered.
+/// The particles that were written to since they were last gathered.
 #[derive(Default)]
 pub(crate) struct Touched {
-    /// Whether it may have been any.
+    /// Whether any particle may have been written to.
     pub(crate) all: bool,
-    /// Their rows, in any order.
+    /// The rows that were written to, in any order.
     pub(crate) rows: Vec<u32>,
 }
 
 impl SinewWorld {
-    /// Whether all of some rows are of bodies in a list, which goes by their numbers.
+    /// Whether all of some rows belong to bodies that are true in `bodies`, a list by body index.
     fn all_in(&self, bodies: &[bool], rows: &[u32]) -> bool {
         let listed = |&row: &u32| {
             let body = self.simulation.particles.body(row as usize);
@@ -303,15 +302,15 @@ impl SinewWorld {
         !rows.is_empty() && rows.iter().all(|row| (*row as usize) < particles && listed(row))
     }
 
-    /// Whether those who slept through the last tick need not be loaded: nobody has written to any of them, neither as a component nor in the columns.
+    /// Whether bodies that slept through the last tick need not be loaded: nothing has written to any of them, neither to a component nor to the columns.
     pub(crate) fn keeps_sleepers(&self) -> bool {
         let Tables { touched, set_aside, .. } = &self.tables;
         let as_they_were = !touched.all && touched.rows.is_empty() && *set_aside == 0;
         as_they_were && self.simulation.are_sleepers_untouched()
     }
 
-    /// How many particles of a table from a place on are of bodies that slept through the last tick, and stand in their rows as they were written back: since then the
-    /// length of a substep may have been another one.
+    /// The number of consecutive particles of a table, starting at `from`, that belong to bodies that slept through the last tick and have in their rows what
+    /// was written back. (The substep length may have changed since.)
     pub(crate) fn sleeping_run(
         &self,
         states: &[Particle],
@@ -323,7 +322,7 @@ impl SinewWorld {
         while let Some(row) = rows.get(place).and_then(|row| row.get()) {
             let body = if row < particles.len() { particles.body(row) } else { None };
             let Some(body) = body else { break };
-            // What is written back of a body is so at once.
+            // All particles of a body are written back together.
             let sleeps = || self.tables.asleep.get(body as usize) == Some(&true);
             if last != Some(body) && !(sleeps() && particles.lag(row) == states[place].lag) {
                 break;
@@ -333,7 +332,7 @@ impl SinewWorld {
         place - from
     }
 
-    /// How many particles of a table there are from a place on until the next one of a body that slept through the last tick; one at least.
+    /// The number of particles of a table, starting at `from`, before the next one of a body that slept through the last tick; at least 1.
     pub(crate) fn waking_run(&self, rows: &[ParticleRow], from: usize) -> usize {
         let particles = &self.simulation.particles;
         let body = |place: usize| {
@@ -350,50 +349,51 @@ impl SinewWorld {
         next.unwrap_or(rows.len()) - from
     }
 
-    /// Loads the particles of a table from a place on, as long as they stand in consecutive rows and none is at fault. Returns how many.
+    /// Loads particles of a table, starting at `from`, as long as they have consecutive rows and none is set aside. Returns how many.
     pub(crate) fn load(&mut self, states: &[Particle], rows: &[ParticleRow], from: usize) -> usize {
         let run = self.tables.sound_run(&rows[from..]);
         let some = states[from..from + run].iter().map(|&particle| particle.into());
         self.simulation.particles.load(rows[from].0 as usize, some)
     }
 
-    /// Whether all rows are as the last tick left them, and that tick left them as they were; then they need not be gathered while all rest.
+    /// Whether all rows are as the last tick left them, and that tick did not change them; they need not be gathered then.
     pub(crate) fn is_settled(&self) -> bool {
         let Tables { touched, set_aside, .. } = &self.tables;
         !touched.all && touched.rows.is_empty() && *set_aside == 0 && self.simulation.is_settled()
     }
 
-    /// Takes a tick of `dt` seconds at once in which nothing but the time changes, and notes that there is nothing to scatter or to extract. Whether this was one.
+    /// If nothing but the time changes in a tick of `dt` seconds, takes it at once, and records that there is nothing to scatter or to extract. Returns whether
+    /// it did.
     pub(crate) fn step_at_rest(&mut self, dt: f32) -> bool {
         self.tables.rested = self.tables.deferred && self.simulation.step_at_rest(dt);
         self.tables.rested
     }
 
-    /// Where a body collider is that went through this tick as one rigid state; `None` of any other. Its rotation is the one of two quaternions that is nearer to
-    /// where it was turned before.
+    /// The pose of a body collider that was one rigid state in this tick; `None` for any other. Of the two quaternions of its rotation, the one nearer to
+    /// `before`.
     pub(crate) fn rigid_pose(&self, collider: u32, before: Quat) -> Option<Pose> {
         let pose = self.tables.stepped.then(|| self.simulation.rigid_pose(collider as usize))??;
         let rotation = if pose.rotation.dot(before) < 0.0 { -pose.rotation } else { pose.rotation };
         Some(Pose { rotation, ..pose })
     }
 
-    /// How a body collider moves that went through this tick as one rigid state; `None` of any other.
+    /// The motion of a body collider that was one rigid state in this tick; `None` for any other.
     pub(crate) fn rigid_motion(&self, collider: u32) -> Option<Motion> {
         self.tables.stepped.then(|| self.simulation.rigid_motion(collider as usize))?
     }
 
-    /// Whether all of some rows slept through the tick.
+    /// Whether the bodies of all of some rows slept through the tick.
     pub(crate) fn slept_through(&self, rows: &[u32]) -> bool {
         self.all_in(&self.tables.asleep, rows)
     }
 
-    /// Whether what was extracted of some rows in the last tick holds.
+    /// Whether what was extracted from some rows in the last tick is still valid.
     pub(crate) fn are_unmoved(&self, rows: &[u32]) -> bool {
         self.all_in(&self.tables.unmoved, rows)
     }
 }
 
-/// Gathers what was left out because all of it [rests](SinewWorld::is_settled), where it does not after all.
+/// Loads the particles that were deferred because everything is [at rest](SinewWorld::is_settled), when they are needed after all.
 pub(crate) fn load_deferred(world: &mut World) {
     if world.resource::<SinewWorld>().tables.deferred {
         let ran = world.run_system_cached(load_particles);
@@ -406,7 +406,7 @@ fn load_particles(mut world: ResMut<SinewWorld>, particles: Query<(&Particle, &P
     for (states, rows) in particles.contiguous_iter().into_iter().flatten() {
         let mut i = 0;
         while i < rows.len() {
-            // None of them is set aside, or it would not have been left out.
+            // None of them is set aside, or they would not have been deferred.
             i += world.load(states, rows, i).max(1);
         }
     }
@@ -419,12 +419,12 @@ impl Tables {
             && self.layout.row_of.get(&entity).is_some_and(|&row| !self.is_sound(row as usize))
     }
 
-    /// Whether a row is there, and not set aside.
+    /// Whether a row exists, and is not set aside.
     pub(crate) fn is_sound(&self, row: usize) -> bool {
         self.refused.get(row).is_some_and(Option::is_none)
     }
 
-    /// How many of some particles stand in consecutive rows from the first one's on, none of them set aside. 0 if the first one is, or has no row.
+    /// The number of leading particles that have consecutive rows, none of them set aside. 0 if the first one is set aside, or has no row.
     pub(crate) fn sound_run(&self, rows: &[ParticleRow]) -> usize {
         let Some(first) = rows.first().and_then(|row| row.get()) else { return 0 };
         let sound = |row: usize| self.set_aside == 0 || self.is_sound(row);
@@ -434,7 +434,7 @@ impl Tables {
             .unwrap_or_else(|| rows.len().min(self.refused.len().saturating_sub(first)))
     }
 
-    /// The row of a particle that takes part, or `None` if it is gone or set aside.
+    /// The row of a particle that takes part; `None` if it is gone or set aside.
     pub(crate) fn sound_row(&self, entity: Entity) -> Option<u32> {
         let row = *self.layout.row_of.get(&entity)?;
         self.refused[row as usize].is_none().then_some(row)

@@ -1,4 +1,4 @@
-//! What is noted of the phases of a tick where somebody watches them. Nobody does in a usual tick, and each phase asks once.
+//! Recording of the phases of a tick, for tools. It is off in a usual tick, and each phase checks it once.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -8,31 +8,31 @@ use sinew::Particles;
 
 use super::SinewWorld;
 
-/// The most memory that copies of particles take, bytes: for 60 phases of 28 000 particles.
+/// Maximum memory of the recorded particles, bytes: enough for 60 phases of 28 000 particles.
 const MOST: usize = 256 << 20;
-/// What a row of them takes, bytes.
+/// Memory of one recorded row, bytes.
 const ROW: usize = 160;
 
-/// Phases that are watched.
+/// The record of the phases.
 #[derive(Debug, Default)]
 pub(crate) struct PhaseWatch {
-    /// When the last phase ended, on the wall.
+    /// Wall-clock time at which the last phase ended.
     since: Option<Instant>,
-    /// How long each phase took, summed over the substeps.
+    /// Duration of each phase, summed over the substeps.
     pub(crate) took: [Duration; 6],
-    /// The particles at the end of each phase, from the first one of the tick on; `None`: nobody wants them.
+    /// The particles at the end of each phase, from the first phase of the tick on; `None` if they are not recorded.
     pub(crate) frames: Option<Vec<Particles>>,
 }
 
 impl SinewWorld {
-    /// Notes that a substep begins.
+    /// Records the start of a substep.
     pub(crate) fn begin_phases(&mut self) {
         if let Some(watch) = &mut self.tables.watch {
             watch.since = Some(Instant::now());
         }
     }
 
-    /// Notes that a phase has ended.
+    /// Records the end of a phase.
     pub(crate) fn end_phase(&mut self, phase: usize) {
         let Some(watch) = &mut self.tables.watch else { return };
         let now = Instant::now();
@@ -51,7 +51,7 @@ impl SinewWorld {
         }
         if let Some(frames) = &mut watch.frames {
             let particles = &self.simulation.particles;
-            // Without gaps: what does not fit ends them.
+            // Without gaps: the first copy that does not fit ends the recording.
             if (frames.len() + 1) * particles.len() * ROW <= MOST {
                 frames.push(particles.clone());
             }

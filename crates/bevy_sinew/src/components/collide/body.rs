@@ -2,26 +2,25 @@
 
 use bevy::prelude::*;
 
-/// How a body takes part in contacts, where that is not as by default: a loose particle is a body of its own.
+/// Overrides how a body takes part in contacts. A loose particle counts as a body of its own.
 ///
-/// Without it a body touches all colliders and all other bodies, by what holds for it
-/// ([`ContactShape::Auto`]), and not itself; a [`Ragdoll`](crate::Ragdoll) and an [`Articulated`](crate::Articulated) body have
-/// [`BodyContacts::ALL`], because their limbs touch each other, unless they are spawned with another one. Two bodies that a constraint joins do not touch
-/// each other; neither do a body and what it is [pinned to](crate::PinnedTo), or a collider that is a child of it; nor a single particle and what it is
-/// tied to, directly or through others.
+/// Without it a body collides with all colliders and all other bodies, by the shape that [`ContactShape::Auto`] selects, and not with itself. A
+/// [`Ragdoll`](crate::Ragdoll) and an [`Articulated`](crate::Articulated) body are given [`BodyContacts::ALL`], because their limbs collide with each other,
+/// unless they are spawned with another one. The following pairs never collide: two bodies that a constraint joins; a body and what it is [pinned
+/// to](crate::PinnedTo); a body and a collider that is a child of it; a single particle and what it is tied to, directly or through others.
 ///
-/// [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body say what it is made of and what it may touch;
-/// [`ContactsDisabled`] takes it out of all contacts. Particles collide as balls of their [`Radius`](crate::Radius); those without one touch colliders as
-/// points, and no other body.
+/// [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body define its friction and restitution, and what it
+/// collides with; [`ContactsDisabled`] switches its contacts off. Particles collide as balls of their [`Radius`](crate::Radius); particles without a radius
+/// collide with colliders as points, and with no other body.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::BodyContacts;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
-/// // Folds onto itself.
+/// // Cloth that does not pass through itself.
 /// commands.spawn((Cloth::grid(1.0, 1.0, 20, 20), BodyContacts::ALL));
-/// // Meets what stands, and no other body.
+/// // A box that collides with colliders only, not with other bodies.
 /// let ghost = BodyContacts { with_bodies: false, ..default() };
 /// commands.spawn((RigidBox::default(), ghost));
 /// # }
@@ -29,18 +28,17 @@ use bevy::prelude::*;
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyContacts {
-    /// Whether it touches other bodies, if those touch others, too. Default so.
+    /// Whether it collides with other bodies, if those collide with others, too. Default true.
     pub with_bodies: bool,
-    /// Whether it touches itself, so that cloth does not pass through itself: particles keep as far apart as their radii ask for, or as they are in the
-    /// rest shape ([`RestPlace`]) if that is less; rigid parts touch unless a joint connects them or they overlap in the rest shape. Default not.
+    /// Whether it collides with itself, so that cloth does not pass through itself. Particles keep the distance of their radii, or that of the rest shape
+    /// ([`RestPlace`]) if it is less; rigid parts collide unless a joint connects them or they overlap in the rest shape. Default false.
     pub with_itself: bool,
-    /// What of it touches others. Default [`ContactShape::Auto`].
+    /// The shape by which it collides. Default [`ContactShape::Auto`].
     pub shape: ContactShape,
 }
 
-/// Takes a body, a loose particle or a [`Collider`](super::Collider) out of all contacts: it passes through everything, and everything through it, rays too.
-/// To have it pass through some things alone there are [`CollisionLayers`](super::CollisionLayers), and through other bodies alone
-/// [`BodyContacts::with_bodies`].
+/// Switches off all contacts of a body, a loose particle or a [`Collider`](super::Collider): it passes through everything, and queries do not hit it. To ignore
+/// only some entities use [`CollisionLayers`](super::CollisionLayers); to ignore only other bodies, [`BodyContacts::with_bodies`].
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -56,44 +54,48 @@ pub struct BodyContacts {
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ContactsDisabled;
 
-/// What of a body touches others.
+/// The representation of a body by which it collides.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ContactShape {
-    /// What lets nothing through at the least cost. The default:
+    /// The cheapest representation that has no holes. The default. It is the first of these that applies:
     ///
-    /// - its rigid parts if it has any with a [`Collider`](super::Collider): a box, a solid, the limbs of a ragdoll;
-    /// - otherwise its particles, if those are large enough to close its surface or its chain;
-    /// - otherwise its [triangles](Self::Triangles) if it has some, such as cloth and soft bodies;
-    /// - otherwise its [segments](Self::Segments) if it is a chain of rods, such as a rope.
+    /// - the body's rigid parts, if any of them has a [`Collider`](super::Collider): a box, a solid, the limbs of a ragdoll;
+    /// - its particles, if they are large enough to close its surface or its chain;
+    /// - its [triangles](Self::Triangles), if it has any, as cloth and soft bodies do;
+    /// - its [segments](Self::Segments), if it is a chain of rods, such as a rope;
+    /// - its particles.
     ///
-    /// Particles close a surface where no place of a triangle is farther from its nearest corner than twice their [`Radius`](crate::Radius) in the rest
-    /// shape: from 0.29 of the edges of equilateral triangles on, and from 0.354 of the spacing of a square grid. They close a chain where it is half of the
-    /// longest rod. (For a surface that is known by [`RestPlace`]s, which recipes put on every particle.)
+    /// Particles close a surface if no point of a triangle is farther from the nearest corner than twice their [`Radius`](crate::Radius) in the rest shape: the
+    /// radius must be at least 0.29 of the edges of equilateral triangles, or 0.354 of the spacing of a square grid. They close a chain if the radius is half
+    /// of the longest rod. (This needs a surface whose particles have a [`RestPlace`], which recipes add to every particle.)
     #[default]
     Auto,
-    /// Its particles, each a ball of its [`Radius`](crate::Radius).
+    /// The body's particles, each a ball of its [`Radius`](crate::Radius).
     Particles,
-    /// Its rigid parts, by their [`Collider`](super::Collider)s; the particles of those touch nothing by themselves. A body that has none is refused
+    /// The body's rigid parts, by their [`Collider`](super::Collider)s; their particles do not collide by themselves. A body without such a part is refused
     /// ([`Refusal::NotSolid`](crate::Refusal::NotSolid)) and collides by its particles.
     Solid,
-    /// The triangles of its [`WindSurface`](crate::WindSurface) (which `Cloth` and `SoftBody` bring along) besides its particles: nothing passes
-    /// through its mesh, from either side, however coarse that is and however fast it comes. Particles of others touch them, and its own if it
-    /// touches itself; edges touch the edges of bodies that ask for the same. They are as thick as the particles' [`Radius`](crate::Radius), and may
-    /// be without. It is the finer tier, and some ten times as dear. [`Collider`](super::Collider)s and solids touch the particles alone. A body that
-    /// has none is refused ([`Refusal::NoTriangles`](crate::Refusal::NoTriangles)) and collides by its particles.
+    /// The triangles of the body's [`WindSurface`](crate::WindSurface), which `Cloth` and `SoftBody` have, in addition to its particles: nothing passes through
+    /// its mesh, from either side, however coarse the mesh and however fast the motion. Triangles collide with particles of other bodies, and with its own if
+    /// the body collides with itself; edges collide with the edges of bodies that use triangles, too. The surface is as thick as the particles'
+    /// [`Radius`](crate::Radius), which may be zero. It costs about ten times as much as particles. [`Collider`](super::Collider)s and rigid bodies collide
+    /// only with its particles. A body without triangles is refused ([`Refusal::NoTriangles`](crate::Refusal::NoTriangles)) and collides by its particles.
     Triangles,
-    /// Its segments: each [`DistanceConstraint`](crate::DistanceConstraint) between two of its particles that is a rod or a tether
-    /// ([`Bound::Equal`](crate::Bound), [`Bound::AtMost`](crate::Bound)) is a capsule from one to the other, as thick as the
-    /// [`Radius`](crate::Radius) of the thinner end, and the particles at its ends touch nothing by themselves. For ropes whose particles are further
-    /// apart than they are thick, where posts, rails, edges of boxes or other ropes would pass between two of them. It costs half as much again as
-    /// particles do for ropes side by side, and some five times as much in a tangle, touches all that solids touch, and friction holds without
-    /// creeping. A constraint that is despawned takes its capsule along. Where the body touches itself, those do not touch that overlap in its rest
-    /// shape ([`RestPlace`]), so that a rope may be thicker than its segments are long. What hangs on an end is to be tied by more than both are
-    /// thick there, or kept from touching the rope by [`CollisionLayers`](super::CollisionLayers); how much a light rope bears is a matter of
-    /// substeps ([`sinew::recipes::Blueprint::with_segments`]). A body without any segment is refused
-    /// ([`Refusal::NoSegments`](crate::Refusal::NoSegments)) and collides by its particles.
+    /// The body's segments: each [`DistanceConstraint`](crate::DistanceConstraint) between two of its particles that is a rod or a tether
+    /// ([`Bound::Equal`](crate::Bound), [`Bound::AtMost`](crate::Bound)) is a capsule between them, as thick as the [`Radius`](crate::Radius) of the thinner
+    /// end; the particles at its ends do not collide by themselves.
+    ///
+    /// For ropes whose particles are farther apart than they are thick, where posts, rails, edges of boxes or other ropes would pass between two of them.
+    /// Segments collide with everything that rigid bodies collide with, and friction holds them without creep. They cost half as much again as particles for
+    /// ropes side by side, and about five times as much in a tangle. Despawning a constraint removes its capsule.
+    ///
+    /// If the body collides with itself, segments that overlap in its rest shape ([`RestPlace`]) do not collide, so that a rope may be thicker than its
+    /// segments are long. A body that hangs on an end should be attached at a distance greater than the thickness of both there, or be kept from colliding with
+    /// the rope by [`CollisionLayers`](super::CollisionLayers). How much load a light rope carries depends on the number of substeps
+    /// ([`sinew::recipes::Blueprint::with_segments`]). A body without any segment is refused ([`Refusal::NoSegments`](crate::Refusal::NoSegments)) and collides
+    /// by its particles.
     Segments,
 }
 
@@ -104,34 +106,34 @@ impl Default for BodyContacts {
 }
 
 impl BodyContacts {
-    /// With other bodies and with itself: for cloth and ropes.
+    /// Collides with other bodies and with itself: for cloth and ropes.
     pub const ALL: Self = Self { with_bodies: true, with_itself: true, shape: ContactShape::Auto };
 
-    /// The same touching itself, too.
+    /// Returns the same settings with collisions with itself.
     pub fn and_itself(self) -> Self {
         Self { with_itself: true, ..self }
     }
 
-    /// The same touching by another shape.
+    /// Returns the same settings with another shape.
     pub fn shaped(self, shape: ContactShape) -> Self {
         Self { shape, ..self }
     }
 }
 
-/// Where a particle is in the rest shape of its body, metres, in any coordinates that are the same for all of the body: particles of one body that
-/// touch each other ([`BodyContacts::with_itself`]) may come as near as they are there. Recipes put it on every particle; without it a particle keeps
-/// off by its radius.
+/// A particle's position in the rest shape of its body, metres, in any coordinate system that is common to the body. If the body collides with itself
+/// ([`BodyContacts::with_itself`]), two of its particles may come as close as they are in the rest shape. Recipes add it to every particle; without it, a
+/// particle keeps the distance of its radius.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct RestPlace(pub Vec3);
 
-/// What [`ContactShape::Auto`] comes to for a body. Scratch: found again where what it follows from has changed.
+/// The shape that [`ContactShape::Auto`] selects for a body. Scratch: computed again when what it depends on has changed.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ResolvedShape {
-    /// Particles, triangles or segments. Rigid parts come first, and are asked for elsewhere.
+    /// Particles, triangles or segments. Rigid parts take precedence, and are determined elsewhere.
     pub(crate) shape: ContactShape,
-    /// The layout, and the least radius of its particles, that it was found for.
+    /// The layout and the smallest radius of the body's particles for which it was computed.
     pub(crate) layout: u64,
     pub(crate) radius: f32,
 }

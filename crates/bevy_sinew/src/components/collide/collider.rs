@@ -1,4 +1,4 @@
-//! Colliders: shapes that nothing moves but the game, and by which rigid bodies collide.
+//! Colliders: static and kinematic shapes, and the shapes of rigid bodies.
 
 use bevy::prelude::*;
 use sinew::{Shape, ShapeFault};
@@ -6,20 +6,20 @@ use sinew::{Shape, ShapeFault};
 use super::{ColliderFault, ColliderMotion, ContactCache, PlacedCollider};
 use crate::components::CreationOrder;
 
-/// A shape that particles and bodies cannot enter: a floor, a wall, a hill, a lift. [`Ground`](crate::Ground) and [`BoundingBox`](crate::BoundingBox)
-/// are names for two of them.
+/// A shape that particles and bodies cannot enter: a floor, a wall, a hill, a lift. [`Ground`](crate::Ground) and [`BoundingBox`](crate::BoundingBox) are
+/// shorthands for two shapes.
 ///
-/// It is where the entity is, on top of its parents, turned and scaled as they are (what is round and is not scaled alike in all directions becomes a
-/// hull of 24 sides). It stands still, or goes where the game moves its `Transform` (a *kinematic* collider): over the tick it goes evenly from where
-/// it was to where it is ([`ColliderMotion`]), pushes what is in its way and carries what lies on it. Nothing moves it but the game.
-/// [`SurfaceMaterial`](super::SurfaceMaterial), [`CollisionLayers`](super::CollisionLayers) and [`Sensor`](super::Sensor) beside it say more.
+/// It is placed where the entity is, on top of its parents, and turned and scaled with them (a round shape with a non-uniform scale becomes a hull of 24
+/// sides). It is static, or *kinematic* where the game moves its `Transform`: over the tick it then moves evenly from where it was to where it is
+/// ([`ColliderMotion`]), pushes bodies in its way and carries those that rest on it. Nothing but the game moves it.
+/// [`SurfaceMaterial`](super::SurfaceMaterial), [`CollisionLayers`](super::CollisionLayers) and [`Sensor`](super::Sensor) on the same entity configure it.
 ///
-/// On a rigid body or a part of one (what has a [`RigidPose`](crate::RigidPose)) it is the shape by which that collides where it does so as a solid
-/// ([`BodyContacts`](super::BodyContacts)), in metres in its own frame, whatever its scale: anything without dents. The recipes of rigid bodies put
-/// it there, unless the game has. On a particle, and on a body that is not rigid, it does nothing.
+/// On a rigid body or a part of one (an entity with a [`RigidPose`](crate::RigidPose)) it is the shape by which that collides
+/// ([`BodyContacts`](super::BodyContacts)), in metres in its own frame, whatever its scale; it must be convex. The recipes of rigid bodies add it, unless the
+/// game has. On a particle, and on a body that is not rigid, it has no effect.
 ///
-/// One with a broken number (of its own, of its transform, of its material; a scale of zero) is set aside with one [`Refused`](crate::Refused)
-/// message, until it is mended.
+/// A collider with an invalid number (of its own, of its transform, of its material; a scale of zero) is set aside with one [`Refused`](crate::Refused)
+/// message, until it is corrected.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -37,38 +37,38 @@ use crate::components::CreationOrder;
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform, CreationOrder, ColliderMotion, ContactCache, PlacedCollider)]
 pub enum Collider {
-    /// All that is below the entity's local xz plane.
+    /// The half-space below the entity's local xz plane.
     HalfSpace,
-    /// All that is outside of a box: a room without a door. [`BoundingBox`](crate::BoundingBox) is a name for it.
+    /// Everything outside of a box: a closed room. [`BoundingBox`](crate::BoundingBox) is a shorthand for it.
     InsideBox {
-        /// Lengths of the edges of the box, metres, along the entity's axes; positive.
+        /// Edge lengths of the box, metres, along the entity's axes; positive.
         size: Vec3,
     },
     /// A ball.
     Sphere {
-        /// Its radius, metres; positive.
+        /// Radius, metres; positive.
         radius: f32,
     },
-    /// A cylinder with round ends, along the entity's y axis.
+    /// A cylinder with hemispherical ends, along the entity's y axis.
     Capsule {
-        /// Its radius, metres; positive.
+        /// Radius, metres; positive.
         radius: f32,
-        /// Length of the cylinder without its ends, metres; 0 and up.
+        /// Length of the cylinder without its ends, metres; 0 or more.
         length: f32,
     },
     /// A box.
     Box {
-        /// Lengths of its edges, metres, along the entity's axes; positive.
+        /// Edge lengths, metres, along the entity's axes; positive.
         size: Vec3,
     },
     /// A cylinder with flat ends, along the entity's y axis.
     Cylinder {
-        /// Its radius, metres; positive.
+        /// Radius, metres; positive.
         radius: f32,
-        /// Its height, metres; positive.
+        /// Height, metres; positive.
         height: f32,
     },
-    /// A shape of many corners, or any other of the solver's.
+    /// A hull, a mesh, a heightfield, or any other shape of the solver.
     Shape(ColliderShape),
 }
 
@@ -92,12 +92,12 @@ impl From<Shape> for Collider {
 }
 
 impl Collider {
-    /// All that is below the entity's local xz plane.
+    /// The half-space below the entity's local xz plane.
     pub fn plane() -> Self {
         Self::HalfSpace
     }
 
-    /// All that is outside of a box, from the lengths of its edges, metres.
+    /// Everything outside of a box, from its edge lengths, metres.
     pub fn inside_box(size: Vec3) -> Self {
         Self::InsideBox { size }
     }
@@ -107,12 +107,12 @@ impl Collider {
         Self::Sphere { radius }
     }
 
-    /// A cylinder with round ends along the entity's y axis, from its radius and its length without them, metres.
+    /// A cylinder with hemispherical ends along the entity's y axis, from its radius and its length without the ends, metres.
     pub fn capsule(radius: f32, length: f32) -> Self {
         Self::Capsule { radius, length }
     }
 
-    /// A box from the lengths of its edges, metres.
+    /// A box from its edge lengths, metres.
     pub fn cuboid(size: Vec3) -> Self {
         Self::Box { size }
     }
@@ -125,16 +125,16 @@ impl Collider {
     /// The convex hull of points, metres.
     ///
     /// # Errors
-    /// Points that enclose no volume, are more than 65 536, or are not finite.
+    /// Points that enclose no volume, more than 65 536 points, or points that are not finite.
     pub fn hull(points: &[Vec3]) -> Result<Self, ColliderFault> {
         Ok(Shape::hull(points)?.into())
     }
 
-    /// Triangles between vertices, metres: a sheet with two sides, or, if it is closed and its triangles go counter-clockwise seen from outside, a
-    /// solid.
+    /// A triangle mesh from vertices, metres, and indices: a two-sided sheet, or a solid if it is closed and its triangles are counter-clockwise seen from
+    /// outside.
     ///
     /// # Errors
-    /// No triangle with an area, corners that are not there or not finite.
+    /// No triangle with an area; indices out of range; vertices that are not finite.
     pub fn mesh(
         vertices: impl Into<Vec<Vec3>>,
         triangles: impl Into<Vec<[u32; 3]>>,
@@ -142,11 +142,11 @@ impl Collider {
         Ok(Shape::mesh(vertices.into(), triangles.into())?.into())
     }
 
-    /// A landscape about the entity's origin: `columns` heights along x in each of `rows` along z, row by row, over `size.x` × `size.z` metres; the
-    /// heights are in units of `size.y` metres. It is solid below.
+    /// A heightfield about the entity's origin: `columns` heights along x in each of `rows` rows along z, row by row, over `size.x` × `size.z` metres; the
+    /// heights are multiplied by `size.y` metres. It is solid below.
     ///
     /// # Errors
-    /// Fewer than two rows or columns, another number of heights, or a number that is not finite or out of range.
+    /// Fewer than two rows or columns, a wrong number of heights, or a number that is not finite or out of range.
     pub fn height_field(
         columns: usize,
         rows: usize,
@@ -156,7 +156,7 @@ impl Collider {
         Ok(Shape::height_field(columns, rows, heights, size)?.into())
     }
 
-    /// The shape for the solver, unscaled.
+    /// The solver's shape, unscaled.
     ///
     /// # Errors
     /// A number that is not finite or out of range.
@@ -165,7 +165,7 @@ impl Collider {
             Self::HalfSpace => Ok(Shape::half_space()),
             Self::InsideBox { size } => Shape::inside_box(size),
             Self::Sphere { radius } => Shape::sphere(radius),
-            // Without a middle its ends are all of it.
+            // Without its cylinder a capsule is a sphere.
             Self::Capsule { radius, length: 0.0 } => Shape::sphere(radius),
             Self::Capsule { radius, length } => Shape::capsule(radius, length),
             Self::Box { size } => Shape::cuboid(size),
@@ -174,10 +174,10 @@ impl Collider {
         }
     }
 
-    /// The same, scaled along its own axes.
+    /// The solver's shape, scaled along its own axes.
     pub(crate) fn scaled(&self, scale: Vec3) -> Result<Shape, ShapeFault> {
         let shape = self.shape()?;
-        // All but those of many corners are the same in a mirror; and a plane is one at any scale but none.
+        // All shapes but those with vertices are symmetric, so a mirroring scale counts as its absolute value.
         let scale = if matches!(self, Self::Shape(_)) { scale } else { scale.abs() };
         if scale == Vec3::ONE { Ok(shape) } else { shape.scaled(scale) }
     }

@@ -1,19 +1,19 @@
-//! What a game hears of contacts: who touches whom, and when that began and ended.
+//! Contact events: which entities touch, and when that began and ended.
 
 use bevy::ecs::entity::MapEntities;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 
-/// Asks for the contacts of this body or collider to be told: as [`ContactStarted`] and [`ContactEnded`], which are messages to be read and events to
-/// be observed on this very entity, and as a list, [`Touching`].
+/// Enables contact events for this body or collider: [`ContactStarted`] and [`ContactEnded`], which are messages and events that can be observed on this
+/// entity, and the list [`Touching`].
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::ContactImpulse;
 /// fn spawn(mut commands: Commands) {
-///     // A scale: what presses on it, in every tick.
+///     // A scale: it prints the force on it in every tick.
 ///     let scale = (Collider::cuboid(Vec3::ONE), ContactEvents::Every);
 ///     commands.spawn(scale).observe(|on: On<ContactImpulse>, time: Res<Time<Fixed>>| {
 ///         println!("{} N", on.impulse / time.timestep().as_secs_f32());
@@ -24,21 +24,22 @@ use bevy::prelude::*;
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Touching)]
 pub enum ContactEvents {
-    /// When they begin and when they end. The default.
+    /// When contacts begin and when they end. The default.
     #[default]
     Changes,
-    /// That, and in every tick each one that there is, with what it does, as [`ContactImpulse`].
+    /// Additionally, in every tick, each contact with its impulse, as [`ContactImpulse`].
     Every,
 }
 
-/// Whom it touches, as of the last tick: bodies, loose particles and colliders, each in the order of creation. Kept by the plugin on whatever has [`ContactEvents`]. Part of the state:
-/// save and restore it with the rest, or contacts that go on begin anew. Where it goes, because the entity does, its contacts end.
+/// The entities that this one touched in the last tick: bodies, then loose particles, then colliders, each in the order of creation. Kept by the plugin on
+/// every entity with [`ContactEvents`]. Part of the state: save and restore it with the rest, or contacts that continue are reported as new. When it is
+/// removed, for instance with its entity, its contacts end.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::Touching;
-/// /// Whether a player, who has [`ContactEvents`], stands on anything.
+/// /// Whether a player with [`ContactEvents`] touches anything.
 /// fn on_something(touching: &Touching) -> bool {
 ///     !touching.0.is_empty()
 /// }
@@ -48,8 +49,8 @@ pub enum ContactEvents {
 #[component(on_remove = end_all)]
 pub struct Touching(#[entities] pub Vec<Entity>);
 
-/// Whose contacts the [report](crate::SinewWorld::report) lists although they have no [`ContactEvents`]: for tools that show them. Nothing is sent, and nothing
-/// of the state or of the motion changes.
+/// Lists contacts in the [report](crate::SinewWorld::report) for entities without [`ContactEvents`], for debugging tools. No events are sent, and neither the
+/// state nor the motion changes.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -67,13 +68,13 @@ pub struct Touching(#[entities] pub Vec<Entity>);
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct WatchedContacts {
-    /// Of one body or loose particle. Default none.
+    /// A body or loose particle whose contacts are listed. Default none.
     pub body: Option<Entity>,
-    /// Of all. Default not.
+    /// Whether the contacts of all entities are listed. Default false.
     pub all: bool,
 }
 
-/// A contact that began in this tick, of an entity with [`ContactEvents`].
+/// A contact of an entity with [`ContactEvents`] that began in this tick.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -87,50 +88,50 @@ pub struct WatchedContacts {
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Clone, PartialEq)]
 pub struct ContactStarted {
-    /// Who asked.
+    /// The entity with [`ContactEvents`].
     pub entity: Entity,
-    /// Whom it touches: a body, a loose particle or a collider.
+    /// The other entity: a body, a loose particle or a collider.
     pub other: Entity,
-    /// Where, metres; of several places the one with the greatest impulse.
+    /// The contact point, metres; of several points the one with the greatest impulse.
     pub point: Vec3,
-    /// Unit vector there, from the other one to the one who asked.
+    /// Unit normal at the point, from the other entity to this one.
     pub normal: Vec3,
-    /// What the one who asked got along the normals in this tick, N·s; zero where one of them is a [`Sensor`](super::Sensor).
+    /// Total normal impulse on this entity in this tick, N·s; zero if one of the two is a [`Sensor`](super::Sensor).
     pub impulse: f32,
-    /// Whether one of them is a sensor.
+    /// Whether one of the two is a sensor.
     pub sensor: bool,
 }
 
-/// A contact that there is in this tick, the first one included, of an entity with [`ContactEvents::Every`].
+/// A contact of an entity with [`ContactEvents::Every`] in this tick, new contacts included.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::ContactImpulse;
-/// /// The hardest press of this tick, N·s.
+/// /// The largest impulse of this tick, N·s.
 /// fn hardest(mut impulses: MessageReader<ContactImpulse>, mut most: Local<f32>) {
 ///     *most = impulses.read().map(|contact| contact.impulse).fold(0.0, f32::max);
 /// }
 /// ```
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
 pub struct ContactImpulse {
-    /// Who asked.
+    /// The entity with [`ContactEvents`].
     pub entity: Entity,
-    /// Whom it touches: a body, a loose particle or a collider.
+    /// The other entity: a body, a loose particle or a collider.
     pub other: Entity,
-    /// Where, metres; of several places the one with the greatest impulse.
+    /// The contact point, metres; of several points the one with the greatest impulse.
     pub point: Vec3,
-    /// Unit vector there, from the other one to the one who asked.
+    /// Unit normal at the point, from the other entity to this one.
     pub normal: Vec3,
-    /// What the one who asked got along the normals in this tick, N·s: over the length of the tick, the mean force. Zero where one of them is a
-    /// [`Sensor`](super::Sensor), and of what sleeps.
+    /// Total normal impulse on this entity in this tick, N·s; divided by the length of the tick, the mean force. Zero if one of the two is a
+    /// [`Sensor`](super::Sensor), and for a sleeping body.
     pub impulse: f32,
-    /// Whether one of them is a sensor.
+    /// Whether one of the two is a sensor.
     pub sensor: bool,
 }
 
-/// A contact that was there in the last tick and is not any more, of an entity with [`ContactEvents`]. The other one may be gone, and so may be the
-/// entity. The contacts of a body end, too, when it is built anew in another size or gets another parent; those that it has all the same begin again.
+/// A contact of an entity with [`ContactEvents`] that existed in the last tick and has ended. The other entity may have been despawned, and so may this one.
+/// The contacts of a body also end when it is rebuilt in another size or gets another parent; those that still exist begin again.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -144,13 +145,13 @@ pub struct ContactImpulse {
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 pub struct ContactEnded {
-    /// Who asked.
+    /// The entity with [`ContactEvents`].
     pub entity: Entity,
-    /// Whom it touched.
+    /// The entity that it touched.
     pub other: Entity,
 }
 
-/// Ends the contacts of an entity that has none any more.
+/// Hook: ends the contacts of an entity that loses the component.
 fn end_all(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     let Some(mut touching) = world.get_mut::<Touching>(entity) else { return };
@@ -161,6 +162,6 @@ fn end_all(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// What lost its parent since the last tick. Part of the state.
+/// The entities that lost their parent since the last tick. Part of the state.
 #[derive(Resource, MapEntities, Reflect, Clone, Debug, Default)]
 pub(crate) struct Orphans(#[entities] pub(crate) Vec<Entity>);

@@ -1,4 +1,4 @@
-//! Why a collider takes no part.
+//! Errors of colliders.
 
 use sinew::ShapeFault;
 
@@ -6,7 +6,7 @@ use sinew::ShapeFault;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ColliderFault {
-    /// It is no shape, or is none when it is scaled as its transform asks for.
+    /// Its shape is invalid, by itself or with the scale of its transform.
     #[error(transparent)]
     Shape(#[from] ShapeFault),
     /// Its transform, or that of a parent, is not finite or has no rotation.
@@ -15,7 +15,7 @@ pub enum ColliderFault {
     /// Its [`SurfaceMaterial`](super::SurfaceMaterial) has a number that is not finite or out of range.
     #[error("a number of its material is not finite or out of range")]
     Material,
-    /// It is to be made from a mesh that has no readable positions, or no triangles.
+    /// The mesh that it is to be made from has no readable positions, or no triangles.
     #[error("its mesh has no positions and triangles that the CPU can read")]
     UnreadableMesh,
 }

@@ -6,11 +6,11 @@ use bevy::prelude::*;
 use super::{Collider, ColliderFault};
 
 impl Collider {
-    /// The triangles of a mesh, as [`Collider::mesh`] has them: a triangle list or strip, in the mesh's own coordinates, to be scaled as the entity
-    /// is.
+    /// A collider from the triangles of a mesh, as by [`Collider::mesh`]: a triangle list or strip, in the mesh's own coordinates, which are then scaled with
+    /// the entity.
     ///
     /// # Errors
-    /// A mesh without readable positions or triangles, and what [`Collider::mesh`] refuses.
+    /// A mesh without readable positions or triangles, and the errors of [`Collider::mesh`].
     pub fn from_mesh(mesh: &Mesh) -> Result<Self, ColliderFault> {
         let positions = positions(mesh).ok_or(ColliderFault::UnreadableMesh)?;
         let triangles = triangles(mesh, positions.len()).filter(|triangles| !triangles.is_empty());
@@ -20,7 +20,7 @@ impl Collider {
     /// The convex hull of a mesh, in the mesh's own coordinates.
     ///
     /// # Errors
-    /// A mesh without readable positions, and what [`Collider::hull`] refuses.
+    /// A mesh without readable positions, and the errors of [`Collider::hull`].
     pub fn hull_from_mesh(mesh: &Mesh) -> Result<Self, ColliderFault> {
         Self::hull(&positions(mesh).ok_or(ColliderFault::UnreadableMesh)?)
     }
@@ -35,7 +35,7 @@ fn positions(mesh: &Mesh) -> Option<Vec<Vec3>> {
     }
 }
 
-/// The triangles of a list or a strip; `None` if it is neither. Without indices the vertices are used in their order.
+/// The triangles of a list or a strip; `None` for any other topology. Without indices, vertices are used in their order.
 fn triangles(mesh: &Mesh, vertices: usize) -> Option<Vec<[u32; 3]>> {
     let indices: Vec<u32> = match mesh.try_indices() {
         Ok(Indices::U16(list)) => list.iter().map(|&i| u32::from(i)).collect(),
@@ -46,7 +46,7 @@ fn triangles(mesh: &Mesh, vertices: usize) -> Option<Vec<[u32; 3]>> {
         PrimitiveTopology::TriangleList => Some(indices.as_chunks::<3>().0.to_vec()),
         PrimitiveTopology::TriangleStrip => {
             let corners = indices.windows(3).enumerate();
-            // Every second one of a strip is turned round; those that repeat a corner only lead on to the next.
+            // Every second triangle of a strip has the opposite winding; triangles that repeat a corner only connect parts of the strip.
             let turned = corners
                 .map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] });
             Some(turned.filter(|[a, b, c]| a != b && b != c && c != a).collect())

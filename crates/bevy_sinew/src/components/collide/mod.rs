@@ -1,17 +1,17 @@
-//! What may not pass through what: colliders, what surfaces are made of, and how bodies take part in contacts.
+//! Collision: colliders, surfaces, and how bodies take part in contacts.
 //!
-//! | file | what it holds |
+//! | file | contents |
 //! |---|---|
-//! | `collider` | [`Collider`]: a shape that stands still or that the game moves; on a rigid part, the shape by which it collides |
+//! | `collider` | [`Collider`]: a static or kinematic shape; on a rigid part, the shape by which it collides |
 //! | `mesh` | colliders from meshes |
 //! | `motion` | [`ColliderMotion`]: where a collider was a tick ago |
 //! | `contact_cache` | [`ContactCache`]: the cached manifolds of a rigid part |
 //! | `surface` | [`SurfaceMaterial`], [`CollisionLayers`]: on colliders and on bodies; [`Sensor`]: on colliders |
-//! | `events` | [`ContactEvents`]: what a game hears of contacts |
-//! | `weight` | [`Weighs`]: the weight of what the game moves |
-//! | `body` | [`BodyContacts`]: what of a body touches what; [`ContactsDisabled`]; [`RestPlace`] |
+//! | `events` | [`ContactEvents`] and the events that it enables |
+//! | `weight` | [`Weighs`]: the weight of a kinematic collider |
+//! | `body` | [`BodyContacts`]: by which shape a body collides, and with what; [`ContactsDisabled`]; [`RestPlace`] |
 //!
-//! All of it may be added, edited and removed at any time, and acts from the next tick on.
+//! All of these may be added, edited and removed at any time; a change takes effect in the next tick.
 
 mod body;
 mod collider;

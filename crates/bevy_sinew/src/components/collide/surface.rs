@@ -1,13 +1,13 @@
-//! What surfaces are made of and which of them may touch: the same components on colliders, on bodies and on loose particles.
+//! Surface materials and collision layers: the same components on colliders, on bodies and on loose particles.
 
 use bevy::prelude::*;
 use sinew::{Layers, Material, PlanarDrag};
 
 use crate::same::{same_fields, same_variants};
 
-/// What the surface of a [`Collider`](super::Collider), a body or a loose particle is made of. Without it, the default.
+/// Friction and restitution of the surface of a [`Collider`](super::Collider), a body or a loose particle. Without it, the default.
 ///
-/// A body with a broken number is as one without it, a collider is set aside; either is reported once.
+/// If a number is invalid, a body counts as without the component, and a collider is set aside; either is reported once.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -17,7 +17,7 @@ use crate::same::{same_fields, same_variants};
 /// let rubber = SurfaceMaterial::new(1.0).with_restitution(0.7);
 /// let ball = RigidMesh::density(900.0).shaped(RigidShape::Sphere { radius: 0.1 });
 /// commands.spawn((ball, rubber, Transform::from_xyz(0.0, 2.0, 0.0)));
-/// // Slippery for everything.
+/// // Slippery for every material: the smaller friction applies.
 /// let ice = SurfaceMaterial::new(0.02).with_rules(Combine::Min, Combine::Average);
 /// commands.spawn((Ground, ice));
 /// # }
@@ -25,37 +25,37 @@ use crate::same::{same_fields, same_variants};
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct SurfaceMaterial {
-    /// Coulomb's coefficient of friction μ, 0 (ice) and up. Default 0.5.
+    /// Coulomb's coefficient of friction μ, 0 (ice) or more. Default 0.5.
     pub friction: f32,
-    /// Which part of its speed of approach it bounces back with, 0 (not at all) to 1 (all of it). Default 0.
+    /// Coefficient of restitution: the fraction of the approach speed with which it bounces back, 0 (not at all) to 1 (all of it). Default 0.
     pub restitution: f32,
-    /// How the friction of two surfaces is made of each one's. Default their average.
+    /// How the friction of two surfaces is combined. Default the average.
     pub friction_rule: Combine,
-    /// How the restitution of two surfaces is made of each one's. Default their average.
+    /// How the restitution of two surfaces is combined. Default the average.
     pub restitution_rule: Combine,
-    /// The lectures' friction: shares of the velocity that what touches it loses per second. Of two surfaces the greater counts. Default none.
+    /// Planar drag: the fraction of their velocity that touching bodies lose per second. Of two surfaces the greater value applies. Default none.
     pub drag: GroundDrag,
 }
 
-/// The lectures' friction of a [`SurfaceMaterial`]: a drag of its own along the surface and across it, for what touches it. Coulomb's friction acts
-/// besides: set that to 0 by [`Combine::Min`] to have this alone.
+/// Planar drag of a [`SurfaceMaterial`] (the lectures' friction): damping of whatever touches the surface, along it and across it. It acts in addition to
+/// Coulomb friction; to have it alone, set the friction to 0 with [`Combine::Min`].
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub struct GroundDrag {
-    /// Share of the velocity along the surface that is lost per second, 0 to 1. Default 0.
+    /// Fraction of the velocity along the surface that is lost per second, 0 to 1. Default 0.
     pub along: f32,
-    /// Share of the velocity towards it or away that is lost per second, 0 to 1. Default 0.
+    /// Fraction of the velocity towards or away from the surface that is lost per second, 0 to 1. Default 0.
     pub across: f32,
 }
 
-/// How a coefficient of two surfaces is made of each one's. Where the two ask for different rules, the one later in this list counts.
+/// How the coefficients of two surfaces are combined. If the two surfaces have different rules, the one that is later in this list applies.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum Combine {
-    /// Half of their sum. The default.
+    /// The average of the two. The default.
     #[default]
     Average,
-    /// The smaller of the two: ice is slippery for everyone.
+    /// The smaller of the two: ice is slippery for everything.
     Min,
     /// Their product.
     Multiply,
@@ -63,8 +63,8 @@ pub enum Combine {
     Max,
 }
 
-/// Which things may touch: two of them do if each is a member of a layer that the other one collides with. 32 layers, a bit each. Without it, a member of layer 0
-/// that collides with all.
+/// Which entities may collide: two of them do if each is a member of a layer that the other's filter contains. There are 32 layers, one bit each. Without the
+/// component, an entity is a member of layer 0 and collides with all layers.
 ///
 /// ```
 /// # use bevy_sinew::{CollisionLayer, CollisionLayers};
@@ -81,19 +81,19 @@ pub enum Combine {
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct CollisionLayers {
-    /// Layers that it is in, a bit each. Default the first one, layer 0.
+    /// Bit mask of the layers that it is a member of. Default layer 0.
     pub memberships: u32,
-    /// Layers that it collides with, a bit each. Default all.
+    /// Bit mask of the layers that it collides with. Default all.
     pub filters: u32,
 }
 
-/// A collision layer by a name: a variant of an enum that derives this, which makes it one of the layers 0 to 31.
+/// A collision layer with a name: a variant of an enum that derives this trait, which assigns the layers 0 to 31 to its variants.
 pub trait CollisionLayer {
-    /// Which layer it is, 0 to 31; others are no layers.
+    /// The number of the layer, 0 to 31; greater numbers are ignored.
     fn number(&self) -> u32;
 }
 
-/// A [`Collider`](super::Collider) that only notices what touches it, and lets it through.
+/// A [`Collider`](super::Collider) that only reports overlaps and lets everything through.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -121,22 +121,22 @@ impl Default for SurfaceMaterial {
 }
 
 impl SurfaceMaterial {
-    /// A surface with a coefficient of friction.
+    /// A surface with this coefficient of friction, and defaults otherwise.
     pub fn new(friction: f32) -> Self {
         Self { friction, ..default() }
     }
 
-    /// The same with another coefficient of friction.
+    /// Returns the same material with another coefficient of friction.
     pub fn with_friction(self, friction: f32) -> Self {
         Self { friction, ..self }
     }
 
-    /// The same with another coefficient of restitution.
+    /// Returns the same material with another coefficient of restitution.
     pub fn with_restitution(self, restitution: f32) -> Self {
         Self { restitution, ..self }
     }
 
-    /// The same with other rules for what comes of two surfaces: of friction, and of restitution.
+    /// Returns the same material with other rules for combining friction, and restitution.
     pub fn with_rules(self, friction_rule: Combine, restitution_rule: Combine) -> Self {
         Self { friction_rule, restitution_rule, ..self }
     }
@@ -157,20 +157,20 @@ impl Default for CollisionLayers {
 }
 
 impl CollisionLayers {
-    /// Touches nothing.
+    /// No membership and an empty filter: it collides with nothing.
     pub const NONE: Self = Self { memberships: 0, filters: 0 };
 
-    /// A member of the first of these layers that collides with the second of them, a bit each.
+    /// Layers from two bit masks.
     pub const fn new(memberships: u32, filters: u32) -> Self {
         Self { memberships, filters }
     }
 
-    /// The same from the numbers of the layers, 0 to 31; others are no layers.
+    /// Layers from the numbers of layers, 0 to 31; greater numbers are ignored.
     pub const fn of(memberships: &[u32], filters: &[u32]) -> Self {
         Self { memberships: bits(memberships), filters: bits(filters) }
     }
 
-    /// The same from layers by their names.
+    /// Layers from named layers.
     pub fn of_layers<M: CollisionLayer, F: CollisionLayer>(
         memberships: impl IntoIterator<Item = M>,
         filters: impl IntoIterator<Item = F>,
@@ -183,12 +183,12 @@ impl CollisionLayers {
         Self { memberships: bits(memberships), filters: u32::MAX }
     }
 
-    /// Whether the two may touch.
+    /// Whether the two may collide.
     pub const fn meets(self, other: Self) -> bool {
         self.layers().meets(other.layers())
     }
 
-    /// The same for the solver.
+    /// The solver's layers.
     pub(crate) const fn layers(self) -> Layers {
         Layers::new(self.memberships, self.filters)
     }

@@ -1,13 +1,13 @@
-//! The weight of what a game moves by itself.
+//! The weight of kinematic colliders.
 
 use bevy::prelude::*;
 
-/// Has a [`Collider`](super::Collider) that the game moves press on what it stands on, with the weight of its mass in [`Gravity`](crate::Gravity): a player
-/// bends the planks of a rope bridge and tips a seesaw. Without it, a collider weighs nothing, however it is moved.
+/// Gives a kinematic [`Collider`](super::Collider) a weight, with which it presses on what it stands on: a player bends the planks of a rope bridge and tips a
+/// seesaw. Without it, a collider weighs nothing, however it is moved.
 ///
-/// It presses on bodies, cloth and particles that are right below it, as a plate on springs does: where it touches them in several points, these share its
-/// weight. It does not fall by that, and nothing else of it acts: a leap gives no more than its weight. A [`Sensor`](super::Sensor) presses on nothing. One
-/// with a number that is not finite or is negative does nothing, and is refused once.
+/// The weight of `mass` in [`Gravity`](crate::Gravity) presses on bodies, cloth and particles directly below, like a plate on springs: several points of
+/// support share it. The collider is not moved by it, and nothing but the weight acts: a landing exerts no more than the weight. A [`Sensor`](super::Sensor)
+/// presses on nothing. A component with a number that is not finite or negative has no effect, and is refused once.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -21,9 +21,9 @@ use bevy::prelude::*;
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Weighs {
-    /// Mass whose weight it is, kg, 0 and up. Default 80.
+    /// The mass, kg, 0 or more. Default 80.
     pub mass: f32,
-    /// How far below it something may be to carry it, metres, 0 and up: more than the gap that the game keeps. Default 0.05.
+    /// How far below the collider something may be to support it, metres, 0 or more; it must exceed the gap that the game keeps. Default 0.05.
     pub reach: f32,
 }
 
@@ -34,7 +34,7 @@ impl Default for Weighs {
 }
 
 impl Weighs {
-    /// The weight of a mass, kg.
+    /// The weight of a mass, kg, with the default reach.
     pub fn new(mass: f32) -> Self {
         Self { mass, ..Self::default() }
     }

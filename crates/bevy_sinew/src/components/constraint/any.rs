@@ -1,4 +1,4 @@
-//! Any kind of constraint between any particles, for what has no component of its own.
+//! Any kind of constraint between any particles, for constraints without a component of their own.
 
 use bevy::prelude::*;
 use sinew::ConstraintKind;
@@ -6,10 +6,10 @@ use sinew::ConstraintKind;
 use super::super::order::CreationOrder;
 use super::ParticleConstraint;
 
-/// A constraint of the solver, or a game's own, as it is: the short way to a constraint that nobody edits, inspects or saves, and what a blueprint's
-/// custom laws become.
+/// A constraint of the solver, or a custom one, as it is: the short way to a constraint that is neither edited nor inspected nor saved. The custom constraints
+/// of a blueprint become this component.
 ///
-/// It is opaque to reflection. A component of one's own that implements [`ParticleConstraint`] is not.
+/// It is opaque to reflection. A custom component that implements [`ParticleConstraint`] is not.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -34,15 +34,15 @@ use super::ParticleConstraint;
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
 pub struct AnyConstraint {
-    /// The particles, each once, in the order that the kind asks for.
+    /// The particles, each once, in the order that the kind requires.
     #[entities]
     pub particles: Vec<Entity>,
-    /// What must hold between them.
+    /// The kind of the constraint, with its numbers.
     pub kind: ConstraintKind,
 }
 
 impl AnyConstraint {
-    /// A constraint between some particles.
+    /// A constraint between these particles.
     pub fn new(particles: impl Into<Vec<Entity>>, kind: ConstraintKind) -> Self {
         Self { particles: particles.into(), kind }
     }

@@ -1,18 +1,19 @@
-//! When a constraint breaks.
+//! Limits at which a constraint breaks.
 
 use bevy::prelude::*;
 
-/// Breaks a constraint, a spring or an attachment when it has to hold more than this: a chain that a weight tears, a cloth that rips, a hook that gives way.
+/// Breaks a constraint, a spring or an attachment when its load or its strain exceeds a limit: a chain that a weight tears, a cloth that rips, a hook that
+/// gives way.
 ///
-/// It stands on a [`DistanceConstraint`](crate::DistanceConstraint), a [`Spring`](crate::Spring) or any other constraint, which is despawned when it
-/// breaks; on an [`AttachTo`](crate::AttachTo), which then lets go; or on a body, and then it is meant for each of its constraints (and for an attachment on the body
-/// itself), except for those that have their own. [`Broke`](crate::Broke) says what broke.
+/// Put it on a [`DistanceConstraint`](crate::DistanceConstraint), a [`Spring`](crate::Spring) or any other constraint, which is despawned when it breaks; on an
+/// [`AttachTo`](crate::AttachTo), which is then released; or on a body, where it applies to each of its constraints (and to an attachment on the body itself),
+/// except for those that have their own. [`Broke`](crate::Broke) events report what broke.
 ///
-/// The force is that of the physics, whatever the number of substeps and of sweeps: it is what the solver did in a tick, in the mean over its substeps,
-/// so that a rope that hangs at rest pulls at its hook with its weight. Constraints are looked at when a tick ends and what broke is gone in the next one;
-/// with it go the [tethers](sinew::SolverSettings::long_range) that ran along it. A number that is not finite, or negative, never breaks anything.
+/// The force is physical and does not depend on the number of substeps and sweeps: it is the force that the solver applied in a tick, averaged over its
+/// substeps, so that a rope at rest pulls at its hook with its weight. Constraints are checked at the end of a tick, and what broke is gone in the next one,
+/// together with the [tethers](sinew::SolverSettings::long_range) that ran along it. A limit that is not finite, or negative, never breaks anything.
 ///
-/// What bodies with such constraints are solved by is slower, one constraint after the other ([`measure_loads`](sinew::Simulation::measure_loads)).
+/// Bodies with such constraints are solved more slowly, one constraint after the other ([`measure_loads`](sinew::Simulation::measure_loads)).
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -32,11 +33,11 @@ use bevy::prelude::*;
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BreakAt {
-    /// The tension at which it breaks, N, or the pressure where it holds its ends apart ([`Bound::AtLeast`](crate::Bound)). Of an attachment the force
-    /// between the two points; of any other constraint that on the first of its particles that is free. Default infinite: never.
+    /// The tension at which it breaks, N; for a strut ([`Bound::AtLeast`](crate::Bound)), the compression. For an attachment, the force between the two points;
+    /// for any other constraint, the force on the first of its particles that is not pinned. Default infinite: never.
     pub force: f32,
-    /// How far it may be stretched, as a share of its rest length: 0.1 is by a tenth. What has no rest length has no strain. Cloth with such shows strains
-    /// as the solver leaves them, where other large cloth has them limited to 3 %. Default infinite: never.
+    /// The elongation at which it breaks, as a fraction of the rest length: 0.1 is 10 %. A constraint without a rest length has no strain. Cloth with a strain
+    /// limit shows the strains that the solver leaves, while other large cloth has its strain limited to 3 %. Default infinite: never.
     pub strain: f32,
 }
 
@@ -47,12 +48,12 @@ impl Default for BreakAt {
 }
 
 impl BreakAt {
-    /// At a force, N.
+    /// Breaks at a force, N.
     pub fn force(force: f32) -> Self {
         Self { force, ..default() }
     }
 
-    /// At a strain, as a share of the rest length.
+    /// Breaks at a strain, as a fraction of the rest length.
     pub fn strain(strain: f32) -> Self {
         Self { strain, ..default() }
     }

@@ -1,4 +1,4 @@
-//! Angles between particles: elbows, hinges, and cones.
+//! Angle constraints between particles: elbows, hinges, and cones.
 
 use bevy::prelude::*;
 use sinew::constraints::{Angle, Cone, Hinge};
@@ -6,9 +6,9 @@ use sinew::constraints::{Angle, Cone, Hinge};
 use super::super::order::CreationOrder;
 use super::super::softness::Softness;
 
-/// The angle at a joint of three particles stays between two limits.
+/// Keeps the angle at a joint of three particles between two limits.
 ///
-/// It has no side: a straight elbow may bend either way. What may bend one way only is a [`HingeConstraint`].
+/// The angle has no sign: a straight elbow may bend in any direction. For a joint that bends in one direction only, use a [`HingeConstraint`].
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -25,24 +25,24 @@ use super::super::softness::Softness;
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
 pub struct AngleConstraint {
-    /// One end, the joint, the other end.
+    /// `[end, joint, end]`.
     #[entities]
     pub particles: [Entity; 3],
     /// Smallest angle, radians, 0 to `max`.
     pub min: f32,
-    /// Largest angle, radians, `min` (which keeps one angle) to π (a straight joint).
+    /// Largest angle, radians, from `min` (which fixes the angle) to π (a straight joint).
     pub max: f32,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in rad²/J.
     pub softness: Softness,
 }
 
 impl AngleConstraint {
-    /// Hard limits, radians, at the joint `b` of `[a, b, c]`.
+    /// Hard limits, radians, for the angle at `b` of `[a, b, c]`.
     pub fn new(particles: [Entity; 3], min: f32, max: f32) -> Self {
         Self { particles, min, max, softness: Softness::Hard }
     }
 
-    /// A kind of constraint of the solver between some particles: [`Angle::rest`] keeps an angle as it is.
+    /// A constraint from the solver's kind: [`Angle::rest`] keeps an angle as it is.
     pub fn from_kind(particles: [Entity; 3], kind: &Angle) -> Self {
         Self { particles, min: kind.min, max: kind.max, softness: kind.softness.into() }
     }
@@ -50,15 +50,14 @@ impl AngleConstraint {
 
 solved_as!(AngleConstraint, |this| Angle { min: this.min, max: this.max });
 
-/// The signed angle about an axis of two particles stays between two limits, from the half-plane of `a` to the half-plane of `c` about `h0 → h1`.
+/// Keeps the signed angle about an axis of two particles between two limits: from the half-plane of `a` to the half-plane of `c`, about `h0 → h1`.
 ///
-/// The angle is positive where the thumb of a right hand that turns `a` towards `c` points from `h0` to `h1`. Three things at once:
+/// The angle is positive if a right hand that turns `a` towards `c` has its thumb along `h0 → h1`. It serves as
 ///
-/// - **a hinge**, an elbow or a knee, with `h0` and `h1` along its pin and `a` and `c` on the two bones: a straight one has the angle π, so one
-///   that closes by 150° and never bends backward has the limits 30° and 180°, or 180° and 330° if it closes the other way;
-/// - **a limit of twist**: `[a reference in the parent, the joint, the child's far end, a reference in the child]`, so that the axis is the bone;
-/// - **bending** by the dihedral angle of two triangles with the common edge `h0 h1`; flat is π. [`BendConstraint`](super::BendConstraint) is
-///   cheaper.
+/// - **a hinge**, an elbow or a knee, with `h0` and `h1` along its pin and `a` and `c` on the two bones: a straight one has the angle π, so one that closes by
+///   150° and never bends backward has the limits 30° and 180°, or 180° and 330° if it closes the other way;
+/// - **a twist limit**: `[a reference in the parent, the joint, the child's far end, a reference in the child]`, so that the axis is the bone;
+/// - **a bend** by the dihedral angle of two triangles with the common edge `h0 h1`; flat is π. [`BendConstraint`](super::BendConstraint) is cheaper.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -76,9 +75,9 @@ pub struct HingeConstraint {
     /// `[a, h0, h1, c]`: the axis is in the middle.
     #[entities]
     pub particles: [Entity; 4],
-    /// Smallest angle, radians, -2π to 2π: a range about the angle π goes beyond it (170° to 190°).
+    /// Smallest angle, radians, -2π to 2π: a range around π extends beyond it (170° to 190°).
     pub min: f32,
-    /// Largest angle, radians, `min` (which keeps one angle) to 2π, and at most 2π above `min`.
+    /// Largest angle, radians, from `min` (which fixes the angle) to 2π, and at most 2π above `min`.
     pub max: f32,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in rad²/J.
     pub softness: Softness,
@@ -90,7 +89,7 @@ impl HingeConstraint {
         Self { particles, min, max, softness: Softness::Hard }
     }
 
-    /// A kind of constraint of the solver between some particles: [`Hinge::rest`] keeps an angle as it is.
+    /// A constraint from the solver's kind: [`Hinge::rest`] keeps an angle as it is.
     pub fn from_kind(particles: [Entity; 4], kind: &Hinge) -> Self {
         Self { particles, min: kind.min, max: kind.max, softness: kind.softness.into() }
     }
@@ -98,7 +97,7 @@ impl HingeConstraint {
 
 solved_as!(HingeConstraint, |this| Hinge { min: this.min, max: this.max });
 
-/// A bone stays in a cone about an axis that is fixed in its parent: a shoulder or a hip. It says nothing about twist.
+/// Keeps a bone in a cone about an axis that is fixed in its parent: a shoulder or a hip. It does not limit twist.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -107,7 +106,7 @@ solved_as!(HingeConstraint, |this| Hinge { min: this.min, max: this.max });
 /// # fn spawn(mut commands: Commands) {
 /// let at = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::NEG_Y];
 /// let rows = at.map(|at| commands.spawn(Particle::at(at)).id());
-/// // Between head, two more points of the parent, and the tip of the bone.
+/// // The joint, two more particles of the parent, and the tip of the bone.
 /// commands.spawn(ConeConstraint::new(rows, Vec3::NEG_Y, 0.8));
 /// # }
 /// ```
@@ -118,9 +117,9 @@ pub struct ConeConstraint {
     /// `[o, x, y, c, d]`: three particles of the parent, then the ends of the bone; or `[o, x, y, d]` for a bone that begins at `o`.
     #[entities]
     pub particles: Vec<Entity>,
-    /// The axis is `axis.x (x - o) + axis.y (y - o) + axis.z (x - o)×(y - o)`; not zero, its length does not matter. [`Cone::about`] finds it.
+    /// The axis is `axis.x (x - o) + axis.y (y - o) + axis.z (x - o)×(y - o)`; not zero, of any length. [`Cone::about`] computes it.
     pub axis: Vec3,
-    /// Largest angle between the axis and the bone, radians, 0 to π (which allows all).
+    /// Largest angle between the axis and the bone, radians, 0 to π (no limit).
     pub max: f32,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in rad²/J.
     pub softness: Softness,
@@ -132,7 +131,7 @@ impl ConeConstraint {
         Self { particles: particles.into(), axis, max, softness: Softness::Hard }
     }
 
-    /// A kind of constraint of the solver between some particles: [`Cone::about`] makes one about a direction in the world.
+    /// A constraint from the solver's kind: [`Cone::about`] makes one about a direction in the world.
     pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Cone) -> Self {
         Self::new(particles, kind.axis, kind.max).with_softness(kind.softness.into())
     }

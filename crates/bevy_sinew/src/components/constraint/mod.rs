@@ -1,22 +1,22 @@
-//! What holds particles together: each constraint and each spring is an entity of its own, to add, change or despawn at run time.
+//! Constraints and springs between particles: each is an entity of its own, which can be added, changed or despawned at run time.
 //!
-//! | file | what it keeps |
+//! | file | constraints |
 //! |---|---|
-//! | `pairs` | two particles: [`DistanceConstraint`], [`Spring`] |
+//! | `pairs` | of two particles: [`DistanceConstraint`], [`Spring`] |
 //! | `joints` | angles: [`AngleConstraint`], [`HingeConstraint`], [`ConeConstraint`] |
 //! | `sizes` | areas and volumes: [`AreaConstraint`], [`PatchConstraint`], [`TetrahedronConstraint`], [`VolumeConstraint`] |
 //! | `shapes` | [`BendConstraint`], [`CoplanarConstraint`], [`CollinearConstraint`], [`RigidConstraint`] |
-//! | `break_at` | at what force or strain one breaks: [`BreakAt`] |
+//! | `break_at` | limits at which one breaks: [`BreakAt`] |
 //! | `any` | any kind, without a component of its own: [`AnyConstraint`] |
 //!
-//! Distances and springs are so many that they have lists of their own. All others come in by one door, [`ParticleConstraint`], and so do a game's.
+//! Distances and springs are so numerous that they have lists of their own. All others, custom ones included, are registered as a [`ParticleConstraint`].
 
-/// What each component of a kind of the solver's has beside its fields, of which `particles` and `softness` are two: [`ParticleConstraint`], by the other
-/// numbers of its kind.
+/// Implements what the constraint components have in common: `with_softness`, and [`ParticleConstraint`] from the numbers of the solver's kind. The component
+/// must have the fields `particles` and `softness`.
 macro_rules! solved_as {
     ($component:ident, |$this:ident| $kind:ident { $($numbers:tt)* }) => {
         impl $component {
-            /// The same, as hard as that.
+            /// Returns the same constraint with this softness.
             pub fn with_softness(self, softness: Softness) -> Self {
                 Self { softness, ..self }
             }
@@ -55,21 +55,20 @@ use bevy::ecs::component::Mutable;
 use bevy::prelude::*;
 use sinew::{ConstraintFault, ConstraintKind};
 
-/// A constraint as a component: it names particles, and says what must hold between them. Implement it for a component of your own and
-/// [register](crate::RegisterParticleConstraint) that, and it is solved like the rest.
+/// A constraint as a component: it lists its particles, and defines what must hold between them. Implement it for a component of your own and
+/// [register](crate::RegisterParticleConstraint) that; it is then solved like the constraints of this crate.
 ///
-/// Particles, value and gradient are all that it takes; the value and the gradient are those of a [`sinew::Equation`], whose documentation says
-/// what to check. Add, change or despawn the component at run time and the next tick knows. Nothing is asked again in between: neither `particles`
-/// nor `kind` is called in a tick in which no particle, spring or constraint came, went or changed. So let them depend on the component alone.
+/// A constraint needs a value, which is zero where it holds, and its gradients with respect to the particles: see [`sinew::Equation`], which also explains how
+/// to test them. Adding, changing or despawning the component takes effect in the next tick. The results are cached: neither `particles` nor `kind` is called
+/// in a tick in which no particle, spring or constraint was added, removed or changed, so they must depend on the component alone.
 ///
-/// A constraint that cannot act (a particle is gone, is named twice, or a number of the kind is out of range) is set aside, with one
-/// [`Refused`](crate::Refused) message, and the rest goes on bit for bit as if it were not there. One whose particle is itself set aside waits for
-/// it, silently. Constraints are solved in the order in which their entities were created ([`CreationOrder`](crate::CreationOrder), which comes with
-/// a registered component), whatever their types; several on one entity in the order in which their types were registered.
+/// A constraint that cannot act (a particle is gone, or is listed twice, or a number of the kind is out of range) is set aside, with one
+/// [`Refused`](crate::Refused) message; the rest is solved bit for bit as if it did not exist. A constraint whose particle is set aside waits for it, without a
+/// message. Constraints are solved in the order in which their entities were created ([`CreationOrder`](crate::CreationOrder), which is added to a registered
+/// component), whatever their types; several on one entity in the order in which their types were registered.
 ///
-/// A registered component is part of the [state](crate::StateTypes): it is captured and put back with the rest, onto other entities if the fields
-/// that name its particles are marked `#[entities]`. To have it written to files, too, derive `Reflect` and call
-/// [`register_state`](crate::RegisterState::register_state).
+/// A registered component is part of the [state](crate::StateTypes): it is captured and restored with the rest, onto other entities if the fields that hold its
+/// particles are marked `#[entities]`. To have it written to files, too, derive `Reflect` and call [`register_state`](crate::RegisterState::register_state).
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -120,20 +119,19 @@ use sinew::{ConstraintFault, ConstraintKind};
 /// # app.update();
 /// ```
 pub trait ParticleConstraint: Component<Mutability = Mutable> + Clone {
-    /// The particles that it binds, each once, in the order that its kind asks for.
+    /// The particles that it connects, each once, in the order that its kind requires.
     fn particles(&self) -> &[Entity];
 
-    /// What must hold between them.
+    /// The solver's constraint: what must hold between the particles.
     fn kind(&self) -> ConstraintKind;
 
-    /// What is wrong with it beside what [`sinew::Constraint::fault`] finds: the numbers of a kind of one's own, which nobody else can check.
-    /// Nothing by default.
+    /// Validation beyond that of [`sinew::Constraint::fault`]: of the numbers of a custom kind, for instance. `None` by default.
     fn fault(&self) -> Option<ConstraintFault> {
         None
     }
 }
 
-/// Hands the components of this folder that are a [`ParticleConstraint`] to a macro, after what is said first: they are saved and solved alike.
+/// Passes the components of this folder that implement [`ParticleConstraint`] to a macro, after its own arguments.
 macro_rules! for_each_constraint {
     ($then:ident!($($first:tt)*)) => {
         $then!($($first)*

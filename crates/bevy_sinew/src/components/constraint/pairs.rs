@@ -1,4 +1,4 @@
-//! What holds pairs of particles together: distances, which hold exactly, and springs, which pull.
+//! Constraints between two particles: distances, which are positional constraints, and springs, which are forces.
 
 use bevy::prelude::*;
 
@@ -6,7 +6,7 @@ use super::super::order::CreationOrder;
 use super::super::softness::Softness;
 use crate::same::same_variants;
 
-/// Which way a distance is enforced.
+/// In which direction a distance is enforced.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum Bound {
@@ -19,7 +19,7 @@ pub enum Bound {
     AtLeast,
 }
 
-/// Two particles stay a fixed distance apart: an entity of its own, to add, change or despawn at run time.
+/// Keeps two particles at a distance from each other: an entity of its own, which can be added, changed or despawned at run time.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -27,7 +27,7 @@ pub enum Bound {
 /// # use bevy_sinew::{Bound};
 /// # fn spawn(mut commands: Commands) {
 /// let [a, b] = [0.0, 1.0].map(|x| commands.spawn(Particle::at(Vec3::X * x)).id());
-/// // A rod of a metre, and a cord that holds no more than that.
+/// // A rod of 1 m, and a cord of at most 1.5 m.
 /// commands.spawn(DistanceConstraint::new(a, b, 1.0));
 /// commands.spawn(DistanceConstraint::new(a, b, 1.5).with_bound(Bound::AtMost));
 /// # }
@@ -42,11 +42,11 @@ pub struct DistanceConstraint {
     /// The other particle.
     #[entities]
     pub b: Entity,
-    /// Length to keep, metres, 0 and up.
+    /// Rest length, metres, 0 or more.
     pub rest: f32,
     /// How hard it is; [`new`](Self::new) makes a hard one.
     pub softness: Softness,
-    /// Whether the length is kept both ways.
+    /// Whether the distance is enforced in both directions, or in one.
     pub bound: Bound,
 }
 
@@ -56,23 +56,24 @@ impl DistanceConstraint {
         Self { a, b, rest, softness: Softness::Hard, bound: Bound::Equal }
     }
 
-    /// The same with a compliance, m/N.
+    /// Returns the same constraint with a compliance, m/N.
     pub fn with_compliance(self, compliance: f32) -> Self {
         self.with_softness(sinew::Softness::compliant(compliance).into())
     }
 
-    /// The same, as hard as that.
+    /// Returns the same constraint with this softness.
     pub fn with_softness(self, softness: Softness) -> Self {
         Self { softness, ..self }
     }
 
-    /// The same as an inequality.
+    /// Returns the same constraint as an inequality.
     pub fn with_bound(self, bound: Bound) -> Self {
         Self { bound, ..self }
     }
 }
 
-/// A damped spring between two particles: an entity of its own.
+/// A damped spring between two particles: an entity of its own. It is a force, not a constraint, so a stiff one requires short substeps; a soft
+/// [`DistanceConstraint`] does not.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -93,21 +94,21 @@ pub struct Spring {
     /// The other particle.
     #[entities]
     pub b: Entity,
-    /// Length at which it exerts no force, metres.
+    /// Rest length, at which the spring exerts no force, metres.
     pub rest: f32,
     /// Stiffness, N/m.
     pub stiffness: f32,
-    /// Damping along the spring, N·s/m; critical is `2√(kμ)` with `1/μ = 1/m_a + 1/m_b`.
+    /// Damping along the spring, N·s/m; critical damping is `2√(kμ)` with `1/μ = 1/m_a + 1/m_b`.
     pub damping: f32,
 }
 
 impl Spring {
-    /// An undamped spring of the given rest length (m) and stiffness (N/m).
+    /// An undamped spring with this rest length (m) and stiffness (N/m).
     pub fn new(a: Entity, b: Entity, rest: f32, stiffness: f32) -> Self {
         Self { a, b, rest, stiffness, damping: 0.0 }
     }
 
-    /// The same with a damping, N·s/m.
+    /// Returns the same spring with a damping, N·s/m.
     pub fn with_damping(self, damping: f32) -> Self {
         Self { damping, ..self }
     }

@@ -1,4 +1,4 @@
-//! Shapes that particles keep: unbent, flat, straight, or rigid.
+//! Shape constraints: unbent, flat, straight, or rigid.
 
 use bevy::prelude::*;
 use sinew::constraints::{Bend, Collinear, Coplanar, Rigid};
@@ -6,7 +6,8 @@ use sinew::constraints::{Bend, Collinear, Coplanar, Rigid};
 use super::super::order::CreationOrder;
 use super::super::softness::Softness;
 
-/// Two triangles that share an edge do not bend: isometric bending, cheaper and calmer than an angle, but blind to the side of a fold.
+/// Keeps two triangles with a common edge from bending: isometric bending, which is cheaper and more stable than a dihedral angle, but does not distinguish the
+/// two directions of a fold.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -29,21 +30,21 @@ pub struct BendConstraint {
     /// `[e0, e1, a, b]`: the edge, then the two opposite corners.
     #[entities]
     pub particles: [Entity; 4],
-    /// Weights of the particles, which sum to zero. [`Bend::of`] finds them.
+    /// Weights of the particles, which add up to zero. [`Bend::of`] computes them.
     pub weights: [f32; 4],
-    /// Length of the weighted sum at rest, metres, 0 (a flat shape) and up.
+    /// Length of the weighted sum at rest, metres, 0 (a flat shape) or more.
     pub rest: f32,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m/N.
     pub softness: Softness,
 }
 
 impl BendConstraint {
-    /// A hard one with those weights and `rest` metres.
+    /// A hard constraint with these weights and `rest` metres.
     pub fn new(particles: [Entity; 4], weights: [f32; 4], rest: f32) -> Self {
         Self { particles, weights, rest, softness: Softness::Hard }
     }
 
-    /// A kind of constraint of the solver between some particles: [`Bend::of`] and [`Bend::stiff`] keep a fold as it is.
+    /// A constraint from the solver's kind: [`Bend::of`] and [`Bend::stiff`] keep a fold as it is.
     pub fn from_kind(particles: [Entity; 4], kind: &Bend) -> Self {
         Self::new(particles, kind.weights, kind.rest).with_softness(kind.softness.into())
     }
@@ -51,7 +52,7 @@ impl BendConstraint {
 
 solved_as!(BendConstraint, |this| Bend { weights: this.weights, rest: this.rest });
 
-/// Particles stay in one plane, wherever that is.
+/// Keeps particles in one plane, wherever that is.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -75,7 +76,7 @@ pub struct CoplanarConstraint {
 }
 
 impl CoplanarConstraint {
-    /// A hard one.
+    /// A hard constraint.
     pub fn new(particles: impl Into<Vec<Entity>>) -> Self {
         Self { particles: particles.into(), softness: Softness::Hard }
     }
@@ -83,7 +84,7 @@ impl CoplanarConstraint {
 
 solved_as!(CoplanarConstraint, |this| Coplanar {});
 
-/// Particles stay on one line, wherever that is. It keeps neither their order nor their distances.
+/// Keeps particles on one line, wherever that is. Their order and their distances are free.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -106,7 +107,7 @@ pub struct CollinearConstraint {
 }
 
 impl CollinearConstraint {
-    /// A hard one.
+    /// A hard constraint.
     pub fn new(particles: impl Into<Vec<Entity>>) -> Self {
         Self { particles: particles.into(), softness: Softness::Hard }
     }
@@ -114,7 +115,7 @@ impl CollinearConstraint {
 
 solved_as!(CollinearConstraint, |this| Collinear {});
 
-/// Particles keep a rigid shape, all at once, wherever it is and however it is turned.
+/// Keeps particles in a rigid shape, all at once (shape matching), wherever it is and however it is turned.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -133,19 +134,19 @@ pub struct RigidConstraint {
     /// The particles, each once.
     #[entities]
     pub particles: Vec<Entity>,
-    /// Where each of them sits in the shape's own frame, metres; as many as `particles`. World positions will do.
+    /// The position of each particle in the shape's own frame, metres; as many as `particles`. World positions are valid, too.
     pub rest: Vec<Vec3>,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m/N.
     pub softness: Softness,
 }
 
 impl RigidConstraint {
-    /// A hard one in the shape `rest`, metres.
+    /// A hard constraint with the shape `rest`, metres.
     pub fn new(particles: impl Into<Vec<Entity>>, rest: impl Into<Vec<Vec3>>) -> Self {
         Self { particles: particles.into(), rest: rest.into(), softness: Softness::Hard }
     }
 
-    /// A kind of constraint of the solver between some particles.
+    /// A constraint from the solver's kind.
     pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Rigid) -> Self {
         Self::new(particles, kind.rest.to_vec()).with_softness(kind.softness.into())
     }

@@ -1,4 +1,4 @@
-//! Areas and volumes of what particles span.
+//! Constraints on areas and volumes.
 
 use bevy::prelude::*;
 use sinew::constraints::{Area, Patch, Tetrahedron, Volume};
@@ -14,11 +14,11 @@ pub enum SizeCorrection {
     /// Along its gradient: the least mass-weighted displacement. The default.
     #[default]
     Gradient,
-    /// By scaling everything about the barycentre: right at once, but not the least.
+    /// By scaling all particles about their centre of mass: exact in one step, but not the least displacement.
     Scaling,
 }
 
-/// The area of a triangle stays as it is.
+/// Keeps the area of a triangle.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -34,22 +34,22 @@ pub enum SizeCorrection {
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
 pub struct AreaConstraint {
-    /// The corners, either way round.
+    /// The corners, in either winding.
     #[entities]
     pub particles: [Entity; 3],
-    /// Area to keep, m², 0 and up.
+    /// Area to keep, m², 0 or more.
     pub rest: f32,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m⁴/J.
     pub softness: Softness,
 }
 
 impl AreaConstraint {
-    /// A hard one of `rest` square metres.
+    /// A hard constraint of `rest` square metres.
     pub fn new(particles: [Entity; 3], rest: f32) -> Self {
         Self { particles, rest, softness: Softness::Hard }
     }
 
-    /// A kind of constraint of the solver between some particles: [`Area::of`] keeps an area as it is.
+    /// A constraint from the solver's kind: [`Area::of`] keeps an area as it is.
     pub fn from_kind(particles: [Entity; 3], kind: &Area) -> Self {
         Self { particles, rest: kind.rest, softness: kind.softness.into() }
     }
@@ -57,11 +57,11 @@ impl AreaConstraint {
 
 solved_as!(AreaConstraint, |this| Area { rest: this.rest });
 
-/// What the two of many triangles have in common.
+/// Implements what the two constraints on many triangles have in common.
 macro_rules! of_triangles {
     ($component:ident, $kind:ident) => {
         impl $component {
-            /// A hard one of `rest` square or cubic metres, corrected along the gradient.
+            /// A hard constraint of `rest` square or cubic metres, corrected along the gradient.
             pub fn new(
                 particles: impl Into<Vec<Entity>>,
                 triangles: impl Into<Vec<[u32; 3]>>,
@@ -76,14 +76,14 @@ macro_rules! of_triangles {
                 }
             }
 
-            /// A kind of constraint of the solver between some particles: its `of` keeps an area or a volume as it is.
+            /// A constraint from the solver's kind: the kind's `of` keeps an area or a volume as it is.
             pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &$kind) -> Self {
                 Self::new(particles, kind.triangles.to_vec(), kind.rest)
                     .with_correction(kind.correction.into())
                     .with_softness(kind.softness.into())
             }
 
-            /// The same with another correction.
+            /// Returns the same constraint with another correction.
             pub fn with_correction(self, correction: SizeCorrection) -> Self {
                 Self { correction, ..self }
             }
@@ -97,7 +97,7 @@ macro_rules! of_triangles {
     };
 }
 
-/// The total area of many triangles stays as it is: one may grow while another shrinks.
+/// Keeps the total area of many triangles: one may grow while another shrinks.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -117,11 +117,11 @@ pub struct PatchConstraint {
     /// The particles, each once.
     #[entities]
     pub particles: Vec<Entity>,
-    /// The triangles, as places in `particles`, either way round.
+    /// The triangles, as indices into `particles`, in either winding.
     pub triangles: Vec<[u32; 3]>,
-    /// Area to keep, m², 0 and up.
+    /// Area to keep, m², 0 or more.
     pub rest: f32,
-    /// How it is corrected; [`new`](Self::new) takes the gradient.
+    /// How it is corrected; [`new`](Self::new) uses the gradient.
     pub correction: SizeCorrection,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m⁴/J along the gradient, and in m/N for scaling.
     pub softness: Softness,
@@ -129,7 +129,7 @@ pub struct PatchConstraint {
 
 of_triangles!(PatchConstraint, Patch);
 
-/// The signed volume of a tetrahedron stays as it is; one that was turned inside out comes back.
+/// Keeps the signed volume of a tetrahedron; one that is inverted is turned back.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -145,22 +145,22 @@ of_triangles!(PatchConstraint, Patch);
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
 pub struct TetrahedronConstraint {
-    /// The corners `[a, b, c, d]`; the volume is positive where `d` sees `a`, `b`, `c` counter-clockwise.
+    /// The corners `[a, b, c, d]`; the volume is positive if `a`, `b`, `c` are counter-clockwise seen from `d`.
     #[entities]
     pub particles: [Entity; 4],
-    /// Volume to keep, m³; negative if the corners are named in the other order.
+    /// Volume to keep, m³; negative if the corners have the other winding.
     pub rest: f32,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m⁶/J.
     pub softness: Softness,
 }
 
 impl TetrahedronConstraint {
-    /// A hard one of `rest` cubic metres.
+    /// A hard constraint of `rest` cubic metres.
     pub fn new(particles: [Entity; 4], rest: f32) -> Self {
         Self { particles, rest, softness: Softness::Hard }
     }
 
-    /// A kind of constraint of the solver between some particles: [`Tetrahedron::of`] keeps a volume as it is, sign and all.
+    /// A constraint from the solver's kind: [`Tetrahedron::of`] keeps a volume as it is, including its sign.
     pub fn from_kind(particles: [Entity; 4], kind: &Tetrahedron) -> Self {
         Self { particles, rest: kind.rest, softness: kind.softness.into() }
     }
@@ -168,7 +168,7 @@ impl TetrahedronConstraint {
 
 solved_as!(TetrahedronConstraint, |this| Tetrahedron { rest: this.rest });
 
-/// The volume inside a closed mesh of particles stays as it is: what keeps a ball or a soft body full.
+/// Keeps the volume inside a closed mesh of particles: the pressure of a ball or a soft body.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -177,7 +177,7 @@ solved_as!(TetrahedronConstraint, |this| Tetrahedron { rest: this.rest });
 /// # fn spawn(mut commands: Commands) {
 /// let at = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
 /// let corners = at.map(|at| commands.spawn(Particle::at(at)).id());
-/// // Counter-clockwise as seen from outside.
+/// // Counter-clockwise seen from outside.
 /// let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 /// commands.spawn(VolumeConstraint::new(corners, faces, 1.0 / 6.0));
 /// # }
@@ -189,11 +189,11 @@ pub struct VolumeConstraint {
     /// The particles, each once.
     #[entities]
     pub particles: Vec<Entity>,
-    /// The triangles, as places in `particles`, counter-clockwise from outside; the other way round the volume is negative.
+    /// The triangles, as indices into `particles`, counter-clockwise seen from outside; with the other winding the volume is negative.
     pub triangles: Vec<[u32; 3]>,
-    /// Volume to keep, m³. More than it has at rest is pressure.
+    /// Volume to keep, m³. A value greater than the volume at rest acts as pressure.
     pub rest: f32,
-    /// How it is corrected; [`new`](Self::new) takes the gradient.
+    /// How it is corrected; [`new`](Self::new) uses the gradient.
     pub correction: SizeCorrection,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m⁶/J along the gradient, and in m/N for scaling.
     pub softness: Softness,

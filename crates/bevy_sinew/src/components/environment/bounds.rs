@@ -1,12 +1,12 @@
-//! What bounds the space in which things are: a ground and a room, which are colliders by name, and the plane of a world in 2D.
+//! What bounds space: the ground and a closed room, which are colliders, and the plane of a 2D world.
 
 use bevy::prelude::*;
 
 use crate::components::{Collider, CreationOrder};
 
-/// An endless ground: the entity's local xz plane, solid below. It is a [`Collider`], [`Collider::HalfSpace`], by a shorter name: what it is made of
-/// ([`SurfaceMaterial`](crate::SurfaceMaterial)), whom it touches ([`CollisionLayers`](crate::CollisionLayers)) and who is told
-/// ([`ContactEvents`](crate::ContactEvents)) stands beside it, and it goes where the game moves its `Transform`.
+/// An infinite ground: the entity's local xz plane, solid below. It is a shorthand for the [`Collider`] [`Collider::HalfSpace`]:
+/// [`SurfaceMaterial`](crate::SurfaceMaterial), [`CollisionLayers`](crate::CollisionLayers) and [`ContactEvents`](crate::ContactEvents) on the same entity
+/// configure it, and it moves with the entity's `Transform`.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -20,8 +20,8 @@ use crate::components::{Collider, CreationOrder};
 #[require(Collider = Collider::HalfSpace, Transform, CreationOrder)]
 pub struct Ground;
 
-/// A room that nothing leaves: a box around the entity's origin, turned and scaled as the entity is, and solid all around. It is a [`Collider`],
-/// [`Collider::InsideBox`], which follows its size; what else holds for colliders holds for it.
+/// A closed room: the inside of a box around the entity's origin, turned and scaled as the entity is. It is a shorthand for the [`Collider`]
+/// [`Collider::InsideBox`], which follows its size; everything else applies as to any collider.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -35,7 +35,7 @@ pub struct Ground;
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Collider = Self::default().collider(), Transform, CreationOrder)]
 pub struct BoundingBox {
-    /// Lengths of its edges, metres; positive. Default 10.
+    /// Edge lengths, metres; positive. Default 10.
     pub size: Vec3,
 }
 
@@ -46,16 +46,15 @@ impl Default for BoundingBox {
 }
 
 impl BoundingBox {
-    /// The collider that it is.
+    /// The collider of this size.
     pub(crate) fn collider(self) -> Collider {
         Collider::InsideBox { size: self.size }
     }
 }
 
-/// Makes the world one of two dimensions: all particles stay in the entity's local xy plane, by default the one with z = 0. Only pinned ones are
-/// where they are pinned.
+/// Makes the world two-dimensional: all particles stay in the entity's local xy plane, by default the plane z = 0. Only pinned particles may be outside of it.
 ///
-/// There is one world, and so one plane: of several, the one that was created first and is sound.
+/// There is one world, and so one plane: of several entities, the valid one that was created first.
 ///
 /// ```
 /// # use bevy::prelude::*;

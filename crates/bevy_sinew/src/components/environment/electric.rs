@@ -1,18 +1,19 @@
-//! Charges: how they act on each other, and the fields that act on them.
+//! Electric forces between charges, and electric fields.
 
 use bevy::prelude::*;
 
 use crate::components::CreationOrder;
 use crate::same::same_fields;
 
-/// Coulomb's law for particles with a [`Charge`](crate::Charge), and a field that acts on all of them.
+/// Coulomb's law for particles with a [`Charge`](crate::Charge), and a uniform field. The force between two charges at a distance `r` is
+/// `K q₁ q₂ r / (r² + softening²)^{3/2}`; like charges repel each other.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::{Charge, Electric};
 /// # fn example(mut commands: Commands) {
-/// // Charges of a game's own making, without nine powers of ten; softened, so that those of opposite sign may meet.
+/// // A constant of 1 instead of 9e9, for charges in convenient units; softened, so that opposite charges may meet.
 /// commands.insert_resource(Electric { constant: 1.0, softening: 0.1, ..default() });
 /// commands.spawn((Particle::at(Vec3::ZERO), Charge(2.0), Pinned::HERE));
 /// commands.spawn((Particle::at(Vec3::X), Charge(-1.0)));
@@ -21,15 +22,16 @@ use crate::same::same_fields;
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone)]
 pub struct Electric {
-    /// Coulomb's constant K, N·m²/C². Default the vacuum's, 8.987552e9. 0 switches the forces between charges off.
+    /// Coulomb's constant K, N·m²/C². Default that of the vacuum, 8.987552e9. 0 switches the forces between charges off.
     pub constant: f32,
-    /// Distance within which the force is softened, metres, 0 and up. Default 0.
+    /// Distance within which the force is softened, metres, 0 or more, so that it stays finite for coincident charges. Default 0.
     pub softening: f32,
     /// A uniform field everywhere, N/C (the same as V/m): the force on a charge is `q E`. Default zero.
     pub field: Vec3,
-    /// Up to this many charges every pair is summed up; beyond it far groups act as one, which is faster from some 1300 on. Default 2000.
+    /// Up to this many charges, the force of every pair is computed; above it, distant groups act as one charge (Barnes–Hut), which is faster from about 1300
+    /// on. Default 2000.
     pub all_pairs_up_to: u32,
-    /// How large a group may be to act as one, as a share of its distance: 0.1 to 1. Default 0.45: forces are wrong by 0.5 % then.
+    /// How large a group may be to act as one charge, as a fraction of its distance: 0.1 to 1. Default 0.45, with a force error of 0.5 %.
     pub opening: f32,
 }
 
@@ -43,7 +45,7 @@ same_fields!(Electric, sinew::Electric { constant, softening, field, all_pairs_u
 
 /// A uniform electric field, everywhere or in the [`Region`](super::Region) on the same entity: between the plates of a capacitor.
 ///
-/// At the end of its region it is no gradient of anything (a true field bulges out there), so a charge that circles in and out may gain energy.
+/// At the boundary of its region the field is not conservative (a real field has a fringe there), so a charge that circles in and out may gain energy.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -63,7 +65,7 @@ pub struct ElectricField {
 }
 
 impl ElectricField {
-    /// A field of so many N/C.
+    /// A field in N/C.
     pub fn new(field: Vec3) -> Self {
         Self { field }
     }

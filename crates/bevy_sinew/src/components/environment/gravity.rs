@@ -1,10 +1,10 @@
-//! What pulls at everything, whatever its mass: the ground that is near, and points that are heavy.
+//! Accelerations that do not depend on mass: uniform gravity, and attracting points.
 
 use bevy::prelude::*;
 
 use crate::components::CreationOrder;
 
-/// Gravitational acceleration, m/s². Default `(0, -9.81, 0)`. [`GravityScale`](crate::GravityScale) makes exceptions.
+/// Gravitational acceleration, m/s². Default `(0, -9.81, 0)`. [`GravityScale`](crate::GravityScale) scales it for a body or a particle.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -24,10 +24,10 @@ impl Default for Gravity {
     }
 }
 
-/// A point that attracts every particle: a planet, a black hole. It is where the entity is, and is not pulled itself.
+/// A point that attracts every particle: a planet, a black hole. It is at the position of the entity, and is not attracted itself.
 ///
-/// The acceleration at the distance `r` is `strength · r / (r² + softening²)^{3/2}`, times the particle's [`GravityScale`](crate::GravityScale). It
-/// comes on top of [`Gravity`]; in space, set that to zero.
+/// The acceleration at the distance `r` is `strength · r / (r² + softening²)^{3/2}`, times the particle's [`GravityScale`](crate::GravityScale). It is added to
+/// [`Gravity`]; for a scene in space, set that to zero.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -42,9 +42,10 @@ impl Default for Gravity {
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform, CreationOrder)]
 pub struct Attractor {
-    /// Gravitational parameter `GM`, m³/s²; negative repels. Default 100: 1 m/s² at 10 m.
+    /// Gravitational parameter `GM`, m³/s²; negative values repel. Default 100: 1 m/s² at 10 m.
     pub strength: f32,
-    /// Softening length, metres, 0 and up: nearer than that the pull does not grow. Default 0.1; keep it above the way of a substep.
+    /// Softening length, metres, 0 or more: the attraction does not increase at smaller distances. Default 0.1; keep it above the distance that a particle
+    /// moves in a substep.
     pub softening: f32,
 }
 
@@ -61,12 +62,12 @@ impl Attractor {
         Self { strength, softening }
     }
 
-    /// The same softened over another length, metres.
+    /// Returns the same attractor with another softening length, metres.
     pub fn with_softening(self, softening: f32) -> Self {
         Self { softening, ..self }
     }
 
-    /// The same for the solver, at a point of the world.
+    /// The solver's attractor, at a point of the world.
     pub(crate) fn at(self, position: Vec3) -> sinew::Attractor {
         let Self { strength, softening } = self;
         sinew::Attractor { position, strength, softening }

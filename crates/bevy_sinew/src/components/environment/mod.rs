@@ -1,18 +1,18 @@
-//! What surrounds the particles: fields that fill space, and the surfaces that bound it. A resource where there is one of a kind, an entity each
-//! where there may be several.
+//! The environment of the particles: fields that fill space, and surfaces that bound it. A resource where there can be only one, an entity each where there may
+//! be several.
 //!
-//! | file | what it holds |
+//! | file | contents |
 //! |---|---|
-//! | `gravity` | what pulls at everything: [`Gravity`], [`Attractor`] |
+//! | `gravity` | [`Gravity`], [`Attractor`] |
 //! | `wind` | air: [`AirDrag`], [`Wind`], [`AirFlow`] |
-//! | `fluid` | [`Fluid`], and what [`Floats`] in it by its shape |
+//! | `fluid` | [`Fluid`], and [`Floats`] for bodies that float by their shape |
 //! | `electric` | [`Electric`], [`ElectricField`] |
 //! | `region` | where a field acts: [`Region`] |
 //! | `bounds` | [`Ground`], [`BoundingBox`], [`Flatland`] |
 //!
-//! All of it may be edited at any time, and acts from the next tick on. What has a broken number does nothing, with one
-//! [`Refused`](crate::Refused) message, until it is mended. Each is where its entity is on top of its parents, turned and scaled as they are, so that a
-//! fan may ride on a cart; forces, pressures and velocities are those of the world, whatever the scale.
+//! All of these may be edited at any time; a change takes effect in the next tick. One with an invalid number has no effect, with one
+//! [`Refused`](crate::Refused) message, until it is corrected. Each is placed where its entity is, on top of its parents, and turned and scaled with them, so
+//! that a fan may be mounted on a cart; forces, pressures and velocities are those of the world, whatever the scale.
 
 mod bounds;
 mod electric;

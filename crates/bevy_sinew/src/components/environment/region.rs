@@ -1,13 +1,13 @@
-//! Where a field acts, as a component beside it.
+//! Regions: where a field acts.
 
 use bevy::prelude::*;
 use sinew::Extent;
 
 use crate::frames::{Misplaced, even_factor};
 
-/// Where the [`Wind`](super::Wind), the [`AirFlow`](super::AirFlow), the [`Fluid`](super::Fluid) and the [`ElectricField`](super::ElectricField) on
-/// the same entity act: in a shape about the entity's position, turned and scaled as the entity and its parents are (what is round, by the same in
-/// all directions). Without it they act everywhere.
+/// Limits the [`Wind`](super::Wind), the [`AirFlow`](super::AirFlow), the [`Fluid`](super::Fluid) and the [`ElectricField`](super::ElectricField) on the same
+/// entity to a shape about the entity's position, turned and scaled as the entity and its parents are (round shapes only uniformly). Without it they act
+/// everywhere.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -25,7 +25,7 @@ use crate::frames::{Misplaced, even_factor};
 pub struct Region {
     /// The shape. Default a ball with a radius of 1 m.
     pub shape: RegionShape,
-    /// Over how many metres, from the surface inwards, the field grows from nothing to all of itself. Default 0: it ends like a wall.
+    /// The distance, metres, from the surface inwards over which the field grows from zero to its full strength. Default 0: a sharp boundary.
     pub fade: f32,
 }
 
@@ -36,26 +36,26 @@ pub struct Region {
 pub enum RegionShape {
     /// A box.
     Box {
-        /// Lengths of its edges, metres, along the entity's axes; positive.
+        /// Edge lengths, metres, along the entity's axes; positive.
         size: Vec3,
     },
     /// A ball.
     Sphere {
-        /// Its radius, metres; positive.
+        /// Radius, metres; positive.
         radius: f32,
     },
     /// A cylinder with flat ends, along the entity's y axis.
     Cylinder {
-        /// Its radius, metres; positive.
+        /// Radius, metres; positive.
         radius: f32,
-        /// Its height, metres; positive.
+        /// Height, metres; positive.
         height: f32,
     },
-    /// A cylinder with round ends, along the entity's y axis.
+    /// A cylinder with hemispherical ends, along the entity's y axis.
     Capsule {
-        /// Its radius, metres; positive.
+        /// Radius, metres; positive.
         radius: f32,
-        /// Length of the cylinder without its ends, metres; 0 and up.
+        /// Length of the cylinder without its ends, metres; 0 or more.
         length: f32,
     },
 }
@@ -67,7 +67,7 @@ impl Default for RegionShape {
 }
 
 impl Region {
-    /// A box from the lengths of its edges, metres.
+    /// A box from its edge lengths, metres.
     pub fn boxed(size: Vec3) -> Self {
         RegionShape::Box { size }.into()
     }
@@ -82,23 +82,23 @@ impl Region {
         RegionShape::Cylinder { radius, height }.into()
     }
 
-    /// A cylinder with round ends along the entity's y axis, from its radius and its length without them, metres.
+    /// A cylinder with hemispherical ends along the entity's y axis, from its radius and its length without the ends, metres.
     pub fn capsule(radius: f32, length: f32) -> Self {
         RegionShape::Capsule { radius, length }.into()
     }
 
-    /// The same growing to all of its field over `fade` metres from its surface inwards.
+    /// Returns the same region, whose field grows to its full strength over `fade` metres from the surface inwards.
     pub fn with_fade(self, fade: f32) -> Self {
         Self { fade, ..self }
     }
 
-    /// The same for the solver, where the entity is. It is invalid, as [`sinew::Region::is_valid`] tells, if a number of either is broken; what is round
-    /// is refused where it is scaled unevenly.
+    /// The solver's region, in the frame of the entity. If a number is invalid, so is the result ([`sinew::Region::is_valid`]); a round shape with a
+    /// non-uniform scale is an error.
     pub(crate) fn at(&self, frame: &Transform) -> Result<sinew::Region, Misplaced> {
         let (centre, scale) = (frame.translation, frame.scale.abs());
         let ends = |length: f32| {
             let axis = frame.rotation * Vec3::Y;
-            // A rotation that is none, or a length that is none, must not look like a shorter one.
+            // An invalid rotation or length must give an invalid result, not a shorter shape.
             let arm = axis.try_normalize().filter(|_| length >= 0.0).unwrap_or(Vec3::NAN);
             (centre - arm * (0.5 * length), centre + arm * (0.5 * length))
         };

@@ -1,4 +1,4 @@
-//! Change detection: what was added, changed or removed among the components of one type since the last look.
+//! Change detection: which components of one type were added, changed or removed since the last check.
 
 use bevy::ecs::lifecycle::RemovedComponentEntity;
 use bevy::ecs::message::MessageCursor;
@@ -7,37 +7,37 @@ use bevy::prelude::*;
 
 use crate::changes::ChangeTicks;
 
-/// More than these are not taken into account one by one.
+/// Maximum number of changes that are handled one by one.
 const MOST: usize = 16;
 
-/// How many are noted to have gone until the next look, at most: a game may be paused, and go on without end.
+/// Maximum number of removals that are recorded until the next check: a game may be paused, and continue for any time.
 const NOTED: usize = 1 << 16;
 
-/// Keeps an eye on all components of one type. No hook and no observer does, which are the game's; besides, a body comes and goes with tens of
-/// thousands of them.
+/// Detects changes of all components of one type. Not by hooks, which a game may need for itself, nor by observers, since a body is spawned and despawned with
+/// tens of thousands of components.
 #[derive(Default)]
 pub(crate) struct ChangeDetector {
     count: usize,
-    /// What was added or changed.
+    /// Entities whose component was added or changed.
     pub(super) added: Vec<Entity>,
-    /// What is said to have gone. It may not be all.
+    /// Entities whose component was removed, as far as recorded.
     pub(super) gone: Vec<Entity>,
-    /// What has gone since the last look, as far as it was noted, and up to where Bevy's messages were read.
+    /// Removals recorded since the last check, and the position up to which Bevy's messages were read.
     noted: Vec<Entity>,
     cursor: MessageCursor<RemovedComponentEntity>,
-    /// By how many more there are.
+    /// Increase of the count.
     pub(super) grown: isize,
 }
 
 impl ChangeDetector {
-    /// Notes what has gone. Bevy tells that for two frames, when a tick may be farther away.
+    /// Records removals. Bevy keeps them for two frames, while the next tick may be later.
     pub(super) fn note_gone(&mut self, removed: Option<&Messages<RemovedComponentEntity>>) {
         let gone = removed.map(|removed| self.cursor.read(removed)).into_iter().flatten();
         let room = NOTED.saturating_sub(self.noted.len());
         self.noted.extend(gone.cloned().map(Entity::from).take(room));
     }
 
-    /// Looks at all there are, and at what was noted.
+    /// Compares all components, and the recorded removals, with the last check.
     pub(super) fn detect<T: Component, F: ArchetypeFilter>(
         &mut self,
         all: &Query<(Entity, Ref<T>), F>,
@@ -53,7 +53,7 @@ impl ChangeDetector {
                     added.extend(change_ticks.changed().map(|place| entities[place]));
                 }
             }),
-            // A component that is kept in a sparse set has no column.
+            // A component with sparse-set storage has no column.
             Err(_) => all.iter().for_each(|(entity, component)| {
                 count += 1;
                 if component.is_changed() {
@@ -66,17 +66,17 @@ impl ChangeDetector {
         self.count = count;
     }
 
-    /// Whether there is any.
+    /// Whether anything changed.
     pub(super) fn is_any(&self) -> bool {
         self.grown != 0 || !self.added.is_empty()
     }
 
-    /// How many there are.
+    /// The number of components.
     pub(super) fn count(&self) -> usize {
         self.count
     }
 
-    /// Whether it is worth taking each into account by itself.
+    /// Whether the changes are few enough to be handled one by one.
     pub(super) fn is_few(&self) -> bool {
         self.added.len().max(self.gone.len()) <= MOST
     }

@@ -1,4 +1,5 @@
-//! One link on its way from a component to the solver's list: its particles resolved, checked, put in order, and reported if it cannot act.
+//! A link (a distance, a spring or a constraint) on its way from a component to the solver's list: its particles are resolved, it is validated, sorted, and
+//! reported if it is invalid.
 
 use bevy::prelude::*;
 use sinew::constraints::Rows;
@@ -8,12 +9,12 @@ use super::change_detection::ChangeDetector;
 use crate::messages::{Refusal, Refused, ReportedErrors, refuse};
 use crate::world::{Place, Tables};
 
-/// Something that the solver has a list of, among rows.
+/// An element of one of the solver's lists, which refers to rows.
 pub(super) trait Link: Sized {
-    /// What to say when one of its particles is gone.
+    /// The error if one of its particles is gone.
     const MISSING: Refusal;
 
-    /// Why it cannot act among so many particles, or `None` if it can.
+    /// Its error, for this number of particles, or `None` if it is valid.
     fn refusal(&self, particles: usize) -> Option<Refusal>;
 }
 
@@ -41,7 +42,7 @@ impl Link for sinew::Constraint {
     }
 }
 
-/// A link that can come and go by itself: the solver's plan keeps up with it.
+/// A link that can be inserted and removed individually: the solver's plan is updated incrementally.
 pub(super) trait Incremental: Link {
     fn insert(self, simulation: &mut Simulation, at: usize);
     fn remove(simulation: &mut Simulation, at: usize);
@@ -78,7 +79,7 @@ impl Incremental for sinew::Constraint {
     }
 }
 
-/// A link with its place, and what became of it.
+/// A link with its place, and the result of its validation.
 pub(super) struct Entry<L> {
     place: Place,
     outcome: Outcome<L>,
@@ -92,7 +93,7 @@ enum Outcome<L> {
 }
 
 impl<L: Link> Entry<L> {
-    /// Resolves the particles into rows; if all are there and sound, makes the link of them and checks it.
+    /// Resolves the particles to rows; if all exist and none is set aside, makes the link and validates it.
     pub(super) fn new(
         tables: &Tables,
         place: Place,
@@ -116,8 +117,8 @@ impl<L: Link> Entry<L> {
     }
 }
 
-/// Brings a list of the solver, in which links stand in these places, up to date with what came, changed or went of one kind. Whether that adds up to
-/// what there is: if it does not, or one of the new ones cannot act, the lists have to be filled afresh.
+/// Updates one of the solver's lists, whose links have these places, incrementally by what was added, changed or removed of one kind. Returns false if the
+/// counts do not match, or a new link is invalid: the lists must then be filled again.
 pub(super) fn update_incrementally<L: Incremental>(
     simulation: &mut Simulation,
     places: &mut Vec<Place>,
@@ -151,7 +152,8 @@ pub(super) fn update_incrementally<L: Incremental>(
     grown == detector.grown
 }
 
-/// How many links of a list stand before the first of which a particle is not among the first `same_rows`; `None` if no more stay than have moved, or `changed`.
+/// The number of leading links whose particles are all among the first `same_rows` rows; `None` if no more links stay than have moved or are `changed`, so that
+/// filling the list again is as fast.
 pub(super) fn unmoved<L: Incremental>(
     list: &[L],
     same_rows: usize,
@@ -162,11 +164,11 @@ pub(super) fn unmoved<L: Incremental>(
     (list.len() - unmoved + changed < unmoved).then_some(unmoved)
 }
 
-/// What a list of the solver holds from the first link on that is not what it was, its number and the links from there on; and their places. `None` if one of them
-/// cannot act, or it does not add up to what there is: then the list has to be filled afresh.
+/// The contents of one of the solver's lists from the first link on that differs: its index, and the links from there on; updates the places. `None` if one of
+/// the links is invalid, or the counts do not match: the list must then be filled again.
 ///
-/// A link is what it was if it is among the first [`unmoved`] ones, not among those that were added or changed, nor said to have gone, and none before it
-/// is. `again` makes the entries of what stands in some places and is still there, and there are `count` in all.
+/// A link is the same as before if it is among the leading [`unmoved`] ones, was neither added nor changed nor removed, and all links before it are the same.
+/// `again` makes the entries for links that still exist, from their places; `count` is the total number.
 pub(super) fn refill<L>(
     places: &mut Vec<Place>,
     (unmoved, count): (usize, usize),
@@ -179,7 +181,7 @@ pub(super) fn refill<L>(
     let mut gone = gone.to_vec();
     gone.sort_unstable();
     let went = |place: &&Place| gone.binary_search(&place.entity).is_ok();
-    // Mostly they went with their particles, and nobody else has to be asked.
+    // Usually they are removed together with their particles, so that no earlier link needs to be checked.
     if places[kept..].iter().filter(went).count() < gone.len() {
         kept = places[..kept].iter().position(|place| went(&place)).unwrap_or(kept);
     }
@@ -197,11 +199,11 @@ pub(super) fn refill<L>(
     Some((kept, links.collect::<Option<_>>()?))
 }
 
-/// Lets the sound ones pass, and reports the others, once for each time that one broke.
+/// Passes valid links, and reports the others, each once until it is corrected.
 pub(super) struct LinkValidator<'a, 'w> {
     before: ReportedErrors,
     now: ReportedErrors,
-    /// Whether all passed so far.
+    /// Whether all links so far were valid.
     all: bool,
     messages: &'a mut MessageWriter<'w, Refused>,
 }
@@ -214,7 +216,7 @@ impl<'a, 'w> LinkValidator<'a, 'w> {
         Self { before, now: ReportedErrors::new(), all: true, messages }
     }
 
-    /// Fills a list of the solver with the sound links, in their order, whatever the order of the entries, and notes their places.
+    /// Fills one of the solver's lists with the valid links, sorted by place, and stores their places.
     pub(super) fn fill<L>(
         &mut self,
         list: &mut Vec<L>,
@@ -238,7 +240,7 @@ impl<'a, 'w> LinkValidator<'a, 'w> {
                     }
                     self.now.insert((entity, kind), reason);
                 }
-                // What was wrong with it before is not known to be mended.
+                // An earlier error may persist, so it stays recorded.
                 Outcome::Waits => {
                     let old = self.before.remove(&(entity, kind));
                     self.now.extend(old.map(|reason| ((entity, kind), reason)));
@@ -247,12 +249,12 @@ impl<'a, 'w> LinkValidator<'a, 'w> {
         }
     }
 
-    /// Whether all links could pass.
+    /// Whether all links were valid.
     pub(super) fn passed_all(&self) -> bool {
         self.all
     }
 
-    /// The errors that stand. Those about links that are gone, or that are in order now, are forgotten: they may be raised again.
+    /// The errors that persist. Errors of links that are gone, or are valid now, are dropped, so they are reported again if they recur.
     pub(super) fn reported_errors(self) -> ReportedErrors {
         self.now
     }

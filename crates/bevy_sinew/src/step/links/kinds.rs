@@ -1,4 +1,4 @@
-//! Which types of constraints there are beside distances and springs: ours, and those that a game registers, by one door.
+//! The registered constraint types besides distances and springs: those of this crate, and those of a game, which are registered in the same way.
 
 use core::any::TypeId;
 
@@ -15,17 +15,17 @@ use crate::messages::Refusal;
 use crate::state::add_constraint;
 use crate::world::{Place, SinewWorld, Tables};
 
-/// Numbers of the kinds that have lists of their own; registered ones follow.
+/// Indices of the kinds that have lists of their own; registered kinds follow.
 pub(super) const DISTANCES: usize = 0;
 pub(super) const SPRINGS: usize = 1;
 const FIRST: usize = 2;
 
-/// Adds a game's own constraints to an [`App`].
+/// Registers custom constraints in an [`App`].
 pub trait RegisterParticleConstraint {
-    /// Has all components of type `T` enforced from the next tick on. They get a [`CreationOrder`] as a required component.
+    /// Registers the component `T` as a constraint, which is enforced from the next tick on. [`CreationOrder`] becomes a required component of it.
     ///
-    /// It may be called before or after the plugins are added, but should be before the first `T` is spawned: ones that are there already are
-    /// numbered when the simulation first sees them, one after the other by their entity. A second call for the same type does nothing.
+    /// It may be called before or after the plugins are added, but should be called before the first `T` is spawned: existing ones are numbered when the
+    /// simulation first processes them, in the order of their entities. A second call for the same type does nothing.
     fn register_particle_constraint<T: ParticleConstraint>(&mut self) -> &mut Self;
 }
 
@@ -33,7 +33,7 @@ impl RegisterParticleConstraint for App {
     fn register_particle_constraint<T: ParticleConstraint>(&mut self) -> &mut Self {
         let world = self.world_mut();
         add_constraint::<T>(world);
-        // It fails where `T` requires it already, which is well, and where some `T` are there: `Of::number` sees to those.
+        // It fails if `T` already requires it, which is fine, or if some `T` exist, which `Of::number` handles.
         let _ = world.try_register_required_components::<T, CreationOrder>();
         let kind = Box::new(Of::<T>::new(world));
         let kinds = &mut world.get_resource_or_init::<Kinds>().kinds;
@@ -44,36 +44,36 @@ impl RegisterParticleConstraint for App {
     }
 }
 
-/// Has some constraints solved.
+/// Registers some constraint types.
 macro_rules! solved {
     ($app:ident: $($constraint:ty,)*) => {
         $app$(.register_particle_constraint::<$constraint>())*
     };
 }
 
-/// Registers what comes with the plugin.
+/// Registers the constraint types of this crate.
 pub(crate) fn register_ours(app: &mut App) {
     for_each_constraint!(solved!(app:)).register_particle_constraint::<AnchorConstraint>();
 }
 
-/// The types that were registered, in that order, and what was collected of them for this tick.
+/// The registered types, in the order of registration, and the entries that were collected from them in this tick.
 #[derive(Resource, Default)]
 pub(crate) struct Kinds {
-    /// What came, went or changed among distances, which have a list of their own.
+    /// Changes of distances, which have a list of their own.
     pub(super) distances: ChangeDetector,
     kinds: Vec<Box<dyn Kind>>,
     collected: Collected,
 }
 
-/// What there is of the registered types.
+/// The entries of the registered types.
 pub(super) enum Collected {
-    /// All, as far as it can act or not.
+    /// All of them, valid or not.
     All(Vec<Entry<sinew::Constraint>>),
-    /// What the solver's list holds from this number on.
+    /// The contents of the solver's list from this index on.
     From(usize, Vec<sinew::Constraint>),
 }
 
-/// Nothing.
+/// Empty.
 impl Default for Collected {
     fn default() -> Self {
         Self::All(Vec::new())
@@ -81,7 +81,7 @@ impl Default for Collected {
 }
 
 impl Kinds {
-    /// Mends the list if few came, went or changed. Otherwise marks the tables stale; and if they are, collects what is to be compiled.
+    /// Updates the list incrementally if there are few changes. Otherwise marks the tables as stale; if they are, collects what is to be compiled.
     pub(super) fn collect(&mut self, world: &mut World, sinew: &mut SinewWorld) {
         let SinewWorld { simulation, tables } = sinew;
         let mut any = false;
@@ -114,7 +114,7 @@ impl Kinds {
         }
     }
 
-    /// Collects from the first on that is not what it was; `None` if all have to be.
+    /// Collects the entries from the first one on that differs; `None` if all must be collected.
     fn collect_from(
         &mut self,
         world: &World,
@@ -149,34 +149,34 @@ impl Kinds {
         refilled.map(|(kept, list)| Collected::From(kept, list))
     }
 
-    /// Notes which constraints have gone.
+    /// Records which constraints were removed.
     pub(super) fn note_gone(&mut self, removed: &RemovedComponentMessages) {
         self.kinds.iter_mut().for_each(|kind| kind.note_gone(removed));
     }
 
-    /// What was collected.
+    /// Returns what was collected.
     pub(super) fn take(&mut self) -> Collected {
         core::mem::take(&mut self.collected)
     }
 }
 
-/// One registered type, seen without knowing it.
+/// One registered type, without its Rust type.
 trait Kind: Send + Sync {
     fn of(&self) -> TypeId;
 
-    /// Numbers those that came without a number.
+    /// Assigns numbers to components that have none.
     fn number(&mut self, world: &mut World);
 
-    /// Looks for what came, went or changed since the system that asks last ran.
+    /// Detects changes since the calling system last ran.
     fn refresh(&mut self, world: &World);
 
-    /// Notes what has gone since.
+    /// Records removals.
     fn note_gone(&mut self, removed: &RemovedComponentMessages);
 
-    /// What there was.
+    /// The detected changes.
     fn detector(&self) -> &ChangeDetector;
 
-    /// Collects all, or those of some entities that have one.
+    /// Collects all entries, or those of some entities that have the component.
     fn collect(
         &self,
         world: &World,
@@ -186,7 +186,7 @@ trait Kind: Send + Sync {
         entries: &mut Vec<Entry<sinew::Constraint>>,
     );
 
-    /// Collects what came or changed.
+    /// Collects the entries that were added or changed.
     fn collect_changed(
         &self,
         world: &World,
@@ -242,7 +242,7 @@ impl<T: ParticleConstraint> Kind for Of<T> {
         let mut unnumbered: Vec<Entity> = self.unnumbered.iter(world).collect();
         unnumbered.sort_unstable();
         for entity in unnumbered {
-            // An observer of one before it may have despawned it.
+            // An observer of an earlier entity may have despawned it.
             if let Ok(mut entity) = world.get_entity_mut(entity) {
                 entity.insert(CreationOrder::default());
             }

@@ -1,5 +1,5 @@
-//! Links: springs, constraints and surfaces name entities; the solver wants rows. Compiled when any of them changed; where few came or went, as when
-//! cloth is torn, the solver's lists are updated incrementally.
+//! Links: springs, constraints and surfaces refer to entities, while the solver uses rows. They are compiled when any of them changes; if few were added or
+//! removed, as when cloth is torn, the solver's lists are updated incrementally.
 
 mod change_detection;
 mod entry;
@@ -21,7 +21,7 @@ use change_detection::ChangeDetector;
 use entry::{Entry, LinkValidator, refill, unmoved, update_incrementally};
 use kinds::Collected;
 
-/// Notes in each frame which distances and constraints have gone, for the next tick.
+/// In each frame, records which distances and constraints were removed, for the next tick.
 pub(crate) fn note_gone(
     mut kinds: ResMut<Kinds>,
     distances: RemovedComponents<DistanceConstraint>,
@@ -31,8 +31,8 @@ pub(crate) fn note_gone(
     kinds.note_gone(removed);
 }
 
-/// Notes whether distances, springs or surfaces came, went or changed; few distances are taken into account at once. No hook does: a body comes and
-/// goes with tens of thousands of them.
+/// Detects whether distances, springs or surfaces were added, removed or changed; a few distances are updated at once. Not by hooks: a body is spawned and
+/// despawned with tens of thousands of them.
 pub(crate) fn notice_links(
     mut world: ResMut<SinewWorld>,
     mut kinds: ResMut<Kinds>,
@@ -43,7 +43,7 @@ pub(crate) fn notice_links(
     removed: RemovedComponents<DistanceConstraint>,
     mut counts: Local<[usize; 2]>,
 ) {
-    // Who replaces what was removed has changed, so their numbers say it all.
+    // A component that replaces a removed one is detected as a change, so the counts are sufficient.
     let found = [census(&springs), census(&surfaces)];
     let now = found.map(|(count, _)| count);
     let went = core::mem::replace(&mut *counts, now) != now;
@@ -67,7 +67,7 @@ pub(crate) fn notice_links(
     }
 }
 
-/// Looks at the registered constraints: whether any came, went or changed, and, if anything is to be compiled, what they are among rows.
+/// Detects changes of the registered constraints, and, if anything is to be compiled, collects their entries.
 pub(crate) fn collect_constraints(world: &mut World) {
     world.resource_scope(|world, mut kinds: Mut<Kinds>| {
         world.resource_scope(|world, mut sinew: Mut<SinewWorld>| {
@@ -76,10 +76,10 @@ pub(crate) fn collect_constraints(world: &mut World) {
     });
 }
 
-/// Compiles links afresh if particles or surfaces came, went or changed, or many links did: those from the first on that is not what it was, or all.
+/// Compiles links if particles or surfaces were added, removed or changed, or many links were: those from the first one on that differs, or all.
 ///
-/// A link that cannot act is left out, so that the others run bit for bit as if it were not there, and reported once. One that
-/// waits for a particle that is set aside is not reported: the particle was.
+/// An invalid link is left out, so that the others are solved bit for bit as if it did not exist, and reported once. A link that waits for a particle that is
+/// set aside is not reported, since the particle was.
 pub(crate) fn compile_links(
     mut world: ResMut<SinewWorld>,
     mut kinds: ResMut<Kinds>,
@@ -136,9 +136,9 @@ pub(crate) fn compile_links(
     compile_surfaces(simulation, tables, &mut surfaces);
 }
 
-/// Lists the triangles, if not all of them are where they were.
+/// Lists the triangles, unless all of them are the same.
 ///
-/// They are ordered by their particles' rows, which follow creation; a torn corner just leaves its triangles out.
+/// They are sorted by their particles' rows, which follow creation; triangles with a missing corner are left out.
 fn compile_surfaces(
     simulation: &mut Simulation,
     tables: &mut Tables,
@@ -167,7 +167,7 @@ fn compile_surfaces(
     tables.links.surfaces = CompiledSurfaces { count, all_sound, layout, end };
 }
 
-/// Compiles the distances from the first on that is not what it was; false if all have to be.
+/// Compiles the distances from the first one on that differs; returns false if all must be compiled.
 fn refill_distances(
     simulation: &mut Simulation,
     (tables, places): (&Tables, &mut Vec<Place>),
@@ -188,7 +188,7 @@ fn refill_distances(
     true
 }
 
-/// A distance on its way to the solver.
+/// The entry of a distance.
 fn entry(
     tables: &Tables,
     (entity, &order, distance): (Entity, &CreationOrder, &DistanceConstraint),
