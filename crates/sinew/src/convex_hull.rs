@@ -1,16 +1,15 @@
-//! The convex hull of points: the smallest body without dents that contains them. For solids that are given by their corners alone.
+//! The convex hull of a set of points. For solids that are given by their corners alone.
 //!
 //! # The method
 //!
-//! Four points that span a volume make a tetrahedron; each further point outside of what there is replaces the faces that it sees by a cone
-//! from their rim to itself (the incremental hull; Preparata, Hong 1977). A point sees a face if it is strictly on its outer side.
+//! Four points that span a volume make a tetrahedron; each further point outside of the hull so far replaces the faces visible from it by a cone from their rim
+//! to itself (the incremental hull; Preparata, Hong 1977). A face is visible from a point if the point is strictly on its outer side.
 //!
-//! All there is to such a program is that question, and with rounded numbers it gives contradictory answers where four points are nearly in a plane,
-//! after which the hull is no surface any more. So the points are first put on a grid of 2³⁰ steps along their extent (finer by far than `f32`), and
-//! from there on everything is done in whole numbers, exactly: differences take 31 bits, cross products 63, the determinant 95 of the 128 that there
-//! are. Exactly in a plane is then "not seen", and nothing goes wrong: a hull whose points are moved inward by next to nothing has the same faces in
-//! view, so the view is in one piece and has one rim; and no edge of the rim is in line with the point, because a face that is seen is at each of
-//! them.
+//! That test decides everything, and in rounded numbers it gives contradictory answers where four points are nearly in a plane, after which the hull is no
+//! closed surface any more. So the points are first put on a grid of 2³⁰ steps along their extent (finer by far than `f32`), and from there on everything is
+//! integer arithmetic, exactly: differences take 31 bits, cross products 63, the determinant 95 of the 128 available. A point exactly in the plane of a face
+//! then counts as "not visible", which is safe: a hull whose points are moved inward by an infinitesimal amount has the same visible faces, so the visible
+//! region is connected and has one rim; and no edge of the rim is collinear with the point, because each borders on a visible face.
 
 use std::collections::BTreeSet;
 
@@ -25,24 +24,24 @@ pub enum ConvexHullFault {
     /// Fewer than four points.
     #[error("there are fewer than four points")]
     TooFew,
-    /// More points than this is made for.
+    /// More points than the limit of 65 536.
     #[error("there are more than 65536 points")]
     TooMany,
-    /// All in one place, on a line or in a plane.
+    /// All points coincide, or lie on a line or in a plane.
     #[error("the points all lie in a plane")]
     Flat,
 }
 
-/// Most points of a hull: the work is their number times that of the faces, and 65 536 on a sphere take some tens of seconds.
+/// Most points of a hull. The work is proportional to their number times that of the faces; 65 536 points on a sphere take some tens of seconds.
 const MOST: usize = 1 << 16;
 
-/// Steps of the grid from the middle of the points to the farthest side.
+/// Grid steps from the centre of the points' bounding box to its farthest side: half of the 2³⁰ steps along the extent.
 const STEPS: f64 = (1_u64 << 29) as f64;
 
-/// The triangles of the convex hull of `points`, as numbers of points, counter-clockwise from outside: a closed surface. Points inside, in
-/// the same place or (for the most part) within a face are in no triangle. The result depends on the points and their order alone.
+/// The triangles of the convex hull of `points`, as indices into `points`, counter-clockwise from outside: a closed surface. Points that are inside, that
+/// coincide with another, or (for the most part) that lie within a face are in no triangle. The result depends on the points and their order alone.
 ///
-/// It is exact up to 1e-9 of the extent of the points. The time it takes grows with the number of points times that of triangles: 1000 take some ms.
+/// It is exact up to 1e-9 of the extent of the points. The time grows with the number of points times that of triangles: 1000 points take some milliseconds.
 ///
 /// # Errors
 /// What [`ConvexHullFault`] lists.
@@ -68,7 +67,7 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Vec<[u32; 3]>, ConvexHullFault> {
         faces = kept;
         let sides = |t: [u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
         let all: BTreeSet<(u32, u32)> = seen.iter().flat_map(|face| sides(face.corners)).collect();
-        // A side whose other side is not in view is on the rim.
+        // A directed edge whose reverse is not visible is on the rim.
         for &(a, b) in all.iter().filter(|&&(a, b)| !all.contains(&(b, a))) {
             faces.push(HullTriangle::new(&grid, [a, b, p]));
         }
@@ -76,10 +75,10 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Vec<[u32; 3]>, ConvexHullFault> {
     Ok(faces.into_iter().map(|face| face.corners).collect())
 }
 
-/// A point of the grid.
+/// A point in grid steps.
 type GridPoint = [i64; 3];
 
-/// A triangle and the plane that it lies in.
+/// A triangle and its plane.
 #[derive(Clone, Copy)]
 struct HullTriangle {
     corners: [u32; 3],
@@ -111,7 +110,7 @@ fn dot(a: GridPoint, b: GridPoint) -> i128 {
     (0..3).map(|k| i128::from(a[k]) * i128::from(b[k])).sum()
 }
 
-/// The points in steps of the grid from the middle of their bounding box.
+/// The points in grid steps from the centre of their bounding box.
 fn on_grid(points: &[Vec3]) -> Vec<GridPoint> {
     let low = points.iter().copied().fold(Vec3::INFINITY, Vec3::min).as_dvec3();
     let high = points.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max).as_dvec3();
@@ -121,9 +120,9 @@ fn on_grid(points: &[Vec3]) -> Vec<GridPoint> {
     points.iter().map(node).collect()
 }
 
-/// Four points with a volume as a tetrahedron that faces outward; `None` if there are none.
+/// A tetrahedron of four points that span a volume, facing outward; `None` if there are no such points.
 fn first_four(grid: &[GridPoint]) -> Option<Vec<HullTriangle>> {
-    // Each the farthest from what there is, for a start that most points are inside of. In f64: only whether it is zero must be exact.
+    // Each is the farthest from those before, so that most points are inside of the tetrahedron. In `f64`: only whether a distance is zero must be exact.
     let farthest = |far: &dyn Fn(GridPoint) -> f64| {
         let mut best = (0.0, None);
         for (i, &p) in (0..).zip(grid) {

@@ -1,4 +1,5 @@
-//! Islands: particles that constraints connect, found by union-find. Each is solved by itself, with settings of its own; contacts ask who is in which.
+//! Islands: sets of particles that constraints connect, found by union-find. Each is solved by itself, with settings of its own; contacts look up the island of
+//! a particle here.
 
 use core::ops::Range;
 
@@ -14,31 +15,32 @@ pub(crate) struct Islands {
     pub(crate) members: Vec<u32>,
     /// The number of each particle's island.
     pub(crate) of: Vec<u32>,
-    /// For each island whether it is dormant: asleep as in the last step, without anything being done to it. Empty, with the number 0, where none is; and as
-    /// long as the number is another one, the same are.
+    /// For each island whether it is dormant: asleep as in the last step, with nothing done to it. Empty, with `dormant_number` 0, if no island is; while
+    /// `dormant_number` stays the same, so does this list.
     pub(crate) dormant: Vec<bool>,
     pub(crate) dormant_number: u64,
-    /// Stretches of islands of one particle each that no constraint holds, in this step.
+    /// Runs of islands of one particle each that no constraint holds, in this step.
     pub(crate) singles: Vec<Singles>,
-    /// Rows of single particles that body colliders may come to touch in this step, ascending.
+    /// Rows of single particles that body colliders may touch in this step, ascending.
     pub(crate) near_shapes: Vec<u32>,
 }
 
-/// Islands one behind the other of a particle each, in rows one behind the other: there is nothing to sweep, and only what may touch something is looked at.
+/// Consecutive islands of one particle each, in consecutive rows: they have no constraints to sweep, and only the particles that may touch something are
+/// visited.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Singles {
     pub(crate) islands: Range<usize>,
     pub(crate) rows: Range<u32>,
 }
 
-/// No island.
+/// Marks a row that is in no island yet.
 const NONE: u32 = u32::MAX;
 
-/// Fewer islands in a stretch are taken one by one: to know a stretch costs as much as to look at some of them.
+/// Shortest run that is kept as one: handling a run costs as much as visiting some islands one by one.
 const STRETCH: usize = 16;
 
 impl Singles {
-    /// Those of some islands.
+    /// The part of this run within a range of islands.
     pub(crate) fn among(&self, islands: &Range<usize>) -> Self {
         let first = self.islands.start.max(islands.start).min(self.islands.end);
         let end = self.islands.end.min(islands.end).max(first);
@@ -47,16 +49,16 @@ impl Singles {
     }
 }
 
-/// Particles that constraints connect, and those constraints.
+/// Particles that constraints connect, and those constraints. All ranges are into the lists of the [`Plan`](crate::solve).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Island {
-    /// Where its groups are among the plan's.
+    /// Its constraint groups in the plan.
     pub(crate) groups: Range<usize>,
-    /// Where its cluster batches are.
+    /// Its cluster batches in the plan.
     pub(crate) cluster_batches: Range<usize>,
-    /// Where its particles are among the plan's members.
+    /// Its particles in [`Islands::members`].
     pub(crate) members: Range<usize>,
-    /// The most of them whose rows follow each other.
+    /// The longest part of `members` whose rows are consecutive.
     pub(crate) run: Range<usize>,
     /// Whether a compound in it moves as an explicit rigid body, which keeps its own momenta.
     pub(crate) rigid: bool,
@@ -70,54 +72,55 @@ pub(crate) struct Island {
     pub(crate) asleep: bool,
     /// Whether loads of constraints in it are measured, so that it is solved by itself.
     pub(crate) measured: bool,
-    /// Whether it is measured how far distances in it are stretched, so that what the solver leaves is not [relaxed](crate::solve).
+    /// Whether strains of distances in it are measured, so that the errors the solver leaves are not [relaxed](crate::solve) when the step ends.
     pub(crate) strain_measured: bool,
     /// Whether it moves as one rigid state in this step: its constraints are not swept, and its particles follow.
     pub(crate) one_state: bool,
-    /// Where its chains are among the plan's.
+    /// Its chains in the plan.
     pub(crate) chains: Range<usize>,
-    /// Which of the plan's tethers are its own.
+    /// Index of its tethers in the plan, if it has any.
     pub(crate) tethers: Option<u32>,
-    /// Which of the plan's spans are its own.
+    /// Index of its spans in the plan.
     pub(crate) spans: Option<u32>,
-    /// Which of the plan's rod graphs is its own, and which tie rods are.
+    /// Index of its rod graph in the plan, and of its tie rods.
     pub(crate) rod_graph: Option<u32>,
     pub(crate) tie_rods: Option<u32>,
-    /// Whether a part of it collides as a rigid shape.
+    /// Whether a body collider is part of it.
     pub(crate) has_solids: bool,
-    /// Whether a spring pulls on it in this step.
+    /// Whether a spring acts on it in this step.
     pub(crate) has_springs: bool,
-    /// How it is solved in this step: the world's settings, and those of the bodies in it; the sweeps are those of a microstep.
+    /// How it is solved in this step: the world's settings merged with those of the bodies in it; `max_sweeps` is for one microstep.
     pub(crate) settings: SolverSettings,
-    /// The microsteps that it takes in each substep, 1 or more.
+    /// Microsteps in each substep, 1 or more.
     pub(crate) microsteps: u32,
-    /// How often what is tied to large cloth is swept in each sweep of that, at the most.
+    /// Most sweeps, in each sweep of large cloth, over the parts tied to it.
     pub(crate) sweeps_of_parts: u32,
-    /// Whether a body of its particles may come to touch particles of another one in this step; asked of what takes microsteps.
+    /// Whether one of its bodies may touch particles of another body in this step; valid only for islands that take microsteps.
     pub(crate) meets_others: bool,
-    /// Whether one may come to touch particles of another one, or its own.
+    /// The same, contacts of a body with itself included.
     pub(crate) meets_any: bool,
-    /// Whether a body collider has pressed on one of its particles in this step.
+    /// Whether a body collider has pressed on one of its particles in this step; valid only for islands that take microsteps.
     pub(crate) pressed: bool,
 }
 
-/// An island of no more particles is small: eight of them with their velocities and all fit into a core's first cache, 32 kB and a half, and so are solved
-/// side by side. Larger ones have enough of each colour to fill the lanes.
+/// The most particles of a small island: eight such islands, velocities and all, take about 32 kB, which a core's first-level cache holds, and so are solved
+/// side by side in lanes. Larger islands have enough constraints of each colour to fill the lanes by themselves.
 pub(crate) const SMALL_ISLAND: usize = 64;
 
 impl Island {
-    /// Whether it may be in an [instance batch](crate::solve): its tethers are held once in a substep then, and those of a large one before each sweep.
+    /// Whether it may be in an [instance batch](crate::solve). The tethers of a small island are projected once in a substep, those of a large one before each
+    /// sweep.
     pub(crate) fn is_small(&self) -> bool {
         self.members.len() <= SMALL_ISLAND
     }
 
-    /// Whether nobody is to sweep its constraints in this step.
+    /// Whether its constraints are not swept in this step.
     pub(crate) fn is_left_alone(&self) -> bool {
         self.asleep || self.one_state
     }
 
-    /// Whether chains in it are solved at once. Where everything walks to rest sweeps do: with them a rope between two pins still moved by micrometres after
-    /// 20 000 such steps.
+    /// Whether its chains are solved directly. In statics they are swept instead: solved directly, a rope between two pins still moved by micrometres after 20
+    /// 000 such steps.
     pub(crate) fn has_chains(&self) -> bool {
         self.settings.long_range && !self.settings.statics && !self.chains.is_empty()
     }
@@ -129,7 +132,7 @@ impl Island {
 }
 
 impl Islands {
-    /// Finds the stretches of single particles, when it is known what sleeps in a step.
+    /// Finds the runs of single particles. Called once it is known which islands sleep in the step.
     pub(crate) fn find_singles(&mut self) {
         let Self { list, members, singles, .. } = self;
         singles.clear();
@@ -156,7 +159,7 @@ impl Islands {
         keep(&stretch);
     }
 
-    /// Notes which islands body colliders have pressed on, by rows of theirs.
+    /// Marks the islands of these rows as pressed on by body colliders.
     pub(crate) fn note_pressed(&mut self, rows: impl Iterator<Item = u32>) {
         for row in rows {
             let island = self.of.get(row as usize).and_then(|&own| self.list.get_mut(own as usize));
@@ -164,13 +167,12 @@ impl Islands {
         }
     }
 
-    /// Numbers the sets of connected particles by their first ones, and lists the members of each, ascending; but for the first `kept` islands, which are what
-    /// they were.
+    /// Numbers the sets of connected particles by their first rows, and lists the members of each, ascending. The first `kept` islands stay as they are.
     pub(crate) fn number(&mut self, kept: usize, connected: &mut UnionFind) {
         let Self { list, members, of, .. } = self;
         list.truncate(kept);
         let mut begin = list.last().map_or(0, |island| island.members.end);
-        // Whoever is in none of those that are kept has none yet.
+        // Rows outside of the kept islands have no island yet.
         members.get(begin..).unwrap_or(&[]).iter().for_each(|&row| of[row as usize] = NONE);
         of.resize(connected.len(), NONE);
         for row in 0..connected.len() {
@@ -202,14 +204,14 @@ impl Islands {
         }
     }
 
-    /// The particles that are not in the first `kept` islands, island after island.
+    /// The rows that are not in the first `kept` islands, island after island.
     pub(crate) fn members_from(&self, kept: usize) -> &[u32] {
         let begin = self.list[..kept].last().map_or(0, |island| island.members.end);
         self.members.get(begin..).unwrap_or(&[])
     }
 }
 
-/// The longest run, and of several the first, of rows that follow each other, among these of some members.
+/// The longest range of `of` in which the rows in `members` are consecutive; the first of equals.
 fn longest_run(members: &[u32], of: Range<usize>) -> Range<usize> {
     let (mut begin, mut longest) = (of.start, of.start..of.start);
     for end in of.start + 1..=of.end {
@@ -227,7 +229,7 @@ fn longest_run(members: &[u32], of: Range<usize>) -> Range<usize> {
 mod tests {
     use super::*;
 
-    /// Islands of so many particles each, with a constraint where there are several.
+    /// Islands of these sizes, with a constraint in each that has several particles.
     fn islands(sizes: impl IntoIterator<Item = usize>) -> Islands {
         let sizes: Vec<usize> = sizes.into_iter().collect();
         let mut connected = UnionFind::default();
@@ -247,7 +249,7 @@ mod tests {
 
     #[test]
     fn stretches_of_single_particles_end_where_something_else_stands() {
-        // Two tied ones, thirty single ones of which one sleeps, three tied ones, and too few to be worth it.
+        // Two connected particles, thirty single ones of which one sleeps, three connected ones, and nine single ones: too short a run.
         let mut all = islands([2].into_iter().chain([1; 30]).chain([3]).chain([1; 9]));
         all.list[12].asleep = true;
         all.find_singles();

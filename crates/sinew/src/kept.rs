@@ -1,6 +1,6 @@
-//! Scratch that a copy of its owner does without: what is in it has nothing to say between steps, or is found again.
+//! Scratch memory that is not copied with its owner: its content does not matter between steps, or is computed again.
 
-/// Memory that is kept from call to call and has nothing to say in between: a copy has none.
+/// Memory kept from call to call to save allocations. Its content carries no state: a clone starts with the default.
 #[derive(Default)]
 pub(crate) struct Kept<T>(pub(crate) T);
 

@@ -1,14 +1,15 @@
-//! The ledger: energy and momentum of a world, so that every claim about them is one test.
+//! The ledger: energy and momentum of a world, so that each claim about their conservation can be one test.
 
 use glam::{DVec3, Vec3};
 
 use crate::forces::{self, Forces};
 use crate::particles::Particles;
 
-/// Energies in joules and momenta of all particles of finite mass, summed in `f64`.
+/// Energies in joules and momenta of all particles of finite mass, summed in `f64`; pinned particles are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
-    /// `Σ ½ m v²`, J, with the velocity at the instant of the position, of what is free: what is held is taken to fall for half a substep.
+    /// `Σ ½ m v²`, J, with the velocity at the instant of the position as the forces alone carry it there. So a particle that constraints hold at rest counts
+    /// with the velocity of half a substep's free fall.
     pub kinetic: f64,
     /// `-Σ m g · x`, J, zero at the origin, and `-Σ GM m/√(r² + ε²)` of the attractors, zero far from them.
     pub gravitational: f64,
@@ -29,7 +30,8 @@ impl Ledger {
     }
 }
 
-/// Sums up the ledger of particles whose accelerations are those of their present positions; `soft` is what soft distances and constraints store, J.
+/// Sums up the ledger. The accelerations of the particles must be those of their present positions; `soft` is the energy stored in soft distances and
+/// constraints, J.
 pub(crate) fn take(particles: &Particles, forces: &Forces, soft: f64) -> Ledger {
     let mut ledger = Ledger::default();
     for i in 0..particles.len() {
@@ -39,7 +41,7 @@ pub(crate) fn take(particles: &Particles, forces: &Forces, soft: f64) -> Ledger 
         }
         let m = 1.0 / f64::from(w);
         let x = particles.origin[i].as_dvec3() + particles.position[i].truncate().as_dvec3();
-        // As the forces alone have it: what bodies do to each other sums up to nothing only where nothing is left out of one of them.
+        // The velocity under the forces alone: internal forces cancel in the sums only if each body gets its full share of them.
         let v: Vec3 = particles.free_velocity_now(i);
         let v = v.as_dvec3();
         ledger.kinetic += 0.5 * m * v.length_squared();

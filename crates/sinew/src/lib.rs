@@ -1,6 +1,7 @@
-//! Verlet particles, springs and positional constraints, without an engine.
+//! Particle physics without an engine: Verlet particles, springs and positional constraints, solved by substepped position-based dynamics (XPBD).
 //!
-//! A server, a test or another engine can use this crate alone:
+//! Boxes, ropes, ragdolls, cloth and soft bodies are all made of particles and the constraints between them. The crate needs `glam` and `parry3d` and no game
+//! engine, so a server, a test or another engine can use it alone; `bevy_sinew` is the plugin for Bevy.
 //!
 //! ```
 //! use sinew::glam::Vec3;
@@ -17,65 +18,90 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # The story of one step
+//! # Terms
 //!
-//! The method is that of a series of game-physics lectures (M. Tarini: Verlet integration and *Position Based Dynamics*), corrected where they are
-//! loose. A step of `dt` seconds is cut into substeps of `h`; each runs six phases, which are methods of [`Simulation`] with these names:
+//! | term | meaning, for readers of Box2D, Jolt or rapier |
+//! |---|---|
+//! | [`Simulation`] | the world |
+//! | particle, row | a point mass with a position and a velocity, without an orientation; its row is its index in [`Particles`] |
+//! | body | a set of particles with common settings ([`BodySettings`], [`BodyContacts`], [`Sleep`]): a box, a ragdoll, a sheet of cloth |
+//! | [`Distance`] (a rod where it is hard), [`Constraint`] | the joints, and what gives a body its shape |
+//! | [`Collider`] | a static or kinematic collision shape |
+//! | [`BodyCollider`] | a collision shape of a dynamic body: it moves with some of the body's particles |
+//! | [`Boundaries`] | planes, boxes and pins that hold particles one by one |
+//! | [`Compound`] | particles that move as one explicit rigid body |
+//! | pinned | of infinite mass (inverse mass 0), moved by the game alone |
+//! | island | particles that constraints connect; each island is solved by itself |
+//! | sweep | one Gauss–Seidel pass over the constraints of an island |
+//! | recipe | a function that builds the particles and constraints of a body ([`recipes`]) |
 //!
-//! 1. **`accumulate_forces`**: gravity, the game's own forces, controls and springs are summed up into an acceleration per particle.
-//! 2. **`apply_wind`**, 3. **`apply_buoyancy`**, 4. **`apply_electric`** add theirs.
-//! 5. **`integrate`**: Verlet predicts where every particle would go if it were alone ([`integrate`]).
-//! 6. **`solve_constraints`**: what must hold, holds: rods keep their length, nothing sinks into the ground. The solver moves the
-//!    *positions* ([`constraints`], [`solve`]); the velocities follow from them, and so do spin, collision and friction, which nobody wrote down.
+//! # One step
 //!
-//! A box or a ball that collides by its shape and that nothing but its own rods ties goes through the step as one rigid body, without a sweep, and its
-//! particles follow ([`Representation`]).
+//! The method follows a series of game-physics lectures (M. Tarini: Verlet integration and *Position Based Dynamics*), corrected where they are loose; "the
+//! lectures" in these docs are those, and "physics.md" is `docs/physics.md` in the repository, which lists the formulas.
 //!
-//! Where nothing but gravity acts from outside, [`step`](Simulation::step) takes all substeps of an island at once, while its particles are in a
-//! core's cache.
+//! [`step`](Simulation::step) begins with what is done once: it updates the plan if constraints changed, puts islands to sleep or wakes them, and runs the
+//! broad phase, which finds the pairs that may touch within the step. Then it cuts the step of `dt` seconds into substeps of `h`. Each substep runs six phases,
+//! which are methods of [`Simulation`] with these names:
+//!
+//! 1. **`accumulate_forces`** sums gravity, the game's own forces, controls and springs into an acceleration per particle.
+//! 2. **`apply_wind`** adds the pressure of winds, and the drag and lift of the air.
+//! 3. **`apply_buoyancy`** adds the buoyancy and drag of fluids.
+//! 4. **`apply_electric`** adds the forces between charges, and of electric fields.
+//! 5. **`integrate`** predicts the next position of every particle from its velocity and acceleration, without constraints ([`integrate`]).
+//! 6. **`solve_constraints`** corrects the predicted *positions* until distances, joints and contacts hold ([`constraints`], [`solve`], [`collide`]), and
+//!    derives the velocities from the corrected positions. So spin and friction need no formulas of their own in velocities; restitution is applied last.
+//!
+//! A box or a ball that collides by its shape, and that no constraint but its own rods holds, goes through the step as one rigid state, without a sweep, and
+//! its particles follow ([`Representation`]).
+//!
+//! Where no external force but gravity acts, [`step`](Simulation::step) runs all substeps of an island at once, while its particles are in a core's cache.
 //!
 //! # How it is fast
 //!
-//! Constraints are compiled into a plan when they change. Within an island no two of a **colour** share a particle, so eight of them are solved at
-//! once ([`InstructionSet`] says by which instructions; the bits are the same). Rods between rows that are a constant **stride** apart, as in a cloth
-//! numbered row by row, need no gathering. Large islands are swept **cluster** by cluster, each as much as a core's first cache holds, and several
-//! [`Workers`] may each take some clusters, or some of the substeps. Where a few constraints are added or removed, the plan is updated incrementally,
-//! to what compiling it would give; and of several bodies those before the first that changed stay compiled. A column that nothing wrote to is not read. A warm step allocates nothing.
+//! - **Graph colouring.** Constraints are compiled into a plan when they change. Within an island no two constraints of a **colour** share a particle, so eight
+//!   of them are solved at once in SIMD lanes ([`InstructionSet`] names the instructions; all give the same bits).
+//! - **Strides.** Rods between rows that are a constant **stride** apart, as in a cloth numbered row by row, are loaded without gathering.
+//! - **Clusters and threads.** A large island is swept **cluster** by cluster, each small enough for a core's first-level cache, and several [`Workers`] may
+//!   each take some clusters, or some of the substeps.
+//! - **Incremental updates.** Where a few constraints are added or removed, the plan is updated to what compiling it would give. Where whole bodies change, the
+//!   bodies before the first changed one stay compiled.
+//! - **No idle work.** A column that was not written to is not read, and a warm step allocates nothing.
 //!
 //! # The map
 //!
-//! | file | what it owns |
+//! | module | what it holds |
 //! |---|---|
 //! | [`particles`] | the columns: position, velocity, inverse mass, …; impulses and teleports |
-//! | [`simulation`] | particles + forces + constraints + plan; one method a phase; statics |
-//! | [`integrate`] | Verlet, leapfrog and the Eulers: formulas, derivation, properties |
-//! | [`forces`] | gravity, controls, springs, wind and air, fluids and hulls, charges and fields: a room each |
-//! | [`constraints`] | distances, angles, areas, volumes, bending, shapes, bounds, a game's own: data, value, gradient, kernel, a file each |
-//! | `settings` | how hard to try: for a world, and for single bodies in it |
-//! | `islands` | which particles constraints connect |
-//! | [`collide`] | contacts: colliders, particles among each other and against triangles, compounds as solids, friction and restitution |
-//! | [`solve`] | the plan (clusters, colours), three orders of a sweep, two directions of a correction, kernels for eight at a time, the report |
-//! | `lanes` | eight numbers side by side, on whatever instructions there are, to the same bits; the only `unsafe` |
-//! | `threads` | tasks, and the [`Workers`] that a caller may lend |
-//! | `convex_hull` | the smallest body without dents around points |
-//! | `hash` | one number for many |
-//! | `kept` | scratch that copies do without |
-//! | `same_place` | which vertices of a mesh are one |
-//! | `tracked` | lists that are known to be equal without a look at what is in them: [`Tracked`] |
-//! | `union_find` | which of many belong together: islands, sleepers, zones, pieces of a mesh |
-//! | [`pose`] | transform, velocity, spin and inertia out of particles |
+//! | [`simulation`] | particles + forces + constraints + plan; one method a phase; sleep, queries, statics |
+//! | [`integrate`] | Verlet, leapfrog and the Euler integrators: formulas, derivation, properties |
+//! | [`forces`] | gravity, controls, springs, wind and air, fluids and hulls, charges and fields: a file or folder each |
+//! | [`constraints`] | distances, angles, areas, volumes, bending, shapes, bounds, user-defined: data, value, gradient, kernel, a file each |
+//! | [`collide`] | contacts: shapes, broad phase, narrow phase, contact cache, friction and restitution, for particles, triangles and body colliders |
+//! | [`solve`] | the plan (clusters, colours), three orders of a sweep, two directions of a correction, the wide kernels, the report |
+//! | [`pose`] | transform, velocity, spin and inertia extracted from particles (shape matching) |
 //! | [`rigid`] | explicit rigid bodies, and the swap to particles and back |
-//! | [`recipes`] | box, rope, cloth, ragdoll: shape in, particles and constraints out |
+//! | [`recipes`] | box, rope, cloth, ragdoll, soft body: shape in, particles and constraints out |
 //! | [`ledger`] | energy and momentum |
+//! | `settings` | configuration of the solver: for a world, and for single bodies in it |
+//! | `islands` | which particles constraints connect |
+//! | `lanes` | SIMD: eight numbers side by side, with the same bits on every instruction set; the only `unsafe` |
+//! | `threads` | tasks, and the [`Workers`] that a caller may lend |
+//! | `convex_hull` | the convex hull of points |
+//! | `hash` | FNV-1a |
+//! | `kept` | scratch memory that is not copied with its owner |
+//! | `same_place` | vertices of a mesh that coincide |
+//! | `tracked` | change tracking: [`Tracked`] lists, equal by their revision without a comparison of their elements |
+//! | `union_find` | disjoint sets: islands, sleeping groups, zones, pieces of a mesh |
 //!
-//! Arrows point one way: `recipes` and `simulation` know `solve`, `rigid` and `forces`, which know `constraints`, which know `particles`; nothing
-//! points back. (`rigid` reads a whole simulation when a compound becomes a body; `particles` and `solve` use the sums of `pose`.)
+//! Dependencies point one way: `recipes` uses `simulation`, which uses `solve` and `rigid`; `solve` uses `collide`, which uses `forces`; all of these use
+//! `constraints`, which uses `particles`, and that `pose` and `lanes`. None points back.
 //!
 //! # Units and rules
 //!
-//! SI throughout: metres, seconds, kilograms, newtons, coulombs, radians. A bad argument is refused with an error or clamped as documented, and
-//! changes nothing; inside a step nothing panics and nothing divides by zero. Results depend on the input alone: no unordered iteration, no
-//! platform maths, no fused operations.
+//! SI throughout: metres, seconds, kilograms, newtons, coulombs, radians. A bad argument is refused with an error or clamped as documented, and changes
+//! nothing; inside a step nothing panics and nothing divides by zero. Results depend on the input alone: no unordered iteration, no platform maths, no fused
+//! operations.
 
 pub mod collide;
 pub mod constraints;

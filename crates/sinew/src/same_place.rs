@@ -1,10 +1,10 @@
-//! Vertices in the same place: a closed surface often comes as triangles with corners of their own, for the sake of normals and textures.
+//! Vertices that coincide: a closed surface often comes as triangles with vertices of their own, so that each has its own normals and texture coordinates.
 
 use glam::Vec3;
 
-/// For each vertex the first one in the same place, to the bit; the two zeros are one.
+/// For each vertex the index of the first one at the same position, bit for bit, with -0 equal to 0.
 pub(crate) fn first_in_place(positions: &[Vec3]) -> Vec<u32> {
-    // Adding zero makes of -0 the zero that it equals.
+    // Adding zero turns -0 into 0.
     let key = |i: u32| (positions[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();
     order.sort_unstable_by_key(|&i| (key(i), i));

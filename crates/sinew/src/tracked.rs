@@ -1,11 +1,11 @@
-//! Change tracking of what may be long and hardly ever changes: whether two are equal is one look, where one is a copy of the other.
+//! Change tracking for values that may be long and seldom change: comparing a value with its copy compares two revision numbers.
 
 use core::fmt::{self, Debug, Formatter};
 use core::ops::{Deref, DerefMut};
 use core::sync::atomic::{AtomicU64, Ordering};
 
-/// A value, and a number that it has for as long as nobody borrows it mutably. Two that have the same number are copies of each other; it is no part of the
-/// value. Each mutable borrow takes a new number, so a loop that writes borrows once.
+/// A value with a revision number that stays the same until the value is borrowed mutably. Two values with the same revision are copies of each other; the
+/// revision is not part of the value. Each mutable borrow takes a new revision, so a loop that writes should borrow once.
 ///
 /// ```
 /// use sinew::Tracked;
@@ -22,15 +22,15 @@ pub struct Tracked<T> {
     revision: u64,
 }
 
-/// The next number: of all values, so that those that come of different places have different ones.
+/// The next revision, shared by all values of the process, so that values of different origin never have the same one.
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
 fn next() -> u64 {
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// A number for what is changed in many places, each of which [says so](Self::advance). A copy has another one: it may come to stand where something else was that
-/// was known by the number that both would have had.
+/// A revision number for state that is changed in many places, each of which must call [`advance`](Self::advance). A clone gets a number of its own: it may
+/// replace the original, and a cache keyed by the original's number must then miss.
 #[derive(Debug)]
 pub(crate) struct Revision(u64);
 
@@ -57,7 +57,7 @@ impl Clone for Revision {
 }
 
 impl<T> Tracked<T> {
-    /// The number.
+    /// The revision number.
     pub(crate) fn revision(&self) -> u64 {
         self.revision
     }
@@ -104,7 +104,7 @@ where
     }
 }
 
-/// As the value: the number is another one in each run.
+/// As the value: the revision differs from run to run.
 impl<T: Debug> Debug for Tracked<T> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         self.value.fmt(f)
@@ -122,7 +122,7 @@ impl<T: PartialEq> PartialEq for Tracked<T> {
 mod tests {
     use super::*;
 
-    /// Tells whether anybody looked at it.
+    /// Never equal to anything, so that an equality shows that the values were not compared.
     #[derive(Clone, Debug)]
     struct Unlike;
 

@@ -1,8 +1,8 @@
-//! A hull is closed, has no dents and contains everything, whatever the points are.
+//! A hull is closed and convex and contains all points, whatever the points are.
 
 use super::*;
 
-/// A small generator of reproducible cases (Knuth's linear congruence).
+/// A small generator of reproducible cases (a linear congruential generator, Knuth's constants).
 struct Random(u64);
 
 impl Random {
@@ -18,7 +18,7 @@ impl Random {
     }
 }
 
-/// Closed, one piece without a handle, without dents, around all points; returns how many corners it has.
+/// Checks that the hull is closed, of genus 0 and convex, and contains all points; returns its number of corners.
 fn assert_hull(points: &[Vec3]) -> usize {
     let faces = convex_hull(points).unwrap();
     let mut sides = BTreeSet::new();
@@ -39,7 +39,7 @@ fn assert_hull(points: &[Vec3]) -> usize {
         let normal = (b - a).cross(c - a);
         let thick = 4.0 * size * size * size * 1e-8;
         for p in points {
-            // Six times a volume: it is exact for slivers, too, whose normal says little.
+            // Six times a volume: exact for slivers too, whose normal has few valid digits.
             let above = normal.dot(p.as_dvec3() - a);
             assert!(
                 above <= thick.min(normal.length() * size * 1e-6 + thick * 1e-3),
@@ -87,7 +87,7 @@ fn points_in_rows_and_planes_and_in_the_same_place_do_no_harm() {
         mixed.extend_from_within(..50);
         assert_hull(&mixed);
     }
-    // A round column: two rims whose points lie in a plane, and rows along the side.
+    // A round column: two rims whose points lie in a plane, and rows of points along the side.
     let column: Vec<Vec3> = (0..400)
         .map(|i| {
             let (sin, cos) = libm::sincosf((i % 40) as f32 * core::f32::consts::TAU / 40.0);
@@ -124,7 +124,7 @@ fn points_without_a_hull_are_refused() {
     let spoilt = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z * f32::NAN];
     assert_eq!(convex_hull(&spoilt), Err(ConvexHullFault::NotFinite(3)));
     assert_eq!(convex_hull(&vec![Vec3::ONE; MOST + 1]), Err(ConvexHullFault::TooMany));
-    // The ends of f32 are points as any others.
+    // Extreme magnitudes of `f32` are valid points.
     for scale in [1e-38, 3e38] {
         let points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p * scale);
         assert_eq!(convex_hull(&points).unwrap().len(), 4, "{scale}");

@@ -1,5 +1,5 @@
-//! Many rows at once: how a caller that keeps the state elsewhere, as an engine does in components, fills the columns before a step and reads them
-//! after it. What it costs is memory: the arithmetic is done for three axes at once, and what is out of the ordinary is left to the slow way.
+//! Bulk access: fills many rows before a step and reads them after it, for a caller that keeps the state elsewhere, as an engine does in components. The cost
+//! is that of memory access: the arithmetic runs on three axes at once, and unusual values take a slow path.
 
 use core::ops::Range;
 
@@ -7,35 +7,36 @@ use glam::{Vec3, Vec4};
 
 use super::{ParticleFault, ParticleSeed, Particles, snap};
 
-/// What a particle takes from one step into the next: all of its state that a step changes.
+/// The part of a particle's state that a step changes, and so all that must be carried from step to step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ParticleState {
-    /// Where it is, metres.
+    /// Position, metres.
     pub position: Vec3,
     /// What `position` leaves out because `f32` has no digits for it, metres.
     pub remainder: Vec3,
     /// Mean velocity over the last `lag` seconds, m/s.
     pub velocity: Vec3,
-    /// Length of the substep over which `velocity` is the mean, seconds, 0 and up; 0 says that the velocity is true now.
+    /// Length of the substep over which `velocity` is the mean, seconds, 0 and up; 0 for a velocity that is true now.
     pub lag: f32,
 }
 
 impl ParticleState {
-    /// Why a particle cannot be in this state, or `None` if it can.
+    /// Why this state is invalid, or `None` if it is valid.
     pub fn fault(&self) -> Option<ParticleFault> {
         let Self { position, remainder, velocity, lag } = *self;
         ParticleSeed { remainder, velocity, lag, ..ParticleSeed::at(position) }.fault()
     }
 }
 
-/// Beyond these metres from the origin the quick way to round is none: 2²² + ½ is the last half that `f32` has beside 1.5 · 2²³.
+/// Positions beyond this, metres, take the slow path: their sum with [`ROUNDER`] may exceed 2²⁴, from where `f32` has even numbers only.
 const NEAR: f32 = 4_194_304.0;
-/// Adding and subtracting this rounds to whole numbers: from 2²³ on, `f32` has no others. The half more keeps negative ones there.
+/// Adding and then subtracting this, 1.5 · 2²³, rounds to whole numbers, because from 2²³ on every `f32` is whole. The factor 1.5 keeps negative numbers in
+/// that range.
 const ROUNDER: f32 = 12_582_912.0;
 
 impl Particles {
-    /// Puts states into the rows from `first` on, one after the other, and returns how many it put: it stops before one with a
-    /// [fault](ParticleState::fault), and where there are no more rows. Mass and all other properties of the rows stay.
+    /// Writes states into the rows from `first` on, and returns how many it wrote: it stops before a state with a [fault](ParticleState::fault), and at the
+    /// last row. Masses and all other properties stay.
     ///
     /// The rows are bit for bit as [`set`](Self::set) would leave them.
     pub fn load(&mut self, first: usize, states: impl Iterator<Item = ParticleState>) -> usize {
@@ -54,7 +55,7 @@ impl Particles {
             let above = nearest.cmpgt(half_up);
             let whole = nearest - Vec4::select(above, Vec4::ONE, Vec4::ZERO);
             let local = (p - whole) + r;
-            // Ordinary: the remainder does not lead over into the next metre. What is not finite is nowhere between.
+            // The fast path applies if the remainder does not reach into the next metre. Non-finite values fail each comparison.
             let within = local + 0.5;
             let ordinary = p.abs().cmplt(Vec4::splat(NEAR))
                 & within.cmpge(Vec4::ZERO)
@@ -78,19 +79,19 @@ impl Particles {
         count
     }
 
-    /// A number that is another one after each call that changed a property of a row, or gave it to another particle, and in each copy: who keeps the
-    /// properties elsewhere and finds the number that it left need not write them again. What [`load`](Self::load), the steps and the methods for positions
-    /// and velocities change does not count.
+    /// A revision that changes with each call that changes a property of a row, or assigns the row to another particle; a clone has a different one. A caller
+    /// that keeps the properties elsewhere need not write them again while it is unchanged. Changes by [`load`](Self::load), by steps and by the methods for
+    /// positions and velocities do not count.
     pub fn edits(&self) -> u64 {
         self.edits.number()
     }
 
-    /// Notes a change of properties that was written into the columns.
+    /// Records a change of properties that was written to the columns directly.
     pub(crate) fn note_edit(&mut self) {
         self.edits.advance();
     }
 
-    /// The states of some rows, in order; rows that are not there are left out. [`load`](Self::load) puts them back to the last bit.
+    /// The states of some rows, in order; rows that do not exist are left out. [`load`](Self::load) restores them bit for bit.
     pub fn states(&self, rows: Range<usize>) -> impl Iterator<Item = ParticleState> + '_ {
         let rows = rows.start..rows.end.min(self.len());
         let places = self.origin.get(rows.clone()).unwrap_or_default().iter();
@@ -111,12 +112,12 @@ impl Particles {
         })
     }
 
-    /// Slows down those of some rows that are faster than `most`, m/s, and adds them to a list.
+    /// Limits the speed of some rows to `most`, m/s, and appends the limited ones to a list.
     pub(crate) fn limit_speeds(&mut self, rows: Range<usize>, most: f32, limited: &mut Vec<u32>) {
         let first = rows.start as u32;
         for (v, row) in self.velocity[rows].iter_mut().zip(first..) {
             let speed = v.truncate();
-            // Its square may be infinite where it is not.
+            // The square may overflow where the length does not.
             if speed.length_squared() > most * most && speed.is_finite() {
                 let size = speed.abs().max_element();
                 *v = ((speed / size).normalize() * most).extend(v.w);
@@ -125,8 +126,7 @@ impl Particles {
         }
     }
 
-    /// The first of some rows, sixty-four at most, that are not all [finite](Self::is_finite): each number times zero is zero where it is, and
-    /// their sum is.
+    /// The first block of up to 64 rows that are not all [finite](Self::is_finite). Each number times zero is zero if it is finite, and so is the sum of all.
     pub(crate) fn next_broken(&self, among: Range<usize>) -> Option<Range<usize>> {
         const SOME: usize = 64;
         let Range { start, end } = among;
@@ -142,7 +142,8 @@ impl Particles {
     }
 }
 
-/// The same for a state that is out of the ordinary; `None` if it is none. It gets copies: what has an address is read and written number by number.
+/// [`place`] for a state off the fast path; `None` if the state is invalid. It takes copies: a variable whose address is taken would be accessed component by
+/// component.
 #[cold]
 fn place_anywhere(p: Vec4, r: Vec4, v: Vec4) -> Option<(Vec3, Vec3)> {
     let (position, remainder) = (p.truncate(), r.truncate());
@@ -155,11 +156,11 @@ fn from<T>(column: &mut [T], first: usize) -> &mut [T] {
     column.get_mut(first..).unwrap_or_default()
 }
 
-/// The origin of a position, whole metres, and where it is from there.
+/// Splits a position into an origin, whole metres, and an offset from it.
 #[inline]
 pub(super) fn place(position: Vec3, remainder: Vec3) -> (Vec3, Vec3) {
     let whole = snap(position);
-    // The remainder may lead over into the next metre, where the distance would need a bit more than it has.
+    // The remainder may reach into the next metre, where the offset would need one bit more than it has.
     let origin = whole + snap((position - whole) + remainder);
     (origin, (position - origin) + remainder)
 }

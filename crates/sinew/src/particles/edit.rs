@@ -1,12 +1,12 @@
-//! Pushing, moving and turning back several particles at once, as a game does it (physics.md I6 to I8): between two steps, or at any time for
-//! all the particles that constraints bind together.
+//! Impulses, teleports and reversal of several particles at once, as a game applies them (physics.md I6 to I8): between two steps, or at any time for all
+//! particles that constraints connect.
 //!
-//! The state of a particle is a position and the mean velocity of the last substep (see [`particles`](super)). An impulse changes the
-//! velocity alone, whenever it was true: from `v = (p - p_old)/l` that is the lectures' edit of `p_old`. A teleport changes the position
-//! alone, which in the lectures moves `p` and `p_old` by the same. To run a motion backwards is to swap the two.
+//! The state of a particle is a position and the mean velocity of the last substep (see [`particles`](super)). An impulse changes only the velocity, whichever
+//! instant that belongs to: with `v = (p - p_old)/l` that is the lectures' edit of `p_old`. A teleport changes only the position, for which the lectures move
+//! `p` and `p_old` by the same. Running a motion backwards swaps the two.
 //!
-//! Everywhere, rows that are not there are ignored, and pinned ones are, except by a teleport. An argument that is not finite changes nothing, nor
-//! does a call where one of the rows is not finite.
+//! All methods ignore rows that do not exist, and all but `teleport` ignore pinned rows. A non-finite argument changes nothing, and neither does a call with a
+//! row that is not finite.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 
@@ -14,8 +14,8 @@ use super::total_mass::TotalMass;
 use super::{Particles, snap};
 
 impl Particles {
-    /// Says where particle `i` is in the rest shape of its body, metres, in any coordinates that are the same for all of the body: contacts of the
-    /// body with itself let particles come as near to each other as they are there. `None`, the default, for one that has no place: it keeps off by
+    /// Sets the position of particle `i` in the rest shape of its body, metres, in any coordinates common to the whole body. Contacts of the body with itself
+    /// let two particles come as near to each other as they are there. With `None`, the default, the particle has no rest position and keeps its distance by
     /// its radius.
     pub fn set_rest(&mut self, i: usize, place: Option<Vec3>) {
         self.note_edit();
@@ -27,35 +27,35 @@ impl Particles {
         }
     }
 
-    /// Where particle `i` is in the rest shape of its body, metres, if it has a [place](Self::set_rest) there.
+    /// Position of particle `i` in the rest shape of its body, metres, if [set](Self::set_rest).
     pub fn rest(&self, i: usize) -> Option<Vec3> {
         self.rest.get(i).copied().filter(|place| place.is_finite())
     }
 
-    /// Gives `rows` together an impulse at their barycentre, N·s: all change their velocity by the same, their momentum by exactly that.
+    /// Applies an impulse, N·s, to `rows` together, at their barycentre: all velocities change by the same, the total momentum by exactly the impulse.
     pub fn apply_impulse(&mut self, rows: &[u32], impulse: Vec3) {
         self.kick(rows, impulse, Vec3::ZERO, None);
     }
 
-    /// Gives `rows` together an angular impulse about their barycentre, N·m·s (= kg·m²/s): they change their velocities as a rigid body would, their
-    /// angular momentum by exactly that and their momentum not at all.
+    /// Applies an angular impulse, N·m·s (= kg·m²/s), to `rows` together, about their barycentre: velocities change as those of a rigid body, angular momentum
+    /// by exactly the impulse, momentum not at all.
     ///
-    /// Rows on a line cannot turn about it: that part of the angular impulse is lost. One particle cannot turn at all.
+    /// Rows on a line cannot turn about it: that component of the angular impulse is lost. A single particle cannot turn at all.
     pub fn apply_angular_impulse(&mut self, rows: &[u32], angular_impulse: Vec3) {
         self.kick(rows, Vec3::ZERO, angular_impulse, None);
     }
 
-    /// Gives `rows` together an impulse, N·s, at a point of the world, metres: the impulse at the barycentre, and the angular
-    /// impulse of its lever. The point need not be on any of them.
+    /// Applies an impulse, N·s, to `rows` together, at a point of the world, metres: the impulse at the barycentre, and the angular impulse of its lever arm.
+    /// The point need not be on any of them.
     pub fn apply_impulse_at(&mut self, rows: &[u32], impulse: Vec3, point: Vec3) {
         self.kick(rows, impulse, Vec3::ZERO, Some(point));
     }
 
-    /// Turns `rows` about their barycentre by `rotation` (of any length but zero) and then moves them by `translation`, metres. Velocities keep every
-    /// bit, so what moved north before moves north afterwards.
+    /// Turns `rows` about their barycentre by `rotation` (of any length but zero) and then moves them by `translation`, metres. Velocities stay bit for bit, so
+    /// a body that moved north keeps moving north.
     ///
-    /// Pinned rows go along; where all are pinned, each counts the same for the barycentre. Whole metres are moved without
-    /// round-off, however many they are.
+    /// Pinned rows are moved, too; if all are pinned, each has the same weight in the barycentre. The whole metres of a translation add no round-off, however
+    /// many they are.
     pub fn teleport(&mut self, rows: &[u32], translation: Vec3, rotation: Quat) {
         let [x, y, z, w] = rotation.to_array().map(f64::from);
         let turn = DQuat::from_xyzw(x, y, z, w);
@@ -68,7 +68,7 @@ impl Particles {
         let turn = turn * (1.0 / length);
         let metres = snap(translation);
         let rest = (translation - metres).as_dvec3();
-        // All arms first: the barycentre hangs on the first row, which moves as well.
+        // All arms first: the barycentre is stored relative to the first row, which moves as well.
         let moves: Vec<(usize, Vec3)> = present(self, rows)
             .map(|i| {
                 let arm = whole.arm(self, i);
@@ -83,8 +83,8 @@ impl Particles {
         }
     }
 
-    /// Makes `rows` move as one rigid body: their barycentre with `velocity`, m/s, and about it with `angular_velocity`, rad/s, both true at this
-    /// instant.
+    /// Sets the velocities of `rows` to those of one rigid body: the barycentre moves with `velocity`, m/s, and the rows turn about it with `angular_velocity`,
+    /// rad/s, both true at this instant.
     pub fn set_motion(&mut self, rows: &[u32], velocity: Vec3, angular_velocity: Vec3) {
         let Some(whole) = TotalMass::of(self, rows) else { return };
         if !(velocity.is_finite() && angular_velocity.is_finite()) {
@@ -96,10 +96,10 @@ impl Particles {
         }
     }
 
-    /// Sends `rows` back the way they came: swaps the present and the previous position. Motion without damping, contacts and corrections of
-    /// positions then returns to its start within round-off, under a constant step and Verlet or leapfrog integration.
+    /// Reverses the motion of `rows`: swaps the present and the previous position. Motion without damping, contacts and corrections of positions then returns
+    /// to its start within round-off, with a constant step and Verlet or leapfrog integration.
     ///
-    /// It goes back by one substep at once: after N substeps N - 1 more lead back to the start. Each row once: naming one twice turns it forwards.
+    /// The swap itself goes back by one substep: after N substeps, N - 1 more lead back to the start. A row that is listed twice is reversed twice.
     pub fn reverse(&mut self, rows: &[u32]) {
         for i in moving(self, rows) {
             let (v, lag) = (self.velocity(i), self.lag(i));
@@ -126,13 +126,13 @@ impl Particles {
     }
 }
 
-/// The rows that are there.
+/// The rows that exist.
 fn present<'a>(particles: &Particles, rows: &'a [u32]) -> impl Iterator<Item = usize> + use<'a> {
     let len = particles.len();
     rows.iter().map(|&row| row as usize).filter(move |&i| i < len)
 }
 
-/// The rows that are there and not pinned.
+/// The rows that exist and are not pinned.
 fn moving(particles: &Particles, rows: &[u32]) -> Vec<usize> {
     present(particles, rows).filter(|&i| particles.position[i].w > 0.0).collect()
 }

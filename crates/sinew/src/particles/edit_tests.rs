@@ -6,7 +6,7 @@ use super::{ParticleSeed, Particles};
 use crate::forces::Spring;
 use crate::simulation::Simulation;
 
-/// A lopsided compound far from the origin, in motion, and a pinned and a strange particle.
+/// A lopsided compound far from the origin, in motion; with it a pinned particle, and a loose one that is not among the rows.
 fn compound(at: Vec3) -> (Particles, Vec<u32>) {
     let mut particles = Particles::default();
     let corners =
@@ -48,7 +48,7 @@ fn an_impulse_on_many_changes_their_momentum_by_itself_and_leaves_their_spin() {
         particles.apply_impulse(&rows, PUSH);
         let after = momenta(&particles, centre);
         assert!((after.0 - before.0 - PUSH.as_dvec3()).length() < 5e-6);
-        // Of the lever, only what rounding the barycentre to f32 leaves.
+        // Only the lever arm of the barycentre's rounding to `f32` remains.
         assert!((after.1 - before.1).length() < if at.x == 0.0 { 5e-6 } else { 2e-3 });
     }
 }

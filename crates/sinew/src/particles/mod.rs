@@ -1,4 +1,4 @@
-//! The particles as columns: one array per quantity, so that a phase touches only what it needs.
+//! The particles as columns (structure of arrays): one array per quantity, so that a phase reads and writes only what it needs.
 //!
 //! Memory layout of one particle, hot columns first:
 //!
@@ -20,21 +20,21 @@
 //!
 //! # Why positions are relative to an origin of their own
 //!
-//! 5 km away two neighbouring `f32` are 0.5 mm apart, and a body at rest there trembles or stands askew. So a position is kept as an origin in
-//! whole metres and a distance from it that keeps its digits; the particles that constraints bind together share the origin, which follows them
-//! when a step begins. A scene moved by whole metres then runs bit for bit as it does at zero. Constraints work on the distances alone;
-//! what compares particles of different islands uses [`Particles::separation`], what compares with a point of the world [`Particles::relative_to`].
+//! At 5 km from zero, neighbouring `f32` values are 0.5 mm apart, and a body at rest trembles or tilts. So a position is stored as an origin in whole metres
+//! and an offset from it that keeps its digits; the particles of an island share the origin, which follows them when a step begins. A scene moved by whole
+//! metres then runs bit for bit as it does at zero. Constraints work on the offsets alone; positions of different islands are compared by
+//! [`Particles::separation`], and with a point of the world by [`Particles::relative_to`].
 //!
 //! # Why the previous position is kept as a velocity
 //!
 //! Verlet's state is `(p, p_old)`. This crate keeps the same state as `(p, v, l)` with `v = (p - p_old) / l`, where `l`
 //! is the length of the substep that led from `p_old` to `p`. Nothing is lost, and three things are gained:
 //!
-//! - **Round-off.** In `f32` the difference of two positions 5 m from the origin is good to 5e-7 m, which is 7 % of what
-//!   gravity adds in a substep of 1/1200 s. The velocity keeps its own 24 bits wherever the particle is.
-//! - **The start.** A particle that is given a velocity has `l = 0`: its velocity is true *now*, not half a step ago. The
-//!   time-corrected formula of [`integrate`](crate::integrate) then starts it on the exact parabola.
-//! - **Step changes.** `l` travels with the particle, so the step may change at any tick, for any particle.
+//! - **Round-off.** In `f32` the difference of two positions 5 m from the origin is good to 5e-7 m, which is 7 % of what gravity adds in a substep of 1/1200 s.
+//!   The velocity keeps its own 24 bits wherever the particle is.
+//! - **The start.** A particle that is given a velocity has `l = 0`: the velocity is true *now*, not half a substep ago. The time-corrected formula of
+//!   [`integrate`](crate::integrate) then starts it on the exact parabola.
+//! - **Step changes.** `l` is stored with the particle, so the step may change at any tick, for any particle.
 
 mod bulk;
 mod edit;
@@ -63,16 +63,16 @@ use crate::tracked::Revision;
 pub struct Particles {
     /// `[x y z w]`: position in metres from the origin and inverse mass in 1/kg. The kernels of the constraints work on this alone.
     pub(crate) position: Vec<Vec4>,
-    /// What `position` and `start` are relative to, whole metres.
+    /// Origin that `position` and `start` are relative to, whole metres.
     pub(crate) origin: Vec<Vec3>,
     pub(crate) start: Vec<Vec4>,
     /// `[x y z l]`: mean velocity of the last substep in m/s, and that substep's length in seconds.
     pub(crate) velocity: Vec<Vec4>,
     pub(crate) rounding: Vec<Vec4>,
     pub(crate) acceleration: Vec<Vec4>,
-    /// Whether anything wrote to `acceleration` in this substep; it is all zeros otherwise.
+    /// Whether `acceleration` was written to in this substep; otherwise it is all zeros.
     pub(crate) acceleration_dirty: bool,
-    /// What every particle that can move is accelerated by besides, m/s².
+    /// Acceleration that all particles that are not pinned have in addition, m/s².
     pub(crate) common: Vec3,
     pub(crate) external: Vec<Vec3>,
     pub(crate) radius: Vec<f32>,
@@ -80,34 +80,34 @@ pub struct Particles {
     pub(crate) damping: Vec<f32>,
     pub(crate) gravity_scale: Vec<f32>,
     pub(crate) medium: Vec<f32>,
-    /// The same of `medium`.
+    /// Whether `medium` was written to in this substep; otherwise it is all zeros.
     pub(crate) medium_dirty: bool,
-    /// Damping that all particles have besides, 1/s.
+    /// Damping that all particles have in addition, 1/s.
     pub(crate) air: f32,
     pub(crate) drift: Vec<Vec3>,
     pub(crate) body: Vec<u32>,
-    /// Where each particle is in its body's rest shape, metres; NaN for one that has no place there. Empty while none has.
+    /// Position of each particle in its body's rest shape, metres; NaN for one without. Empty while none has one.
     pub(crate) rest: Vec<Vec3>,
-    /// See `edits`.
+    /// Revision returned by [`edits`](Self::edits).
     edits: Revision,
-    /// See `writes`.
+    /// Count returned by [`writes`](Self::writes).
     writes: u64,
     pub(crate) column_summary: ColumnSummary,
-    /// Whether somebody asks which rows others move, and which those are, the last one last.
+    /// Whether rows moved by the caller are recorded, and those rows in order.
     watched: bool,
     moved: Vec<u32>,
-    /// The same of rows that others push.
+    /// Rows that the caller applied forces or media to, recorded likewise.
     pushed: Vec<u32>,
-    /// Whether some sleep, who is to wake, and which rows were written to meanwhile.
+    /// Whether any body sleeps; rows to wake in the next step, and rows written to by the caller meanwhile.
     sleepers: bool,
     woken: Vec<u32>,
     touched: Vec<u32>,
 }
 
-/// How many rows that were written to are listed, at most: a force of a game's own may be added to all of them in each substep.
+/// Most written rows that are listed: a game may add a force to every particle in each substep.
 const TOUCHED: usize = 4096;
 
-/// The body of a particle that belongs to none.
+/// Body of a particle that belongs to none.
 pub(crate) const NO_BODY: u32 = u32::MAX;
 
 impl Particles {
@@ -116,7 +116,7 @@ impl Particles {
         self.position.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no particles.
     pub fn is_empty(&self) -> bool {
         self.position.is_empty()
     }
@@ -140,7 +140,7 @@ impl Particles {
         Ok(row as u32)
     }
 
-    /// Overwrites row `i`, clears its external force, and takes it from its body.
+    /// Overwrites row `i`, clears its external force, and removes it from its body.
     ///
     /// # Errors
     /// A seed with a [fault](ParticleSeed::fault) is refused and nothing changes.
@@ -157,11 +157,11 @@ impl Particles {
         Ok(())
     }
 
-    /// Makes room for exactly `len` particles. New rows are particles at the origin with infinite mass, which nothing moves.
+    /// Resizes to exactly `len` particles. New rows are pinned particles at the origin.
     pub fn resize(&mut self, len: usize) {
         self.note_edit();
         if len < self.len() {
-            // What was noted of rows may be of others soon.
+            // The recorded rows may soon hold other particles.
             self.watch(false);
             self.note_sleepers(false);
         }
@@ -185,13 +185,13 @@ impl Particles {
         }
     }
 
-    /// Position of particle `i`, metres, as near as `f32` comes to it.
+    /// Position of particle `i`, metres, rounded to `f32`.
     #[inline]
     pub fn position(&self, i: usize) -> Vec3 {
         self.origin[i] + self.position[i].truncate()
     }
 
-    /// What [`position`](Self::position) leaves out, metres: the two together are the particle's position to the last bit.
+    /// What [`position`](Self::position) leaves out, metres: the sum of the two is the particle's exact position.
     pub fn remainder(&self, i: usize) -> Vec3 {
         // Knuth's two-sum: exact, whichever of the two is larger.
         let (a, b) = (self.origin[i], self.position[i].truncate());
@@ -200,7 +200,7 @@ impl Particles {
         (a - (sum - part)) + (b - part)
     }
 
-    /// `p_a - p_b`, metres, with the digits of their own origins: true to 1e-7 of the distance however far out both are.
+    /// `p_a - p_b`, metres, from their local positions: accurate to 1e-7 of the distance however far out both are.
     #[inline]
     pub fn separation(&self, a: usize, b: usize) -> Vec3 {
         let local = self.position[a].truncate() - self.position[b].truncate();
@@ -213,14 +213,14 @@ impl Particles {
         (self.origin[i] - point) + self.position[i].truncate()
     }
 
-    /// `normal · p_i - offset`, metres: the height of particle `i` over a plane of the world.
+    /// `normal · p_i - offset`, metres: height of particle `i` above a plane in world coordinates.
     #[inline]
     pub fn height(&self, i: usize, normal: Vec3, offset: f32) -> f32 {
         places::height(self.origin[i], self.position[i], normal, offset)
     }
 
-    /// Moves particle `i` to a point, in metres, without touching its velocity: a teleport, or (between the phases
-    /// `integrate` and `solve_constraints`) a positional constraint of the caller's own.
+    /// Moves particle `i` to a point, in metres, and keeps its velocity: a teleport, or (between the phases `integrate` and `solve_constraints`) a positional
+    /// constraint of the caller's own.
     pub fn set_position(&mut self, i: usize, position: Vec3) {
         let local = position - self.origin[i];
         self.position[i] = local.extend(self.position[i].w);
@@ -228,7 +228,7 @@ impl Particles {
         self.wake(i);
     }
 
-    /// Moves particle `i` by `displacement`, metres, without touching its velocity.
+    /// Moves particle `i` by `displacement`, metres, and keeps its velocity.
     pub fn displace(&mut self, i: usize, displacement: Vec3) {
         self.position[i] += displacement.extend(0.0);
         self.note_moved(i);
@@ -240,15 +240,15 @@ impl Particles {
         self.origin[i] + self.start[i].truncate()
     }
 
-    /// Mean velocity of particle `i` over the last substep, m/s. It is true half a substep ago:
-    /// [`Simulation::velocity_now`](crate::Simulation::velocity_now) gives it at the instant of the position.
+    /// Mean velocity of particle `i` over the last substep, m/s, true half a substep ago. [`Simulation::velocity_now`](crate::Simulation::velocity_now) returns
+    /// the velocity at the instant of the position.
     #[inline]
     pub fn velocity(&self, i: usize) -> Vec3 {
         self.velocity[i].truncate()
     }
 
-    /// Velocity of particle `i` at the instant of its position, m/s, under the forces that are summed up for it alone. It follows from what is state, and so
-    /// does what is made of it.
+    /// Velocity of particle `i` at the instant of its position, m/s, under the summed forces alone. It depends only on saved state, and so does what is
+    /// computed from it.
     #[inline]
     pub(crate) fn free_velocity_now(&self, i: usize) -> Vec3 {
         self.velocity(i) + self.acceleration(i) * (0.5 * self.lag(i))
@@ -267,38 +267,38 @@ impl Particles {
         self.note_moved(i);
     }
 
-    /// The same as [`displace`](Self::displace) and [`set_velocity`](Self::set_velocity), by a step itself: it wakes nobody.
+    /// [`displace`](Self::displace) and [`set_velocity`](Self::set_velocity) for the step itself: wakes nothing.
     pub(crate) fn put(&mut self, i: usize, displacement: Vec3, velocity: Vec3) {
         self.position[i] += displacement.extend(0.0);
         self.velocity[i] = velocity.extend(0.0);
         self.rounding[i] = Vec4::ZERO;
     }
 
-    /// Adds an impulse, N·s: the momentum of the particle changes by exactly that. Pinned particles do not notice.
+    /// Adds an impulse, N·s: the momentum of the particle changes by exactly that. Pinned particles are not affected.
     pub fn add_impulse(&mut self, i: usize, impulse: Vec3) {
         let change = impulse * self.position[i].w;
         self.velocity[i] += change.extend(0.0);
         self.note_moved(i);
     }
 
-    /// Has rows be noted from now on that are moved or given a velocity, or not; forgets those so far.
+    /// Starts or stops recording rows that are moved or given a velocity, and clears the record.
     pub(crate) fn watch(&mut self, watched: bool) {
         self.watched = watched;
         self.moved.clear();
         self.pushed.clear();
     }
 
-    /// Takes one row off those that were noted.
+    /// Removes one row from the record of moved rows, and returns it.
     pub(crate) fn take_moved(&mut self) -> Option<u32> {
         self.moved.pop()
     }
 
-    /// The same of rows that forces or media were added to.
+    /// The same for rows that forces or media were added to.
     pub(crate) fn take_pushed(&mut self) -> Option<u32> {
         self.pushed.pop()
     }
 
-    /// Has what particle `i` belongs to be awake in the next step: for who adds forces between two phases, which a sleeper does not feel.
+    /// Keeps what particle `i` belongs to awake in the next step. For callers that add forces between two phases, which do not act on a sleeper.
     pub fn wake(&mut self, i: usize) {
         self.note_write(i);
         if self.sleepers && self.woken.last() != Some(&(i as u32)) {
@@ -306,26 +306,26 @@ impl Particles {
         }
     }
 
-    /// Rows that are to wake.
+    /// Rows to wake in the next step.
     pub(crate) fn woken(&self) -> &[u32] {
         &self.woken
     }
 
-    /// Rows that somebody wrote to from outside of a step, as [`writes`](Self::writes) counts it, since it was last noted whether some sleep; if some do. `None` if
-    /// they are more than are listed.
+    /// Rows that the caller wrote to, as counted by [`writes`](Self::writes), since [`note_sleepers`](Self::note_sleepers) was last called; recorded only while
+    /// something sleeps. `None` if there are more than are listed.
     pub(crate) fn touched(&self) -> Option<&[u32]> {
         (self.touched.len() < TOUCHED).then_some(&self.touched)
     }
 
-    /// Notes whether some sleep in this step, and forgets who was to wake and who was written to.
+    /// Notes whether any body sleeps in this step, and clears the rows to wake and the rows written to.
     pub(crate) fn note_sleepers(&mut self, any: bool) {
         self.sleepers = any;
         self.woken.clear();
         self.touched.clear();
     }
 
-    /// Numbers of what wrote to a row from outside of a step: to its properties, and to its state or its forces. Where they are what they were, so are the rows,
-    /// unless they were [loaded](Self::load).
+    /// Counts of the caller's writes: to properties, and to state or forces. If they are unchanged, so are all rows, except those that were
+    /// [loaded](Self::load).
     pub(crate) fn writes(&self) -> [u64; 2] {
         [self.edits(), self.writes]
     }
@@ -381,12 +381,12 @@ impl Particles {
         self.note_singular(i);
     }
 
-    /// By how much the gravity that particle `i` feels is scaled. 1 by default.
+    /// Multiple of the world's gravity that acts on particle `i`. 1 by default.
     pub fn gravity_scale(&self, i: usize) -> f32 {
         self.gravity_scale[i]
     }
 
-    /// Scales the gravity that particle `i` feels; a scale that is not finite is ignored.
+    /// Sets the multiple of the world's gravity that acts on particle `i`; a non-finite value is ignored.
     pub fn set_gravity_scale(&mut self, i: usize, scale: f32) {
         if scale.is_finite() && scale != self.gravity_scale[i] {
             self.note_edit();
@@ -395,12 +395,12 @@ impl Particles {
         }
     }
 
-    /// Multiplies the [scale](Self::set_gravity_scale) of gravity on particle `i` by a finite factor; others are ignored.
+    /// Multiplies the [gravity scale](Self::set_gravity_scale) of particle `i` by a factor; a non-finite factor is ignored.
     pub fn scale_gravity(&mut self, i: usize, factor: f32) {
         self.set_gravity_scale(i, self.gravity_scale[i] * factor);
     }
 
-    /// Says to which of the simulation's [bodies](crate::Simulation::bodies) particle `i` belongs; `None` for none, as by default.
+    /// Assigns particle `i` to one of the simulation's [bodies](crate::Simulation::bodies), by index; `None`, the default, for no body.
     pub fn set_body(&mut self, i: usize, body: Option<u32>) {
         self.note_edit();
         self.body[i] = body.unwrap_or(NO_BODY);
@@ -413,11 +413,11 @@ impl Particles {
 
     /// Whether row `i` holds only finite numbers.
     pub fn is_finite(&self, i: usize) -> bool {
-        // Of origin and distance, too: either may be finite and their sum not.
+        // Also of the parts: both may be finite while their sum is not.
         self.position(i).is_finite() && self.position[i].is_finite() && self.velocity[i].is_finite()
     }
 
-    /// Row `i` as it would be added again: the state that a caller must save to restore the particle.
+    /// Row `i` as a seed: the state that a caller must save to restore the particle.
     pub fn seed(&self, i: usize) -> ParticleSeed {
         ParticleSeed {
             position: self.position(i),
@@ -449,17 +449,17 @@ impl Particles {
         if let Some(rest) = self.rest.get_mut(i) {
             *rest = Vec3::NAN;
         }
-        // Most particles have none, and a logarithm each tick would be the dearest part of a row.
+        // Most particles have no drag, and a logarithm in each tick would be the most expensive part of a row.
         self.damping[i] = if seed.drag > 0.0 { rate_of_drag(seed.drag) } else { 0.0 };
     }
 }
 
-/// The whole metres nearest to a position; halves go up, on either side of zero, so that a scene moved by whole metres is snapped alike.
+/// The whole metres nearest to a position. Halves round up, on either side of zero, so that a scene moved by whole metres is snapped in the same way.
 #[inline]
 pub(crate) fn snap(position: Vec3) -> Vec3 {
     let half_up = position + 0.5;
     if half_up.abs().cmplt(Vec3::splat(WHOLE)).all() {
-        // The same without a call of the library's.
+        // Inlined, instead of a call to the library's `floor`.
         let floor = |x: f32| {
             let whole = x as i32 as f32;
             if whole > x { whole - 1.0 } else { whole }
@@ -469,7 +469,7 @@ pub(crate) fn snap(position: Vec3) -> Vec3 {
     half_up.floor()
 }
 
-/// From here on all numbers are whole, metres: 2²³.
+/// From here on every `f32` is a whole number: 2²³ metres.
 const WHOLE: f32 = 8_388_608.0;
 
 #[cfg(test)]

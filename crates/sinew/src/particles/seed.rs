@@ -1,18 +1,18 @@
-//! What a particle is when it is added, and what can be wrong with it.
+//! What a particle is added with, and why it may be refused.
 
 use glam::Vec3;
 
-/// What a particle is when it is added. Everything has a default except the position.
+/// Properties and state of a particle to be added. Everything has a default except the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParticleSeed {
-    /// Where it is, metres.
+    /// Position, metres.
     pub position: Vec3,
-    /// What `position` leaves out because `f32` has no digits for it there, metres; default zero. Far from the origin it is what
-    /// [`Particles::remainder`](super::Particles::remainder) gave, so that a particle goes on exactly from where it was.
+    /// What `position` leaves out because `f32` has no digits for it there, metres; default zero. Far from the origin pass what
+    /// [`Particles::remainder`](super::Particles::remainder) returned, so that a restored particle continues from exactly where it was.
     pub remainder: Vec3,
-    /// Its velocity, m/s. Default zero.
+    /// Velocity, m/s. Default zero.
     pub velocity: Vec3,
-    /// Length in seconds of the step over which `velocity` is the mean: 0 (the default) says that the velocity is true now.
+    /// Length in seconds of the substep over which `velocity` is the mean; 0 (the default) for a velocity that is true now.
     pub lag: f32,
     /// Mass in kilograms, positive; default 1. Infinity pins the particle where it is.
     pub mass: f32,
@@ -20,9 +20,9 @@ pub struct ParticleSeed {
     pub radius: f32,
     /// Electric charge in coulombs; default 0.
     pub charge: f32,
-    /// Share of the velocity that is lost per second, 0 to 1 (the lectures' drag factor); default 0.
+    /// Fraction of the velocity lost per second, 0 to 1 (the lectures' drag factor); default 0.
     pub drag: f32,
-    /// How strongly gravity pulls on it, as a multiple of the world's; default 1. Zero floats, a negative one rises.
+    /// Multiple of the world's gravity that acts on it; default 1. With zero it floats, with a negative value it rises.
     pub gravity_scale: f32,
 }
 
@@ -42,38 +42,38 @@ impl ParticleSeed {
         }
     }
 
-    /// The same with a velocity, m/s, true at this instant.
+    /// Sets the velocity, m/s, true at this instant.
     pub fn with_velocity(self, velocity: Vec3) -> Self {
         Self { velocity, lag: 0.0, ..self }
     }
 
-    /// The same with another mass, kg.
+    /// Sets the mass, kg.
     pub fn with_mass(self, mass: f32) -> Self {
         Self { mass, ..self }
     }
 
-    /// The same with a radius, m.
+    /// Sets the radius, m.
     pub fn with_radius(self, radius: f32) -> Self {
         Self { radius, ..self }
     }
 
-    /// The same with a charge, C.
+    /// Sets the charge, C.
     pub fn with_charge(self, charge: f32) -> Self {
         Self { charge, ..self }
     }
 
-    /// The same with a drag, share of the velocity lost per second.
+    /// Sets the drag, the fraction of the velocity lost per second.
     pub fn with_drag(self, drag: f32) -> Self {
         Self { drag, ..self }
     }
 
-    /// The same, pinned where it is (infinite mass).
+    /// Pins it where it is (infinite mass).
     pub fn pinned(self) -> Self {
         Self { mass: f32::INFINITY, ..self }
     }
 
-    /// Why this particle cannot be simulated, or `None` if it can. Checked at the door ([`Particles::push`](super::Particles::push),
-    /// [`Particles::set`](super::Particles::set)), so that no phase needs to.
+    /// Why this particle cannot be simulated, or `None` if it can. Checked by [`Particles::push`](super::Particles::push) and
+    /// [`Particles::set`](super::Particles::set), so that no phase needs to.
     pub fn fault(&self) -> Option<ParticleFault> {
         if !(self.position.is_finite() && self.remainder.is_finite()) {
             Some(ParticleFault::Position)
@@ -95,31 +95,31 @@ impl ParticleSeed {
     }
 }
 
-/// What is wrong with a particle.
+/// Why a particle is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ParticleFault {
-    /// NaN or infinite.
+    /// The position or the remainder is NaN or infinite.
     #[error("its position is not finite")]
     Position,
-    /// NaN or infinite, or with a negative lag.
+    /// The velocity or the lag is NaN or infinite, or the lag is negative.
     #[error("its velocity is not finite")]
     Velocity,
-    /// NaN, zero or negative (or so small that its inverse overflows).
+    /// The mass is NaN, zero or negative (or so small that its inverse overflows).
     #[error("its mass is not a positive number of kilograms")]
     Mass,
-    /// NaN, infinite or negative.
+    /// The radius is NaN, infinite or negative.
     #[error("its radius is not a finite length")]
     Radius,
-    /// NaN or infinite.
+    /// The charge is NaN or infinite.
     #[error("its charge is not finite")]
     Charge,
-    /// NaN or outside 0..=1.
+    /// The drag is NaN or outside 0..=1.
     #[error("its drag is not a share between 0 and 1 per second")]
     Drag,
-    /// NaN or infinite.
+    /// The gravity scale is NaN or infinite.
     #[error("the scale of gravity on it is not finite")]
     GravityScale,
-    /// The game's force on it is NaN or infinite.
+    /// The external force is NaN or infinite.
     #[error("the external force on it is not finite")]
     Force,
 }

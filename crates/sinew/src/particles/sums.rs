@@ -1,30 +1,30 @@
-//! What is summed up afresh in every substep: acceleration and damping. Most worlds have one gravity and still air, so what all particles share is
-//! one number, and the columns are read and cleared only in substeps in which something wrote to them.
+//! Sums that start afresh in every substep: acceleration and damping. Most worlds have uniform gravity and still air, so the part that all particles share is
+//! kept as one value, and the columns are read and cleared only in substeps in which something wrote to them.
 //!
-//! That changes no bit: a column that nobody wrote to holds zeros, and adding zero is exact.
+//! That changes no bit: a column that was not written to holds zeros, and adding zero is exact.
 
 use glam::{Vec3, Vec4};
 
 use super::Particles;
 
-/// What all particles have in common, as far as somebody looked: what a step needs to know to leave columns unread.
+/// Summary of columns that are mostly uniform, valid as of the last [`revalidate`](Particles::revalidate): it lets a step leave them unread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ColumnSummary {
-    /// Rows on which gravity acts otherwise than on all, or a force of a game's own, ascending.
+    /// Rows with a gravity scale other than 1 or an external force, ascending.
     pub(crate) singular: Vec<u32>,
-    /// Whether none has a charge.
+    /// Whether no particle has a charge.
     pub(crate) neutral: bool,
-    /// The damping that all have, 1/s, if it is one.
+    /// The damping of all particles, 1/s, if it is the same.
     pub(crate) damping: Option<f32>,
-    /// How often properties had been [changed](Particles::edits) when somebody looked.
+    /// [Edits](Particles::edits) of the particles when the columns were last read.
     seen: Option<u64>,
 }
 
 impl Particles {
-    /// Has gravity and the game's own force on row `i` be summed up by themselves from now on.
+    /// Lists row `i` as one whose gravity and external force are summed separately.
     pub(super) fn note_singular(&mut self, i: usize) {
         let (row, singular) = (i as u32, &mut self.column_summary.singular);
-        // Mostly all are written, one after the other.
+        // Mostly all rows are written, in ascending order.
         if singular.last().is_none_or(|&last| last < row) {
             singular.push(row);
         } else if let Err(at) = singular.binary_search(&row) {
@@ -33,7 +33,7 @@ impl Particles {
         self.note_pushed(i);
     }
 
-    /// Nothing is known of what all rows have in common; of those that there still are it is known which differ.
+    /// Discards the summary, except the singular rows that still exist.
     pub(super) fn forget_summary(&mut self) {
         let (rows, summary) = (self.len(), &mut self.column_summary);
         if summary.singular.last().is_some_and(|&row| row as usize >= rows) {
@@ -43,13 +43,12 @@ impl Particles {
         (summary.neutral, summary.damping, summary.seen) = (false, None, None);
     }
 
-    /// Looks at the columns that seldom differ, if one was written to since. To be called when a step begins; whoever writes to them later takes it
-    /// back.
+    /// Reads the columns that are mostly uniform again, if one was written to since. To be called when a step begins; later writes discard the summary.
     pub(crate) fn revalidate(&mut self) {
         if self.column_summary.seen == Some(self.edits()) {
             return;
         }
-        // Without a way out in the middle the compiler takes eight at a time.
+        // Without an early exit the compiler vectorises the loop.
         let first = self.damping.first().copied().unwrap_or(0.0);
         let even = self.damping.iter().fold(true, |even, &rate| even & (rate == first));
         let mut singular = core::mem::take(&mut self.column_summary.singular);
@@ -62,7 +61,7 @@ impl Particles {
         self.column_summary = ColumnSummary { singular, neutral, damping, seen };
     }
 
-    /// Starts the sums afresh: no acceleration, and the damping `air` (1/s) alone.
+    /// Clears the sums: no acceleration, and the damping `air` (1/s) of all particles.
     pub(crate) fn clear_sums(&mut self, air: f32) {
         if self.acceleration_dirty {
             self.acceleration.fill(Vec4::ZERO);
@@ -75,35 +74,35 @@ impl Particles {
         self.drift.clear();
     }
 
-    /// Acceleration of particle `i` as summed up so far in this substep, m/s².
+    /// Acceleration of particle `i` summed so far in this substep, m/s².
     #[inline]
     pub fn acceleration(&self, i: usize) -> Vec3 {
         let common = if self.position[i].w > 0.0 { self.common } else { Vec3::ZERO };
         if self.acceleration_dirty { self.acceleration[i].truncate() + common } else { common }
     }
 
-    /// Adds a force, N, for this substep: for force laws of the caller's own, between `accumulate_forces` and `integrate`.
-    /// Forces add up; pinned particles do not notice.
+    /// Adds a force, N, for this substep: for a force law of the caller's, between `accumulate_forces` and `integrate`. Forces add up; pinned particles are not
+    /// affected.
     #[inline]
     pub fn add_force(&mut self, i: usize, force: Vec3) {
         self.note_pushed(i);
         self.push_force(i, force);
     }
 
-    /// The same for force laws of ours, of which it is known on which rows they act.
+    /// [`add_force`](Self::add_force) for the crate's own force laws, whose rows are known.
     #[inline]
     pub(crate) fn push_force(&mut self, i: usize, force: Vec3) {
         self.push_acceleration(i, force * self.position[i].w);
     }
 
-    /// Adds an acceleration, m/s², for this substep: a force that is proportional to mass, as gravity is.
+    /// Adds an acceleration, m/s², for this substep: a force proportional to mass, as gravity is.
     #[inline]
     pub fn add_acceleration(&mut self, i: usize, acceleration: Vec3) {
         self.note_pushed(i);
         self.push_acceleration(i, acceleration);
     }
 
-    /// The same for force laws of ours.
+    /// [`add_acceleration`](Self::add_acceleration) for the crate's own force laws.
     #[inline]
     pub(crate) fn push_acceleration(&mut self, i: usize, acceleration: Vec3) {
         self.note_write(i);
@@ -111,19 +110,19 @@ impl Particles {
         self.acceleration[i] += acceleration.extend(0.0);
     }
 
-    /// Adds an acceleration, m/s², to every particle that can move.
+    /// Adds an acceleration, m/s², to every particle that is not pinned.
     pub(crate) fn accelerate_all(&mut self, acceleration: Vec3) {
         self.common += acceleration;
     }
 
-    /// Drags particle `i` towards `velocity` (m/s) in this substep, at the rate `rate` (1/s, finite): what a medium does that may be moving. Media
-    /// add up.
+    /// Drags particle `i` towards `velocity` (m/s) in this substep, at the rate `rate` (1/s, finite): the effect of a medium, which may be moving. Media add
+    /// up.
     pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {
         self.note_pushed(i);
         self.push_drag(i, rate, velocity);
     }
 
-    /// The same for media of ours.
+    /// [`drag_towards`](Self::drag_towards) for the crate's own media.
     pub(crate) fn push_drag(&mut self, i: usize, rate: f32, velocity: Vec3) {
         self.note_write(i);
         self.medium_dirty = true;
@@ -136,7 +135,7 @@ impl Particles {
         }
     }
 
-    /// At which rate particle `i` loses velocity in this substep, 1/s: its own damping, and that of the media that it is in.
+    /// Rate at which particle `i` loses velocity in this substep, 1/s: its own damping, and that of the media it is in.
     #[inline]
     pub(crate) fn rate(&self, i: usize) -> f32 {
         self.damping[i] + (self.air + self.medium[i])

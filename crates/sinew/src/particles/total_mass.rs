@@ -1,24 +1,24 @@
-//! Several rows as one thing: what a push on all of them together does to each (physics.md F2, I7). Forces and impulses share it.
+//! Total mass of several rows: what a force or impulse on all of them together does to each (physics.md F2, I7).
 //!
-//! # How a push is spread
+//! # How a push is distributed
 //!
-//! A force `F` at the barycentre accelerates every particle alike, by `F/M`. A torque `τ` turns them as a rigid body would start to:
+//! A force `F` at the barycentre accelerates every particle equally, by `F/M`. A torque `τ` turns them as it would begin to turn a rigid body:
 //!
 //! ```text
 //! f_i = m_i α × r_i        r_i = p_i - p̄        α = I⁻¹ τ        I = Σ m (r² 1 - r rᵀ)
 //! ```
 //!
-//! No net force comes of it, `Σ f = α × Σ m r = 0`, and exactly the torque, `Σ r × f = Σ m r × (α × r) = I α = τ`. Of all forces with that
-//! torque these are the ones that change the energy of a body at rest least, so nothing else is excited. A force at the point `x` is the
-//! force at the barycentre and the torque `(x - p̄) × F`. On a line `I` has no inverse and the pseudo-inverse leaves out what would turn particles
-//! about themselves. The same holds with impulses for forces and velocities for accelerations.
+//! There is no net force, `Σ f = α × Σ m r = 0`, and exactly the torque, `Σ r × f = Σ m r × (α × r) = I α = τ`. Of all forces with that torque these change the
+//! energy of a body at rest least, so no other motion is excited. A force at the point `x` is the force at the barycentre and the torque `(x - p̄) × F`. On a
+//! line `I` has no inverse, and the pseudo-inverse leaves out the component about the line, which would only turn particles about themselves. The same holds
+//! with impulses for forces and velocities for accelerations.
 
 use glam::{DVec3, Vec3};
 
 use super::Particles;
 use crate::pose::pseudo_solve;
 
-/// Mass, barycentre and inertia of rows that can move, in `f64` and relative to one of them, so that no distance from the origin costs digits.
+/// Mass, barycentre and inertia of rows that are not pinned, in `f64` and relative to one of them, so that no precision is lost far from the origin.
 pub(crate) struct TotalMass {
     /// The row that `centre` is relative to.
     anchor: usize,
@@ -26,17 +26,17 @@ pub(crate) struct TotalMass {
     mass: f64,
     /// The barycentre, metres from the anchor.
     centre: DVec3,
-    /// About the barycentre, kg·m².
+    /// Inertia about the barycentre, kg·m².
     inertia: [[f64; 3]; 3],
 }
 
 impl TotalMass {
-    /// The rows that are there and not pinned, by their mass. `None` if there are none, or if they are not all finite.
+    /// Sums the rows that exist and are not pinned, by their masses. `None` if there are none, or if one is not finite.
     pub(crate) fn of(particles: &Particles, rows: &[u32]) -> Option<Self> {
         Self::weighing(particles, rows, |i| mass(particles, i))
     }
 
-    /// The same by weights of the caller's; rows that weigh nothing do not count.
+    /// The same with weights of the caller's; rows of zero weight do not count.
     pub(super) fn weighing(
         particles: &Particles,
         rows: &[u32],
@@ -68,27 +68,27 @@ impl TotalMass {
         finite.then_some(Self { anchor, mass, centre, inertia })
     }
 
-    /// Row `i` from the barycentre, metres.
+    /// Vector from the barycentre to row `i`, metres.
     pub(crate) fn arm(&self, particles: &Particles, i: usize) -> DVec3 {
         aside(particles, i, self.anchor) - self.centre
     }
 
-    /// A point of the world from the barycentre, metres.
+    /// Vector from the barycentre to a point of the world, metres.
     pub(crate) fn arm_of(&self, particles: &Particles, point: Vec3) -> DVec3 {
         let anchor = local(particles, self.anchor)
             + (particles.origin[self.anchor].as_dvec3() - point.as_dvec3());
         -(anchor + self.centre)
     }
 
-    /// How the rows answer to a force (N) at the barycentre and a torque (N·m): with the acceleration of the barycentre (m/s²) and an angular one
-    /// (rad/s²). Or to an impulse and an angular impulse, with a velocity and an angular velocity.
+    /// Response to a force (N) at the barycentre and a torque (N·m): acceleration of the barycentre (m/s²) and angular acceleration (rad/s²). Or to an impulse
+    /// and an angular impulse: the changes of velocity and angular velocity.
     pub(crate) fn answer(&self, force: DVec3, torque: DVec3) -> PushShares {
         let turn = if torque == DVec3::ZERO { torque } else { pseudo_solve(self.inertia, torque) };
         PushShares { shift: force / self.mass, turn }
     }
 }
 
-/// What each row has of a push on all.
+/// Change of velocity, or acceleration, of each row by a push on all.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PushShares {
     shift: DVec3,
@@ -102,7 +102,7 @@ impl PushShares {
     }
 }
 
-/// Mass of a row that can move, kg; zero for one that is pinned.
+/// Mass of a row, kg; zero if it is pinned.
 fn mass(particles: &Particles, i: usize) -> f64 {
     match particles.position[i].w {
         w if w > 0.0 => 1.0 / f64::from(w),
@@ -110,13 +110,13 @@ fn mass(particles: &Particles, i: usize) -> f64 {
     }
 }
 
-/// `p_i - p_anchor`, metres, to the last bit wherever both are.
+/// `p_i - p_anchor`, metres, exact wherever both are.
 fn aside(particles: &Particles, i: usize, anchor: usize) -> DVec3 {
     local(particles, i) - local(particles, anchor)
         + (particles.origin[i].as_dvec3() - particles.origin[anchor].as_dvec3())
 }
 
-/// Where row `i` is, metres from its origin.
+/// Position of row `i` relative to its origin, metres.
 fn local(particles: &Particles, i: usize) -> DVec3 {
     particles.position[i].truncate().as_dvec3()
 }

@@ -1,4 +1,4 @@
-//! The transform of what has no orientation of its own, or not all of one: rods, points, and what is no compound at all.
+//! The transform of particles that determine no orientation, or only a part of one: rods, points, and invalid input.
 
 use super::tests::{Random, about, angle, carried, cube, fit, starts};
 use super::*;
@@ -74,7 +74,7 @@ fn a_thin_rod_has_a_twist_of_its_own_down_to_a_ten_thousandth() {
             }
         }
         println!("width {width:e}: worst {worst:e} rad");
-        // The round-off of the positions, seen across the rod.
+        // The round-off of the positions, divided by the rod's width.
         assert!(worst < 3e-7 / width + 1e-6, "{width:e}: {worst:e}");
     }
 }
@@ -105,7 +105,7 @@ fn what_is_not_finite_or_not_there_has_no_pose() {
             assert_eq!(pose(points.iter().copied(), Quat::IDENTITY), None);
             points[row] = (Vec3::ZERO, Vec3::X * bad, 1.0);
             assert_eq!(pose(points.iter().copied(), Quat::IDENTITY), None);
-            // Unless it does not count.
+            // But it is ignored if it does not count.
             points[row].2 = 0.0;
             assert!(pose(points.iter().copied(), Quat::IDENTITY).is_some());
         }

@@ -1,54 +1,52 @@
-//! The motion of a compound as if it were rigid: mass, barycentre, velocity, inertia, angular velocity (physics.md E2, E3).
+//! Motion of a compound as one rigid body: mass, barycentre, velocity, inertia, angular velocity (physics.md E2, E3).
 //!
-//! With `r` the position and `u` the velocity of a particle relative to the barycentre's,
+//! With `r` and `u` the position and the velocity of a particle relative to those of the barycentre,
 //!
 //! ```text
 //! I = Σ m (r² 1 - r rᵀ)        L = Σ m r × u        ω = I⁻¹ L
 //! ```
 //!
-//! `L` is the angular momentum about the barycentre. `ω` is also the least-squares answer: the derivative of
-//! `Σ m ‖u - ω × r‖²` by `ω` vanishes where `I ω = L`. So a rigid spin is found exactly, and a deforming body gets the spin
-//! that explains most of its motion and has all of its angular momentum.
+//! `L` is the angular momentum about the barycentre. `ω` is also the least-squares fit: the derivative of `Σ m ‖u - ω × r‖²` by `ω` vanishes where `I ω = L`.
+//! So a rigid spin is found exactly, and a deforming body gets the spin that explains most of its motion and has all of its angular momentum.
 //!
-//! On a line `I` has the eigenvalue 0 (about the line; a flat compound does not have one), at a point three of them. No
-//! velocity tells the spin about such an axis, and the pseudo-inverse, `ω = Σ e (e·L)/λ` over the eigenpairs with `λ > 0`,
-//! sets it to zero. The sums are those of [`pose`](super::pose): `f64`, one pass, relative to the first particle.
+//! On a line `I` has one eigenvalue 0, about the line (a flat compound has none), at a point three. The velocities do not determine a spin about such an axis,
+//! and the pseudo-inverse, `ω = Σ e (e·L)/λ` over the eigenpairs with `λ > 0`, sets it to zero. The sums are as in [`pose`](super::pose): `f64`, one pass,
+//! relative to the first particle.
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::{MomentSums, counts, symmetric};
 use crate::lanes::{InstructionSet, LANES, LaneArray, Lanes, Vector, kernel};
 
-/// Eigenvalues of the inertia below this share of the greatest one count as zero: thinner than 1 in 30 000.
+/// Eigenvalues of the inertia below this fraction of the greatest one count as zero: particles thinner than 1 in 30 000.
 const LINE: f64 = 1e-9;
 
-/// What a compound of particles does as a whole, in world axes.
+/// Motion of a compound of particles as a whole, in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// Total mass of the particles that count, kg; zero if all are without a mass of their own.
+    /// Total mass of the particles that count, kg; zero if none has a mass that counts.
     pub mass: f32,
     /// The mass-weighted mean of the positions, m.
     pub barycentre: Vec3,
-    /// The mass-weighted mean of the velocities, that is, the barycentre's velocity, m/s.
+    /// The mass-weighted mean of the velocities, which is the velocity of the barycentre, m/s.
     pub velocity: Vec3,
-    /// Angular velocity about the barycentre, rad/s. None about an axis on which all particles lie.
+    /// Angular velocity about the barycentre, rad/s. Zero about an axis on which all particles lie.
     pub angular_velocity: Vec3,
-    /// Inertia tensor about the barycentre, kg·m², symmetric. That of the particles as points: eight corners of a box have
-    /// three times the inertia of the solid box.
+    /// Inertia tensor about the barycentre, kg·m², symmetric. That of the particles as points: eight particles at the corners of a box have three times the
+    /// inertia of the solid box.
     pub inertia: Mat3,
 }
 
 /// The motion of a compound, from the position (m), the velocity (m/s) and the mass (kg) of each of its particles.
 ///
-/// `points` is read once, twice if no mass counts, always in its own order, and summed up eight by eight; nothing is allocated. Position and velocity
-/// must be of the same instant. Of particles of a simulation [`Simulation::motion`](crate::Simulation::motion) says it sooner.
+/// `points` is read once, twice if no mass counts, always in its own order, and summed in eights; nothing is allocated. Position and velocity must be of the
+/// same instant. For particles of a simulation [`Simulation::motion`](crate::Simulation::motion) is faster.
 ///
-/// A particle whose mass is zero, negative, infinite or NaN does not count: give a pinned one the mass that it would have if
-/// it were let go. If no mass counts, all particles count equally for the barycentre and the velocities, and `mass` and
-/// `inertia` are zero.
+/// A particle whose mass is zero, negative, infinite or NaN does not count: pass for a pinned one the mass that it would have unpinned. If no mass counts, all
+/// particles count equally for the barycentre and the velocities, and `mass` and `inertia` are zero.
 ///
-/// `None` if there is no particle, or one that counts has a position or a velocity that is not finite (or that brings the
-/// result outside `f32`): keep what was last read, and report the compound.
+/// `None` if there is no particle, or if one that counts has a position or a velocity that is not finite (or that makes the result overflow `f32`): keep the
+/// last result, and report the compound.
 pub fn motion(points: impl Iterator<Item = (Vec3, Vec3, f32)> + Clone) -> Option<Motion> {
     let weighted = points.clone().filter(|&(_, _, mass)| counts(mass));
     match MassMoments::of(weighted) {
@@ -57,19 +55,19 @@ pub fn motion(points: impl Iterator<Item = (Vec3, Vec3, f32)> + Clone) -> Option
     }
 }
 
-/// Means, and moments about the barycentre.
+/// Means, and second moments about the barycentre.
 pub(crate) struct MassMoments {
     mass: f64,
     barycentre: DVec3,
     velocity: DVec3,
-    /// `Σ m r rᵀ`: its diagonal, and what is beside it, `xy`, `yz` and `zx`.
+    /// `Σ m r rᵀ`: its diagonal, and its off-diagonal elements `xy`, `yz` and `zx`.
     squares: DVec3,
     products: DVec3,
     /// `Σ m r × u`.
     angular_momentum: DVec3,
 }
 
-/// Eight points as lanes have them. Where there are fewer, the others have no mass.
+/// Eight points in lanes. Unused lanes have zero mass.
 #[derive(Clone, Copy)]
 struct WidePoint {
     position: [LaneArray; 3],
@@ -77,11 +75,11 @@ struct WidePoint {
     mass: LaneArray,
 }
 
-/// So many eights are summed up at a time.
+/// Number of eights summed at a time: a buffer on the stack.
 const EIGHTS: usize = 8;
 
 impl MassMoments {
-    /// `None` if there is nothing to sum.
+    /// `None` without points.
     fn of(points: impl Iterator<Item = (Vec3, Vec3, f32)>) -> Option<Self> {
         let mut points = points.peekable();
         let &(position, velocity, _) = points.peek()?;
@@ -108,7 +106,7 @@ impl MassMoments {
         Some(Self::about(position, velocity, &sums))
     }
 
-    /// Out of sums of positions relative to one point, and of velocities relative to that of one.
+    /// From sums of positions relative to one point, and of velocities relative to one velocity.
     pub(crate) fn about(position: DVec3, velocity: DVec3, sums: &MomentSums<f64>) -> Self {
         let [first, squares, products, momentum, angular] =
             [sums.first, sums.squares, sums.products, sums.momentum, sums.angular]
@@ -125,7 +123,7 @@ impl MassMoments {
         }
     }
 
-    /// `None` if it is not finite.
+    /// The motion; `None` if it is not finite.
     pub(crate) fn motion(&self) -> Option<Motion> {
         let found = Motion {
             mass: self.mass as f32,
@@ -135,7 +133,7 @@ impl MassMoments {
         (found.mass.is_finite() && found.inertia.is_finite()).then_some(found)
     }
 
-    /// The same of what has no mass, and was summed up as if all had the same.
+    /// The motion of particles without mass, summed with equal weights.
     pub(crate) fn motion_without_mass(&self) -> Option<Motion> {
         let found = Motion {
             mass: 0.0,
@@ -158,7 +156,7 @@ impl MassMoments {
 }
 
 kernel!(
-    /// Adds points, relative to a position and a velocity.
+    /// Adds points to sums about a position and a velocity.
     fn add_eights<L: Lanes>(eights: &[WidePoint], about: [DVec3; 2], sums: &mut MomentSums<f64>) {
         let [position, velocity] = about;
         let (position, velocity) = (Vector::double(position), Vector::double(velocity));
@@ -174,7 +172,7 @@ kernel!(
     }
 );
 
-/// `ω` with `I ω = L`, and nothing along the directions in which `I` vanishes.
+/// `ω` with `I ω = L`, and zero along the null space of `I`.
 pub(crate) fn spin(inertia: [[f64; 3]; 3], angular_momentum: DVec3) -> DVec3 {
     if let Some((w, _)) = symmetric::solve(&inertia, angular_momentum) {
         return w;
@@ -231,7 +229,7 @@ mod tests {
 
     #[test]
     fn a_spin_is_read_back_far_from_the_origin_and_in_fast_flight() {
-        // On the grid of f32 there, so that only the sums could err.
+        // On the grid of `f32` there, so that any error is in the sums.
         let corner = |i: u8| Vec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into()) - 0.5;
         let points: Vec<_> = (0..8).map(|i| (corner(i), 1.0)).collect();
         let (offset, velocity) =
@@ -324,7 +322,7 @@ mod tests {
             assert_eq!(read(&[good, (Vec3::Y, Vec3::Z * bad, 1.0)]), None);
             assert_eq!(read(&[(Vec3::Y * bad, Vec3::Z, 1.0), good]), None);
         }
-        // Finite particles whose inertia is not a number in f32.
+        // Finite particles whose inertia overflows `f32`.
         assert_eq!(read(&[(Vec3::X * 1e30, Vec3::X, 1.0), (Vec3::ZERO, Vec3::X, 1.0)]), None);
     }
 }

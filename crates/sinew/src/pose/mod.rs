@@ -1,14 +1,12 @@
-//! What a game reads back from a compound of particles: its transform here ([`pose`]), its mass, barycentre, velocity,
-//! angular velocity and inertia in [`motion`] (physics.md E1 to E3). The particles know none of these: they emerge.
+//! Motion of a compound of particles as a whole: its transform here ([`pose`], shape matching), its mass, barycentre, velocity, angular velocity and inertia in
+//! [`motion`] (physics.md E1 to E3). All of them are computed from the particles; none is stored.
 //!
 //! # The transform
 //!
-//! Particle `i` rests at `rᵢ` in the compound's own frame and is now at `pᵢ`. Wanted: the rigid transform `x = R r + t` with
-//! the least `Σ mᵢ ‖R rᵢ + t - pᵢ‖²`.
+//! Particle `i` has the rest position `rᵢ` in the compound's own frame and is now at `pᵢ`. The rigid transform `x = R r + t` minimises `Σ mᵢ ‖R rᵢ + t - pᵢ‖²`.
 //!
-//! For a given `R` the sum is least where its derivative by `t` vanishes: `t = p̄ - R r̄`, with the mass-weighted means `p̄`
-//! and `r̄`. (The lecture's `p̄ - r̄` is the case `r̄ = 0`.) What is left, with `a = p - p̄` and `b = r - r̄`, is
-//! `Σ m ‖R b - a‖² = Σ m (‖b‖² + ‖a‖²) - 2 Σ m a·R b`, and `Σ m a·R b = tr(Rᵀ M)` with
+//! For a given `R` the sum is least where its derivative by `t` vanishes: `t = p̄ - R r̄`, with the mass-weighted means `p̄` and `r̄`. (The lecture's `p̄ - r̄`
+//! is the case `r̄ = 0`.) The rest, with `a = p - p̄` and `b = r - r̄`, is `Σ m ‖R b - a‖² = Σ m (‖b‖² + ‖a‖²) - 2 Σ m a·R b`, and `Σ m a·R b = tr(Rᵀ M)` with
 //!
 //! ```text
 //! M = Σ m a bᵀ = Σ m (p - p̄)(r - r̄)ᵀ
@@ -23,11 +21,10 @@
 //!
 //! # The sums
 //!
-//! Everything is `f64` until the end. Products of two `f32` are then exact, no size from 1e-38 m to 1e38 m overflows or
-//! vanishes, so nothing needs scaling beforehand, and the conversion is free beside the loads. That also allows one pass
-//! over the particles: with `a' = p - p₀` and `b' = r - r₀`, relative to the first particle (a difference without
-//! round-off, so particles that coincide give exactly zero, wherever they are), `M = Σ m a' b'ᵀ - (Σ m) ā' b̄'ᵀ`. What
-//! cancels there is at most the share of the first particle in the mass: 6 of 16 digits if it has a millionth of it.
+//! Everything is `f64` until the end. Products of two `f32` are then exact, and no size from 1e-38 m to 1e38 m overflows or underflows, so nothing needs
+//! scaling beforehand; the conversion costs nothing beside the loads. It also allows one pass over the particles: with `a' = p - p₀` and `b' = r - r₀`,
+//! relative to the first particle (a difference without round-off, so particles that coincide give exactly zero, wherever they are), `M = Σ m a' b'ᵀ - (Σ m) ā'
+//! b̄'ᵀ`. The cancellation is limited by the first particle's share of the mass: it costs 6 of 16 digits if that is a millionth.
 //!
 //! Only `+ - × ÷ √` in a fixed order, on scalar types (glam's `DVec3`, `DMat3`, `DQuat` are scalar everywhere; its `Quat`
 //! is not): the same bits on every machine.
@@ -54,17 +51,17 @@ use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 /// A rigid transform from the rest frame of a compound to the world: a point at `r` goes to `rotation * r + translation`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Where the origin of the rest frame is now, metres.
+    /// Position of the rest frame's origin, metres.
     pub translation: Vec3,
-    /// How the rest frame is turned; a unit quaternion.
+    /// Rotation of the rest frame; a unit quaternion.
     pub rotation: Quat,
 }
 
 impl Pose {
-    /// The rest frame where it was: no translation, no rotation.
+    /// No translation and no rotation.
     pub const IDENTITY: Self = Self { translation: Vec3::ZERO, rotation: Quat::IDENTITY };
 
-    /// Where this pose puts a point at `rest`, metres. The same bits on every machine, unlike `Quat * Vec3`.
+    /// Transforms a point at `rest`, metres. The same bits on every machine, unlike `Quat * Vec3`.
     pub fn point(self, rest: Vec3) -> Vec3 {
         let axis = Vec3::new(self.rotation.x, self.rotation.y, self.rotation.z);
         let across = axis.cross(rest) * 2.0;
@@ -78,10 +75,10 @@ impl Default for Pose {
     }
 }
 
-/// The rigid transform that best carries the rest positions onto the current ones: least `Σ m ‖R r + t - p‖²`.
+/// The rigid transform that best maps the rest positions to the current ones: least `Σ m ‖R r + t - p‖²`.
 ///
-/// `points` yields, for each particle, its position now (m, world), its rest position (m, compound's frame) and its weight,
-/// normally its mass in kg. It is read once, twice if no weight counts, always in its own order; nothing is allocated:
+/// `points` yields the current position (m, world), the rest position (m, compound's frame) and the weight of each particle, normally its mass in kg. It is
+/// read once, twice if no weight counts, always in its own order; nothing is allocated:
 ///
 /// ```
 /// # use glam::{Quat, Vec3};
@@ -93,24 +90,24 @@ impl Default for Pose {
 /// # assert!(found.is_some());
 /// ```
 ///
-/// **Weights** are positive and finite. A particle whose weight is zero, negative, infinite or NaN does not count, so give
-/// a pinned particle the mass that it would have if it were let go. If no weight counts, all particles count equally.
+/// **Weights** are positive and finite. A particle whose weight is zero, negative, infinite or NaN does not count, so pass for a pinned particle the mass that
+/// it would have unpinned. If no weight counts, all particles count equally.
 ///
-/// **`previous`** is the rotation of the last call (any rotation will do, the identity for instance; one that is zero or not
-/// finite is taken for the identity). It makes the answer cheap, and decides wherever the particles do not:
-/// - one particle, or all in one place: `previous` is kept;
-/// - on a line: `previous`, turned by the shortest arc that aims it along the line, so without twist. (A line led around a
-///   cone comes back twisted by the solid angle all the same; any rule that depends on directions continuously does that.)
-///   A line that is reversed exactly turns about an axis across it that is arbitrary, but always the same;
-/// - mirrored so that several rotations are equally good: the one nearest to `previous`.
+/// **`previous`** is the result of the last call (any rotation will do, for instance the identity; zero or a non-finite one counts as the identity). It speeds
+/// up the computation, and decides where the particles do not:
+/// - one particle, or several that coincide: `previous` is kept;
+/// - on a line: `previous`, turned by the shortest arc that aligns it with the line, so without twist. (A line moved around a cone comes back twisted by the
+///   solid angle all the same; any rule that depends continuously on directions does that.) A line that is exactly reversed turns about an arbitrary
+///   perpendicular axis, which is always the same;
+/// - mirrored so that several rotations are equally good: the nearest of them to `previous`.
 ///
-/// Elsewhere the result depends on it by round-off only. The quaternion returned is in `previous`'s hemisphere, so
-/// two successive ones can be interpolated. A line, here, is thinner than 1 in 30 000 of its length.
+/// Otherwise the result depends on it only by round-off. The returned quaternion is in the hemisphere of `previous`, so that two successive results can be
+/// interpolated. Particles count as on a line if they are thinner than 1 in 30 000 of its length.
 ///
-/// The result is a proper rotation whatever the particles are, mirrored, flat or crushed; it is never a reflection.
+/// The result is a proper rotation for any particles, mirrored, flat or crushed; never a reflection.
 ///
-/// `None` if there is no particle, or one that counts has a position or a rest position that is not finite (or that brings
-/// the result outside `f32`): keep the last pose, and report the compound.
+/// `None` if there is no particle, or if one that counts has a position or a rest position that is not finite (or that makes the result overflow `f32`): keep
+/// the last pose, and report the compound.
 pub fn pose(
     points: impl Iterator<Item = (Vec3, Vec3, f32)> + Clone,
     previous: Quat,
@@ -131,7 +128,7 @@ pub(crate) fn counts(mass: f32) -> bool {
 struct MatchedMoments {
     now: DVec3,
     rest: DVec3,
-    /// `M`, kg·m²: how the positions go with the rest positions.
+    /// `M`, kg·m²: the covariance of positions and rest positions.
     moments: DMat3,
 }
 
@@ -140,7 +137,7 @@ impl MatchedMoments {
     fn sum(mut points: impl Iterator<Item = (Vec3, Vec3, f64)>) -> Option<Self> {
         let (now, rest, mut mass) = points.next()?;
         let (now, rest) = (now.as_dvec3(), rest.as_dvec3());
-        // The first particle adds nothing but its mass: it is the origin.
+        // The first particle is the origin, so it adds only its mass.
         let (mut first_a, mut first_b, mut moments) = (DVec3::ZERO, DVec3::ZERO, DMat3::ZERO);
         for (p, r, m) in points {
             let (a, b) = ((p.as_dvec3() - now) * m, r.as_dvec3() - rest);
@@ -163,7 +160,7 @@ impl MatchedMoments {
             return None;
         }
         let rotation = rotation::nearest(self.moments, unit(previous)).as_quat();
-        // With the rotation as it was rounded, and as `Pose::point` applies it, so that the barycentre is met.
+        // With the rounded rotation, applied as `Pose::point` does, so that the barycentre is mapped exactly.
         let axis = Vec3::new(rotation.x, rotation.y, rotation.z).as_dvec3();
         let across = axis.cross(self.rest) * 2.0;
         let rest = self.rest + across * f64::from(rotation.w) + axis.cross(across);
@@ -178,7 +175,7 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// The quaternion brought to length 1, or the identity if it has no direction.
+/// The quaternion normalised, or the identity if it has no direction.
 fn unit(q: Quat) -> DQuat {
     let q = DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into());
     let length = q.length();

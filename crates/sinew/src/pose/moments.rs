@@ -1,9 +1,8 @@
-//! Sums over particles, eight at a time: of their masses, of what those have for first and second moments about a point, and of the momenta that they have, or are
-//! given. What they do as a whole follows from these.
+//! Sums over particles, eight at a time: masses, first and second moments about a point, momenta. The motion of the particles as a whole follows from them.
 
 use crate::lanes::{Doubles, LANES, Vector};
 
-/// Such sums: eight side by side, or one.
+/// The sums, in eight lanes or as one number each.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MomentSums<N> {
     /// `Σ m`.
@@ -21,7 +20,7 @@ pub(crate) struct MomentSums<N> {
 }
 
 impl<N: Copy> MomentSums<N> {
-    /// Of nothing.
+    /// All sums zero.
     #[inline(always)]
     const fn all(zero: N) -> Self {
         let vector = Vector { x: zero, y: zero, z: zero };
@@ -42,7 +41,7 @@ impl<D: Doubles> MomentSums<D> {
         Self::all(D::splat(0.0))
     }
 
-    /// Adds eight masses, where they are and how fast.
+    /// Adds eight particles: masses, positions and velocities.
     #[inline(always)]
     pub(crate) fn add(&mut self, m: D, r: Vector<D>, v: Vector<D>) {
         let (weighed, moved) = (r * m, v * m);
@@ -58,7 +57,7 @@ impl<D: Doubles> MomentSums<D> {
 impl MomentSums<f64> {
     pub(crate) const NONE: Self = Self::all(0.0);
 
-    /// Adds those of all lanes, the lowest first.
+    /// Adds the sums of all lanes, lowest lane first.
     #[inline(always)]
     pub(crate) fn add_lanes<D: Doubles>(&mut self, sums: &MomentSums<D>) {
         let MomentSums { mass, first, squares, products, momentum, angular } = sums;

@@ -1,24 +1,23 @@
-//! Normals of a mesh, for who draws it: at each vertex the sum of the area vectors of the triangles around it, as long as one.
+//! Vertex normals of a mesh, for rendering: at each vertex the normalised sum of the area vectors of the triangles around it.
 //!
-//! `(p₁-p₀) × (p₂-p₀)` is twice the area times the normal of a triangle. To sum up that, and not unit normals, costs no root for each triangle, lets
-//! slivers count for little, and makes the result of a flat part its normal, however it is cut into triangles.
+//! `(p₁-p₀) × (p₂-p₀)` is twice the area times the normal of a triangle. Summing these instead of unit normals saves a square root per triangle, gives slivers
+//! little weight, and makes the result in a flat part its normal, however it is triangulated.
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 
-/// The least square of a sum of area vectors that has a direction, m⁴: well above what `f32` rounds to nothing, and the square of a triangle with
-/// edges of 50 nm.
+/// Least squared length of a sum of area vectors that has a direction, m⁴: far above the underflow of `f32`, and the square for a triangle with edges of 50 nm.
 const LEAST: f32 = 1e-30;
 
 kernel!(
-    /// Writes the normal of each vertex to `normals`, `[x y z 0]`, of length one; as many as there are `points`.
+    /// Writes the unit normal of each vertex to `normals`, `[x y z 0]`; as many as there are `points`.
     ///
-    /// `points` are `[x y z _]` in metres from anywhere near, in whatever frame the normals are to be in; the fourth number is not looked at. Triangles
-    /// that run anticlockwise as seen from outside have normals that point outwards. One that names a vertex that does not exist is left out.
+    /// `points` are `[x y z _]` in metres relative to a point nearby, in the frame that the normals are to be in; the fourth number is ignored. Triangles that
+    /// are anticlockwise as seen from outside have normals that point outwards. A triangle with an index out of range is skipped.
     ///
-    /// A vertex of no triangle, or of triangles that have no area together or no finite one, gets `fallback`. The bits do not depend on `instructions`;
-    /// pass [`InstructionSet::default`](crate::InstructionSet::default). Nothing is allocated but room in `normals`, once.
+    /// A vertex of no triangle, or of triangles whose area vectors sum to zero or overflow, gets `fallback`. The bits do not depend on `instructions`; pass
+    /// [`InstructionSet::default`](crate::InstructionSet::default). Only `normals` may be reallocated, once.
     pub fn normals<L: Lanes>(
         points: &[Vec4],
         triangles: &[[u32; 3]],
@@ -28,7 +27,7 @@ kernel!(
         normals.clear();
         normals.resize(points.len(), Vec4::ZERO);
         let normals = &mut normals[..];
-        // One length for both, so that a row is compared with it once.
+        // Slices of one length, so that an index needs one bounds check.
         let points = &points[..normals.len()];
         for &[a, b, c] in triangles {
             let [a, b, c] = [a as usize, b as usize, c as usize];
@@ -55,7 +54,7 @@ kernel!(
     }
 );
 
-/// The cross product of the first three numbers; the fourth is nothing.
+/// The cross product of the first three components; the fourth is zero.
 #[inline(always)]
 fn cross(a: Vec4, b: Vec4) -> Vec4 {
     (a * b.yzxw() - a.yzxw() * b).yzxw()
@@ -94,7 +93,7 @@ mod tests {
             let points: Vec<Vec4> =
                 (0..vertices).map(|_| Vec4::new(next(), next(), next(), f32::NAN)).collect();
             let mut row = || ((next() + 0.5) * vertices as f32) as u32;
-            // Two in a hundred name a row that does not exist.
+            // Two in a hundred have an index out of range.
             let triangles: Vec<[u32; 3]> = (0..faces)
                 .map(|f| if f % 50 == 7 { [row(), u32::MAX, 0] } else { [row(), row(), row()] })
                 .collect();
@@ -147,7 +146,7 @@ mod tests {
             Vec4::Z,
             Vec4::ONE,
         ];
-        // Flat on a line, a point, with a NaN, larger than `f32`, too small; one that is fine, and one vertex of none.
+        // Collinear, a point, with a NaN, too large for `f32`, too small; a good one, and one vertex without triangles.
         let triangles = [[0, 1, 3], [2, 2, 2], [4, 8, 2], [5, 8, 3], [6, 7, 7], [9, 1, 0]];
         let all = found(&points, &triangles);
         assert!(all.iter().all(|n| n.is_finite() && (n.length_squared() - 1.0).abs() < 1e-5));

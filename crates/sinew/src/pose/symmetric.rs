@@ -1,19 +1,19 @@
-//! Small symmetric matrices: solve one, and take one apart.
+//! Small symmetric matrices: linear solve and eigendecomposition.
 
 use glam::DVec3;
 
-/// Worse conditioned than this, and [`solve`] declines: compounds longer than about 1000 times their width.
+/// Condition bound above which [`solve`] gives up: compounds longer than about 1000 times their width.
 pub(crate) const WORST: f64 = 1e6;
 
-/// `x = K⁻¹ b` and a bound on the condition of `K`, `tr(K) tr(K⁻¹)` (9 at best), if `K` is positive definite and well
-/// conditioned. By cofactors: the same ones show whether it is (Sylvester's criterion).
+/// `x = K⁻¹ b` and a bound on the condition number of `K`, `tr(K) tr(K⁻¹)` (9 at best), if `K` is positive definite and well conditioned. By cofactors, which
+/// also decide that (Sylvester's criterion).
 pub(crate) fn solve(k: &[[f64; 3]; 3], b: DVec3) -> Option<(DVec3, f64)> {
     let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = *k;
     let (cxx, cyy, czz) = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
     let (cxy, cxz, cyz) = (xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz);
     let determinant = xx * cxx + xy * cxy + xz * cxz;
     let traces = (xx + yy + zz) * (cxx + cyy + czz);
-    // Written so that a NaN declines. Tiny times tiny may underflow to zero: that declines as well.
+    // Written so that NaN gives `None`. Products of tiny numbers may underflow to zero: that gives `None` as well.
     if xx > 0.0 && czz > 0.0 && determinant > 0.0 && traces <= WORST * determinant {
         let x = DVec3::new(
             cxx * b.x + cxy * b.y + cxz * b.z,
@@ -27,15 +27,15 @@ pub(crate) fn solve(k: &[[f64; 3]; 3], b: DVec3) -> Option<(DVec3, f64)> {
     }
 }
 
-/// Eigenvalues and unit eigenvectors (one a row) of a symmetric matrix, in no order, by Jacobi's method: turn one
-/// off-diagonal element after the other to zero; what the others get back vanishes quadratically (Golub, Van Loan, *Matrix
-/// Computations*, 8.5). Slow for large matrices, the most accurate for small ones.
+/// Eigenvalues and unit eigenvectors (one per row) of a symmetric matrix, in no particular order, by Jacobi's method: rotates one off-diagonal element after
+/// the other to zero; what this adds to the others vanishes quadratically (Golub, Van Loan, *Matrix Computations*, 8.5). Slow for large matrices, the most
+/// accurate for small ones.
 pub(crate) fn eigen<const N: usize>(mut a: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
     let mut vectors = [[0.0; N]; N];
     for (i, v) in vectors.iter_mut().enumerate() {
         v[i] = 1.0;
     }
-    // Five or six sweeps do; the bound is for what is not finite.
+    // Five or six sweeps are enough; the bound is for non-finite input.
     for _ in 0..20 {
         let (mut off, mut all) = (0.0, 0.0);
         for (p, row) in a.iter().enumerate() {
@@ -50,7 +50,7 @@ pub(crate) fn eigen<const N: usize>(mut a: [[f64; N]; N]) -> ([f64; N], [[f64; N
                 if a[p][q] == 0.0 {
                     continue;
                 }
-                // tan φ of the smaller of the two turns that make a[p][q] vanish.
+                // tan φ of the smaller of the two rotations that zero a[p][q].
                 let half = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
                 let tan = 1.0_f64.copysign(half) / (half.abs() + (1.0 + half * half).sqrt());
                 let cos = 1.0 / (1.0 + tan * tan).sqrt();

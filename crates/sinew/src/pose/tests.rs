@@ -1,8 +1,8 @@
-//! What the transform that is read back must be, case by case.
+//! The transform of a compound, case by case.
 
 use super::*;
 
-/// A small generator of reproducible cases (Knuth's linear congruence).
+/// A small generator of reproducible cases (a linear congruential generator, Knuth's constants).
 pub(super) struct Random(pub(super) u64);
 
 impl Random {
@@ -13,7 +13,7 @@ impl Random {
         (self.0 >> 40) as f32 / (1 << 23) as f32 - 1.0
     }
 
-    /// Uniform in the cube -1..1, not too short.
+    /// Uniform in the cube -1..1, except short ones.
     pub(super) fn vector(&mut self) -> Vec3 {
         loop {
             let v = Vec3::new(self.next(), self.next(), self.next());
@@ -51,7 +51,7 @@ pub(super) fn score(q: DQuat, m: DMat3) -> f64 {
     r.x_axis.dot(m.x_axis) + r.y_axis.dot(m.y_axis) + r.z_axis.dot(m.z_axis)
 }
 
-/// Between two rotations, rad; accurate for small angles too.
+/// Angle between two rotations, rad; accurate for small angles too.
 pub(super) fn angle_f64(a: DQuat, b: DQuat) -> f64 {
     let between = a.conjugate() * b;
     2.0 * libm::atan2(between.xyz().length(), between.w.abs())
@@ -67,7 +67,7 @@ pub(super) fn about(axis: Vec3, angle: f32) -> Quat {
     Quat::from_xyzw(v.x, v.y, v.z, cos)
 }
 
-/// Previous rotations: none, anything, and the exact half turns away from `q`.
+/// Previous rotations: none, a random one, and the exact half turns away from `q`.
 pub(super) fn starts(q: Quat, random: &mut Random) -> [Quat; 6] {
     let half = |x, y, z| q * Quat::from_xyzw(x, y, z, 0.0);
     [
@@ -123,7 +123,7 @@ fn a_rotation_times_any_stretch_is_found_exactly() {
     let mut random = Random(2);
     let mut worst = 0.0_f32;
     for _ in 0..2000 {
-        // U D Uᵀ, from a fifth to five times.
+        // U D Uᵀ, with stretches from a fifth to five.
         let (q, u) = (random.rotation(), random.rotation());
         let d = Vec3::from_array(std::array::from_fn(|_| libm::powf(5.0, random.next())));
         let points = carried(&cube(), |r| q * (u * (d * (u.inverse() * r))));
@@ -183,7 +183,7 @@ fn a_mirrored_compound_gets_the_best_proper_rotation() {
         let m = MatchedMoments::sum(points.iter().map(|&(p, r, _)| (p, r, 1.0))).unwrap().moments;
         let m = m * (1.0 / norm(m));
         assert!(m.determinant() < 0.0);
-        // Climb to the best by trial, from the best of many and with ever smaller turns: nothing of rotation.rs in it.
+        // Hill climbing from the best of many random rotations, with ever smaller turns: independent of rotation.rs.
         let mut best = (0..500).map(|_| unit(random.rotation())).fold(found, |best, q| {
             if best == found || score(q, m) > score(best, m) { q } else { best }
         });
@@ -201,7 +201,7 @@ fn a_mirrored_compound_gets_the_best_proper_rotation() {
                 size *= 0.5;
             }
         }
-        // The score of a rotation rounded to f32, which is flat at the top.
+        // The scores of rotations rounded to f32: the score is flat at its maximum.
         assert!(
             (score(found, m) - score(best, m)).abs() < 1e-11,
             "{} {}",
@@ -213,7 +213,7 @@ fn a_mirrored_compound_gets_the_best_proper_rotation() {
 
 #[test]
 fn a_mirrored_cube_turns_no_more_than_it_must() {
-    // Where three directions are as good, previous decides; seen from any of the best, it is kept.
+    // Where three directions are equally good, `previous` decides; starting from any of the optima, it is kept.
     let mut random = Random(6);
     for _ in 0..100 {
         let q = random.rotation();
@@ -295,7 +295,7 @@ fn the_warm_start_takes_two_or_three_steps() {
 fn far_from_the_optimum_the_warm_path_declines_rather_than_errs() {
     let m = DMat3::IDENTITY * libm::sqrt(1.0 / 3.0);
     for half in [DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0), DQuat::from_xyzw(0.48, 0.6, 0.64, 0.0)] {
-        // A half turn away all torques vanish; only the curvature tells.
+        // At a half turn all torques vanish; only the curvature shows that it is not the optimum.
         assert_eq!(rotation::newton(m, half), None);
         assert!(angle_f64(rotation::davenport(m, half), DQuat::IDENTITY) < 1e-12);
     }
@@ -308,7 +308,7 @@ fn the_bits_are_the_same_on_every_machine() {
         let now = Vec3::new(0.3 * r.y + 1.7, 1.1 * r.z - 0.9 * r.x, r.x + 0.2 * r.y * r.z);
         (now, r, 0.1 * i as f32 + 0.3)
     });
-    // By Newton's steps, then by the eigenproblem.
+    // By Newton's method, then by the eigenproblem.
     for previous in [Quat::from_xyzw(-0.4, -0.5, -0.4, 0.6), Quat::from_xyzw(0.0, 0.0, 0.0, 1.0)] {
         let Pose { translation: t, rotation: q } = pose(points.clone(), previous).unwrap();
         let sign = q.w.signum();

@@ -1,13 +1,13 @@
-//! A compound that moves as an explicit rigid body, among particles that do not (physics.md M1, M2).
+//! A compound that moves as an explicit rigid body, in a simulation of particles (physics.md M1, M2).
 //!
-//! Between steps its particles are the state, as for every other compound: swapping it in or out is adding it to the simulation's list or taking it
-//! off. When a step begins it is read off them ([`RigidBody::from_rows`]). In each substep
+//! Between steps its particles are the state, as for every other compound: adding it to the simulation's list, or removing it, swaps the representation. When a
+//! step begins, the body is read from its particles ([`RigidBody::from_rows`]). In each substep
 //!
-//! 1. the forces on its particles are summed up into a force and a torque, and the body is stepped as such;
-//! 2. its particles are put where that leaves them, and constraints and contacts move them like any others; among those is a [`Rigid`] shape
-//!    (which takes the place of whatever held them together), so that what pulls at one of them pulls at all;
-//! 3. if nothing moved them the body goes on as it is, to the last bit of its own integrator. Otherwise it goes where they are, and what moved each
-//!    of them by `d` is an impulse `m d/h` on the body.
+//! 1. the forces on its particles are summed into a force and a torque, and the body is stepped;
+//! 2. its particles are placed accordingly, and constraints and contacts move them like any others; among the constraints is a [`Rigid`] shape (which replaces
+//!    those that held them together), so that what pulls at one of them pulls at all;
+//! 3. if nothing moved them, the body continues unchanged, to the last bit of its own integrator. Otherwise it takes the pose of its particles, and a
+//!    displacement `d` of a particle counts as an impulse `m d/h` on the body.
 
 use glam::{DVec3, Quat, Vec3, Vec4};
 
@@ -15,33 +15,33 @@ use super::{RigidBody, RigidIntegrator};
 use crate::constraints::{Constraint, ConstraintKind, Rigid};
 use crate::particles::Particles;
 
-/// Which particles move as one rigid body.
+/// Particles that move as one rigid body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compound {
-    /// Rows of the particles. Constraints among them alone rest meanwhile.
+    /// Rows of the particles. Constraints among them alone are inactive meanwhile.
     pub rows: Vec<usize>,
-    /// Where each of them rests in the body's own frame, metres.
+    /// Rest position of each in the body's own frame, metres.
     pub rest: Vec<Vec3>,
-    /// How it steps through time.
+    /// Its integrator.
     pub integrator: RigidIntegrator,
 }
 
-/// The bodies of a step. Scratch.
+/// The rigid bodies of a step. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Moving {
-    /// The body of each compound; none where it cannot be one: a pinned particle among them, or nothing to sum up. Those stay particles.
+    /// The body of each compound; `None` where there cannot be one (a particle is pinned, or none has mass). Those stay particles.
     bodies: Vec<Option<RigidBody>>,
-    /// Where the body has put its particles in this substep, all compounds one after the other.
+    /// Positions of the particles as the bodies placed them in this substep, compound after compound.
     placed: Vec<Vec4>,
 }
 
 impl Compound {
-    /// Particles that rest at `rest` (metres) in the body's own frame, moved by the default integrator.
+    /// A compound with these rest positions (metres) in its own frame, and the default integrator.
     pub fn new(rows: impl IntoIterator<Item = usize>, rest: Vec<Vec3>) -> Self {
         Self { rows: rows.into_iter().collect(), rest, integrator: RigidIntegrator::default() }
     }
 
-    /// The shape that holds its particles together against what pulls at them.
+    /// The shape constraint that holds its particles together.
     pub(crate) fn shape(&self) -> Constraint {
         let kind = Rigid { rest: self.rest.as_slice().into(), softness: Default::default() };
         Constraint::new(self.rows.iter().map(|&row| row as u32), ConstraintKind::Rigid(kind))
@@ -49,21 +49,20 @@ impl Compound {
 }
 
 impl Moving {
-    /// Reads the bodies off their particles, at the beginning of a step.
+    /// Reads the bodies from their particles, at the start of a step.
     pub(crate) fn read(&mut self, particles: &Particles, compounds: &[Compound]) {
         self.bodies.clear();
         self.bodies.extend(compounds.iter().map(|compound| read_one(particles, compound)));
     }
 
-    /// Brings all bodies to rest.
+    /// Sets all velocities to zero.
     pub(crate) fn forget_velocities(&mut self) {
         for body in self.bodies.iter_mut().flatten() {
             (body.velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
         }
     }
 
-    /// Moves the bodies through `h` seconds, and puts their particles where that leaves them. The particles have been predicted one by one before,
-    /// which is forgotten.
+    /// Steps the bodies by `h` seconds, and places their particles accordingly. This overwrites the predictions of these particles.
     pub(crate) fn predict(&mut self, particles: &mut Particles, compounds: &[Compound], h: f32) {
         self.placed.clear();
         for (compound, slot) in compounds.iter().zip(&mut self.bodies) {
@@ -82,7 +81,7 @@ impl Moving {
                 *slot = None;
                 continue;
             }
-            // Damping acts on each particle's velocity alike, so on the body's two.
+            // Damping acts equally on each particle's velocity, and so on the body's two velocities.
             let kept = libm::expf(-loss / body.mass * h);
             body.velocity *= kept;
             body.angular_velocity *= kept;
@@ -96,7 +95,7 @@ impl Moving {
         }
     }
 
-    /// Closes a substep of `h` seconds: bodies that were pushed take that up, and all particles have the velocities of their bodies.
+    /// Ends a substep of `h` seconds: applies to the bodies what constraints did to their particles, and gives all particles the velocities of their bodies.
     pub(crate) fn settle(&mut self, particles: &mut Particles, compounds: &[Compound], h: f32) {
         let mut placed = self.placed.iter();
         for (compound, slot) in compounds.iter().zip(&mut self.bodies) {
@@ -116,7 +115,7 @@ impl Moving {
     }
 }
 
-/// What constraints have done to the particles of a body in a substep.
+/// Total displacement of a body's particles by constraints in a substep.
 struct Push {
     /// `Σ m d`, kg·m.
     linear: DVec3,
@@ -136,7 +135,7 @@ impl Push {
         for (&i, put) in compound.rows.iter().zip(placed) {
             let now = particles.position[i].truncate();
             let moved = now - put.truncate();
-            // Four times the spacing of numbers there: less is what the shape's own projection rounds.
+            // Four times the spacing of `f32` there: the shape's own projection rounds by less.
             touched |= moved.abs().max_element() > 4.0 * f32::EPSILON * now.abs().max_element();
             let m = f64::from(particles.mass(i));
             push.linear += moved.as_dvec3() * m;
@@ -146,7 +145,7 @@ impl Push {
     }
 }
 
-/// The body where its particles are now, with the impulses of what moved them there.
+/// The body at the pose of its particles, with the impulses that moved them there.
 fn pushed(
     particles: &Particles,
     compound: &Compound,
@@ -166,7 +165,7 @@ fn pushed(
     Some(found)
 }
 
-/// The body of a compound, if it can be one.
+/// The body of a compound; `None` if there cannot be one.
 fn read_one(particles: &Particles, compound: &Compound) -> Option<RigidBody> {
     let held = |&i: &usize| i >= particles.len() || particles.inverse_mass(i) == 0.0;
     if compound.rows.iter().any(held) {

@@ -1,14 +1,14 @@
-//! Euler's method for a turning body, as the lectures have it.
+//! Euler's method for rotation, as in the lectures.
 //!
-//! From `L̇ = τ` and `L = J ω` with `J = R I Rᵀ`, whose rate of change is `J̇ = [ω] J - J [ω]`, follows Euler's equation in the
-//! axes of the world; and a rotation by `ω h` is, to first order, the quaternion `1 + ½ h ω`:
+//! From `L̇ = τ` and `L = J ω` with `J = R I Rᵀ`, whose rate of change is `J̇ = [ω] J - J [ω]`, Euler's equation follows in the axes of the world; and a
+//! rotation by `ω h` is, to first order, the quaternion `1 + ½ h ω`:
 //!
 //! ```text
 //! ω ← ω + h J⁻¹ (τ - ω × J ω)        q ← q + ½ h ω q, made unit
 //! ```
 //!
-//! The gyroscopic term `ω × J ω` is what makes a thrown book flip. Taken from the old `ω` it is only known to first order, and with it `L`,
-//! which no torque has changed, changes by terms in `h² ω²`; the turn is by `2 atan(½ h ω)` instead of `h ω`.
+//! The gyroscopic term `ω × J ω` is what makes a thrown book flip. Taken from the old `ω` it is accurate only to first order, so `L` changes by terms in `h²
+//! ω²` even without a torque; and the turn is by `2 atan(½ h ω)` instead of `h ω`.
 
 use glam::{DQuat, DVec3};
 

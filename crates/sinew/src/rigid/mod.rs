@@ -1,18 +1,17 @@
-//! Explicit rigid bodies: where the particles of a compound let orientation and spin emerge, here they are the state and are
-//! integrated themselves (physics.md M1). Cheaper where nothing bends, and the measure that the compounds are held to; a
-//! compound becomes one and back at any time (`swap.rs`, physics.md M2).
+//! Explicit rigid bodies: orientation and angular velocity are state and are integrated, instead of following from particles (physics.md M1). They cost less
+//! where nothing bends, and are the reference for compounds of particles; a compound becomes one and back at any time (`swap.rs`, physics.md M2).
 //!
 //! # The equations
 //!
-//! With the barycentre `p`, its velocity `v`, the rotation `R` from the body's frame to the world, the inertia `I` in the body's
-//! frame and the angular momentum about the barycentre `L = R I Rᵀ ω`, a force `F` and a torque `τ` about the barycentre do
+//! With the barycentre `p`, its velocity `v`, the rotation `R` from the body's frame to the world, the inertia `I` in the body's frame and the angular momentum
+//! about the barycentre `L = R I Rᵀ ω`, a force `F` and a torque `τ` about the barycentre give
 //!
 //! ```text
 //! ṗ = v        m v̇ = F        Ṙ = [ω] R        L̇ = τ
 //! ```
 //!
-//! Without a torque `L` stands still in the world, and yet `ω` does not: it wanders as `R I Rᵀ` turns, and that is
-//! all the wobble and the flips there are. So the good integrators keep `(R, L)`, and turn `R` such that the energy `½ ω·L` stays:
+//! Without a torque `L` is constant in the world, but `ω` is not: it changes as `R I Rᵀ` turns, which is the cause of all wobble and flips. So the good
+//! integrators keep `(R, L)` as state, and turn `R` such that the energy `½ ω·L` is preserved:
 //!
 //! | [`RigidIntegrator`] | order | energy | angular momentum | file |
 //! |---|---|---|---|---|
@@ -20,14 +19,13 @@
 //! | `Leapfrog` | 2 | bounded error, no drift | kept | `leapfrog.rs` |
 //! | `Verlet` | 2 | bounded error, no drift | kept | `verlet.rs` |
 //!
-//! The barycentre goes by the formula of the same name: Euler takes the velocity first, then the position; the other two
-//! follow a parabola exactly.
+//! The barycentre is integrated by the method of the same name: Euler updates the velocity first, then the position; the other two follow a parabola exactly.
 //!
 //! # Precision
 //!
-//! A step is made in `f64` and ends in `f32`. Positions are measured from an `origin` in whole metres that follows the body,
-//! as those of the [particles](crate::particles) are, so that a body at 5 km moves bit for bit as it does at zero. What is "kept" above
-//! is kept to the rounding of that `f32`, some 1e-7 of it a step, at random.
+//! A step is computed in `f64` and rounded to `f32`. Positions are relative to an `origin` in whole metres that follows the body, as those of the
+//! [particles](crate::particles) are, so that a body at 5 km moves bit for bit as it does at zero. "Kept" above means up to that rounding, a random 1e-7 of the
+//! value in each step.
 
 mod compound;
 mod euler;
@@ -50,18 +48,17 @@ use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 use crate::pose::Pose;
 use principal::Principal;
 
-/// A rigid body: its state and what resists changing it. All fields are of the same instant, and free to be edited;
-/// [`fault`](Self::fault) says whether they make sense.
+/// A rigid body: state, mass and inertia. All fields belong to the same instant and may be edited freely; [`fault`](Self::fault) checks them.
 ///
-/// Every position that a method takes or gives is in metres from [`origin`](Self::origin), with the axes of the world.
+/// Every position that a method takes or returns is in metres from [`origin`](Self::origin), with the axes of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidBody {
-    /// What `position` is measured from, whole metres (a fraction does no harm, except that a scene moved by it is not moved exactly).
-    /// It changes by itself as the body moves on. Default zero.
+    /// What `position` is relative to, whole metres (a fraction is allowed, but then a scene moved by it is not moved exactly). Each step updates it as the
+    /// body moves. Default zero.
     pub origin: Vec3,
     /// The barycentre, metres from `origin`. Default zero.
     pub position: Vec3,
-    /// How the body's frame is turned; brought to unit length before use. Default the identity.
+    /// Rotation of the body's frame; normalised before use. Default the identity.
     pub rotation: Quat,
     /// Velocity of the barycentre, m/s. Default zero.
     pub velocity: Vec3,
@@ -69,36 +66,35 @@ pub struct RigidBody {
     pub angular_velocity: Vec3,
     /// Mass, kg, positive and finite. Default 1.
     pub mass: f32,
-    /// Inertia tensor about the barycentre in the axes of the body's frame, kg·m²: symmetric, not negative. Default that of a solid
-    /// cube of 1 m and 1 kg. A principal moment below a millionth of the greatest counts as zero: about such an
-    /// axis (all mass within 1/1000 of the length) the body neither spins nor can be spun.
+    /// Inertia tensor about the barycentre in the axes of the body's frame, kg·m²: symmetric, not negative. Default that of a solid cube of 1 m and 1 kg. A
+    /// principal moment below a millionth of the greatest counts as zero: about such an axis (all mass within 1/1000 of the length) the body cannot spin.
     pub inertia: Mat3,
-    /// Where the barycentre is in the body's frame, metres: what is drawn need not be centred on it. Default zero.
+    /// The barycentre in the body's frame, metres: the drawn model need not be centred on it. Default zero.
     pub centre: Vec3,
 }
 
-/// Why a rigid body, or what is asked of it, is refused.
+/// Why a rigid body, or an operation on it, is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RigidFault {
-    /// Position, origin or centre are NaN or infinite.
+    /// Position, origin or centre is NaN or infinite.
     #[error("its position is not finite")]
     Position,
-    /// NaN, infinite or zero.
+    /// The rotation is NaN, infinite or zero.
     #[error("its rotation is not a rotation")]
     Rotation,
-    /// Velocity or angular velocity are NaN or infinite.
+    /// Velocity or angular velocity is NaN or infinite.
     #[error("its velocity is not finite")]
     Velocity,
-    /// NaN, infinite, zero, negative, or so small that its inverse is not finite.
+    /// The mass is NaN, infinite, zero, negative, or so small that its inverse is not finite.
     #[error("its mass is not a positive number of kilograms")]
     Mass,
-    /// NaN, infinite, not symmetric, or with a negative moment.
+    /// The inertia is NaN, infinite, not symmetric, or has a negative moment.
     #[error("its inertia is not that of a body")]
     Inertia,
-    /// A force, a torque or a step that is NaN or infinite, or one that takes the body out of what `f32` can say.
+    /// A force, a torque or a step is NaN or infinite, or leads to values outside `f32`.
     #[error("the step does not lead to finite numbers")]
     Step,
-    /// A swap with another number of rest positions than of particles, or with particles of which none has a finite mass.
+    /// A swap with different numbers of rest positions and particles, or with particles of which none has a finite mass.
     #[error("its particles do not make a rigid body")]
     Particles,
 }
@@ -131,20 +127,20 @@ impl RigidBody {
         Self::new(mass, Mat3::from_diagonal(moments))
     }
 
-    /// The first thing that is wrong with it, in the order of [`RigidFault`]. Checked at every step.
+    /// The first fault, in the order of [`RigidFault`]. Checked at every step.
     pub fn fault(&self) -> Option<RigidFault> {
         self.principal().err()
     }
 
-    /// Where the body's frame is: the transform to draw with, its translation in metres from `origin`.
+    /// Pose of the body's frame: the transform to draw with, its translation in metres from `origin`.
     pub fn pose(&self) -> Pose {
         let shift = self.turn() * self.centre.as_dvec3();
         let translation = (self.position.as_dvec3() - shift).as_vec3();
         Pose { translation, rotation: self.turn().as_quat() }
     }
 
-    /// A place in metres from `origin` as the world knows it: the nearest `f32` and what that leaves out, as a
-    /// [particle's seed](crate::ParticleSeed::remainder) takes them.
+    /// A position in metres from `origin` in world coordinates: the nearest `f32` and the remainder, as a [particle's seed](crate::ParticleSeed::remainder)
+    /// takes them.
     pub fn world(&self, place: Vec3) -> (Vec3, Vec3) {
         let exact = self.origin.as_dvec3() + place.as_dvec3();
         let near = exact.as_vec3();
@@ -161,7 +157,7 @@ impl RigidBody {
         self.world_inertia() * self.angular_velocity.as_dvec3()
     }
 
-    /// Angular momentum about the zero of the world, kg·m²/s: that about the barycentre and `x × m v`.
+    /// Angular momentum about the world's zero, kg·m²/s: that about the barycentre and `x × m v`.
     pub fn angular_momentum_about_zero(&self) -> DVec3 {
         let place = self.origin.as_dvec3() + self.position.as_dvec3();
         self.angular_momentum() + place.cross(self.momentum())
@@ -189,31 +185,31 @@ impl RigidBody {
     /// wheel.position = Vec3::Y;
     /// wheel.velocity = Vec3::X;
     /// wheel.angular_velocity = Vec3::NEG_Z;
-    /// // Its radius is 1, and it rolls: where it touches the ground it stands.
+    /// // Its radius is 1, and it rolls: the point that touches the ground is at rest.
     /// assert_eq!(wheel.point_velocity(Vec3::ZERO), Vec3::ZERO);
     /// ```
     pub fn point_velocity(&self, point: Vec3) -> Vec3 {
         self.velocity + self.angular_velocity.cross(point - self.position)
     }
 
-    /// Adds an impulse at the barycentre, N·s: the momentum changes by exactly that. One that is not finite, or that such a body cannot
-    /// take, changes nothing; so too below.
+    /// Applies an impulse at the barycentre, N·s: the momentum changes by exactly that. A non-finite impulse, or one to a body with a fault, changes nothing;
+    /// the same holds for the methods below.
     pub fn apply_impulse(&mut self, impulse: Vec3) {
         self.apply(impulse, DVec3::ZERO);
     }
 
-    /// Adds an impulse, N·s, at `point`: `P += J`, `L += (point - p) × J`.
+    /// Applies an impulse, N·s, at `point`: `P += J`, `L += (point - p) × J`.
     pub fn apply_impulse_at(&mut self, impulse: Vec3, point: Vec3) {
         let arm = point.as_dvec3() - self.position.as_dvec3();
         self.apply(impulse, arm.cross(impulse.as_dvec3()));
     }
 
-    /// Adds an angular impulse, N·m·s: the angular momentum changes by exactly that, less what is about an axis without inertia.
+    /// Applies an angular impulse, N·m·s: the angular momentum changes by exactly that, except for components about axes without inertia.
     pub fn apply_angular_impulse(&mut self, impulse: Vec3) {
         self.apply(Vec3::ZERO, impulse.as_dvec3());
     }
 
-    /// The torque about the barycentre, N·m, of a force in N that acts at `point`: what [`step`](Self::step) takes beside the force.
+    /// The torque about the barycentre, N·m, of a force in N at `point`, to be passed to [`step`](Self::step) with the force.
     pub fn torque_of(&self, force: Vec3, point: Vec3) -> Vec3 {
         (point - self.position).cross(force)
     }
@@ -229,12 +225,12 @@ impl RigidBody {
         }
     }
 
-    /// The rotation at unit length; only for a body without a fault is it one.
+    /// The rotation normalised; valid only for a body without a fault.
     fn turn(&self) -> DQuat {
         DQuat::from_array(self.rotation.to_array().map(f64::from)).normalize()
     }
 
-    /// The principal axes, once everything is found to be in order.
+    /// The principal axes, or the first fault.
     fn principal(&self) -> Result<Principal, RigidFault> {
         let places = [self.origin, self.position, self.centre];
         let length = self.rotation.to_array().map(f64::from).iter().map(|x| x * x).sum::<f64>();

@@ -1,27 +1,27 @@
-//! The inertia in its principal axes: where it is three numbers, and where it shows about which axes there is none; and how a body turns.
+//! Inertia in its principal axes: diagonal, so that axes without inertia are recognised; and the spin of a body.
 
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::pose::symmetric;
 
-/// Moments below this share of the greatest one count as zero. An `f32` matrix says nothing about smaller ones: its
-/// elements are rounded to 6e-8 of themselves, and so the least eigenvalue by about 1e-7 of the greatest.
+/// Moments below this fraction of the greatest count as zero. An `f32` matrix has no information on smaller ones: its elements are rounded to 6e-8 of
+/// themselves, and so the least eigenvalue to about 1e-7 of the greatest.
 const NOTHING: f64 = 1e-6;
 
 /// Principal moments and axes of a body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Principal {
-    /// The moments, kg·m², all positive. Where there is none the greatest stands in for it (1 if there is none at all), which does no
-    /// harm, because there is no angular momentum about that axis ever: [`rate`](Self::rate) sees to that.
+    /// Principal moments, kg·m², all positive. A zero moment is replaced by the greatest (1 if all are zero). That has no effect, because [`rate`](Self::rate)
+    /// gives no angular velocity about that axis.
     pub(super) moments: DVec3,
-    /// What turns angular momentum into angular velocity: `1/moment`, and 0 where there is none.
+    /// Turns angular momentum into angular velocity: `1/moment`, or 0 for a zero moment.
     inverse: DVec3,
-    /// The principal axes in the body's frame, one a column, right-handed.
+    /// Principal axes in the body's frame, one per column, right-handed.
     pub(super) axes: DMat3,
 }
 
 impl Principal {
-    /// `None` if it is not finite, not symmetric or has a negative moment.
+    /// `None` if the matrix is not finite, not symmetric or has a negative moment.
     pub(super) fn new(m: DMat3) -> Option<Self> {
         let across = m - m.transpose();
         let size = m.to_cols_array().into_iter().fold(0.0, |size: f64, x| size.max(x.abs()));
@@ -46,7 +46,7 @@ impl Principal {
         })
     }
 
-    /// `I⁻¹ L`, rad/s, with both in the body's frame: the pseudo-inverse, without a share about axes that have no inertia.
+    /// `I⁻¹ L`, rad/s, both in the body's frame: the pseudo-inverse, without components about axes that have no inertia.
     pub(super) fn rate(&self, momentum: DVec3) -> DVec3 {
         self.axes * (self.inverse * (self.axes.transpose() * momentum))
     }
@@ -56,7 +56,7 @@ impl Principal {
         self.inverse.min_element() > 0.0
     }
 
-    /// `I ω`, kg·m²/s, with both in the body's frame, and without a share about axes that have no inertia.
+    /// `I ω`, kg·m²/s, both in the body's frame, without components about axes that have no inertia.
     pub(super) fn momentum(&self, rate: DVec3) -> DVec3 {
         let there = |x: f64| if x > 0.0 { 1.0 } else { 0.0 };
         let there = DVec3::new(there(self.inverse.x), there(self.inverse.y), there(self.inverse.z));
@@ -64,7 +64,7 @@ impl Principal {
     }
 }
 
-/// What a way through time works on: rotation and angular momentum about the barycentre, kg·m²/s, in the axes of the world.
+/// State of the integrators: rotation, and angular momentum about the barycentre, kg·m²/s, in the axes of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spin {
     pub(super) rotation: DQuat,
@@ -82,12 +82,12 @@ impl Spin {
         self.rotation * principal.rate(self.inside())
     }
 
-    /// Turned further by `turn`, which is given in the body's frame.
+    /// The rotation followed by `turn`, which is in the body's frame.
     pub(super) fn turned(self, turn: DQuat) -> Self {
         Self { rotation: (self.rotation * turn).normalize(), ..self }
     }
 
-    /// Less what angular momentum there is about axes without inertia: a torque has given it, and nothing is there to take it.
+    /// Without the components of angular momentum about axes that have no inertia, which a torque may have added.
     pub(super) fn possible(self, principal: &Principal) -> Self {
         if principal.is_full() {
             return self;
@@ -97,11 +97,11 @@ impl Spin {
     }
 }
 
-/// The rotation by the length of `vector`, rad, about its direction.
+/// The rotation about the direction of `vector` by its length, rad.
 pub(super) fn by_vector(vector: DVec3) -> DQuat {
     let angle = vector.length();
     if angle < 1e-8 {
-        // sin(½θ)/θ is ½ there to the last bit, and so is the length 1.
+        // There sin(½θ)/θ is ½ to the last bit, and the quaternion's length 1.
         let half = vector * 0.5;
         return DQuat::from_xyzw(half.x, half.y, half.z, 1.0);
     }

@@ -1,24 +1,24 @@
-//! A compound of particles becomes a rigid body, and a rigid body a compound, at any time (physics.md M2).
+//! Swap between a compound of particles and a rigid body, in both directions and at any time (physics.md M2).
 //!
 //! # What is conserved, and how
 //!
-//! The particles are at `pᵢ` with velocities `vᵢ`; in the body's frame they rest at `rᵢ`. The body takes
+//! The particles are at `pᵢ` with velocities `vᵢ`; their rest positions in the body's frame are `rᵢ`. The body gets
 //!
 //! ```text
 //! M = Σ m        p = Σ m pᵢ / M        v = Σ m vᵢ / M        c = Σ m rᵢ / M        R: the nearest to Σ m (pᵢ - p)(rᵢ - c)ᵀ
 //! I = Σ m (s² 1 - s sᵀ),  s = rᵢ - c        L = Σ m (pᵢ - p) × (vᵢ - v)        ω = (R I Rᵀ)⁻¹ L
 //! ```
 //!
-//! and gives back `pᵢ = p + R s`, `vᵢ = v + ω × R s`, whose momentum is `M v`, whose angular momentum is `R I Rᵀ ω = L` and whose
-//! nearest rotation is `R`. So nothing jumps, neither way, and what a swap there and back changes is round-off, as long as the
-//! compound was rigid. If it was not, its strain and the motions that are no turning are gone, with their energy; `P` and `L` stay.
+//! and the way back gives `pᵢ = p + R s`, `vᵢ = v + ω × R s`, whose momentum is `M v`, whose angular momentum is `R I Rᵀ ω = L` and whose nearest rotation is
+//! `R`. So nothing jumps in either direction, and a swap there and back changes only round-off, provided that the compound was rigid. If it was not, its strain
+//! and the non-rigid part of its motion are lost, with their energy; `P` and `L` stay.
 //!
-//! The inertia is that of the *particles*: eight at the corners of a box turn three times as hard as the solid, and so does
-//! the body that they become. It is taken at rest, not as the compound happens to be strained, so that a second swap finds the same one.
+//! The inertia is that of the *particles*: eight particles at the corners of a box have three times the inertia of the solid box, and so has the body. It is
+//! taken from the rest shape, not from the strained one, so that a second swap finds the same one.
 //!
-//! **Flat** compounds keep everything. On a **line** there is no inertia about it, so neither the particles nor the body can spin about it: a body
-//! that was given such a spin by hand loses it, and which way it is twisted is what `previous` says ([`pose`]). A **single** particle keeps its
-//! momentum and `previous`, and does not spin.
+//! **Flat** compounds keep everything. Particles on a **line** have no inertia about it, so neither they nor the body can spin about it: such a spin, set by
+//! hand on a body, is lost, and the twist about the line is that of `previous` ([`pose`]). A **single** particle keeps its momentum and `previous`, and does
+//! not spin.
 
 use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 
@@ -28,15 +28,14 @@ use crate::particles::Particles;
 use crate::pose::pose;
 
 impl RigidBody {
-    /// The rigid body that a compound is: position (metres from `origin`, which is in whole metres), velocity (m/s, true at the instant of the
-    /// position) and mass (kg) of each particle, and where they rest in the body's frame, in the same order.
+    /// The rigid body equivalent to a compound, from the position (metres from `origin`, which is in whole metres), velocity (m/s, true at the instant of the
+    /// position) and mass (kg) of each particle, and its rest position in the body's frame, in the same order.
     ///
-    /// `previous` is the rotation of last time, or the identity; see [`pose`], which says when it matters. Particles whose mass
-    /// is not positive and finite do not count; pinned ones are among them, and what they hold comes loose.
+    /// `previous` is the last known rotation, or the identity; [`pose`] describes when it matters. Particles whose mass is not positive and finite do not
+    /// count. Pinned ones are among these: the body is not pinned.
     ///
     /// # Errors
-    /// [`RigidFault::Particles`] if there are not as many rest positions as particles or none counts; the fault of the
-    /// result if a number is not finite.
+    /// [`RigidFault::Particles`] if the numbers of rest positions and particles differ or no particle counts; the fault of the result if a value is not finite.
     pub fn from_particles(
         origin: Vec3,
         points: impl Iterator<Item = (Vec3, Vec3, f32)> + Clone,
@@ -79,8 +78,8 @@ impl RigidBody {
         if let Some(fault) = body.fault() {
             return Err(fault);
         }
-        // The rest is fitted to the centre as it was rounded and to the inertia as it was not: what `place` makes of it then has
-        // the same means and the same L, and swaps in a row do not add up what one of them rounds.
+        // The remaining state uses the rounded centre and the unrounded inertia, so that `place` gives the same means and the same L, and repeated swaps do not
+        // accumulate rounding errors.
         let (turn, principal) = (body.turn(), Principal::new(inertia).ok_or(RigidFault::Inertia)?);
         let rate = turn * principal.rate(turn.conjugate() * momentum);
         let off = turn * (body.centre.as_dvec3() - centre);
@@ -90,8 +89,8 @@ impl RigidBody {
         body.fault().map_or(Ok(body), Err)
     }
 
-    /// Where the particles that rest at `rest` (metres, body's frame) are now, in metres from `origin`, and their velocities, m/s, true at the
-    /// same instant.
+    /// The present positions, in metres from `origin`, of the particles with rest positions `rest` (metres, body's frame), and their velocities, m/s, true at
+    /// the same instant.
     pub fn place<'a>(
         &self,
         rest: &'a [Vec3],
@@ -104,11 +103,11 @@ impl RigidBody {
         })
     }
 
-    /// The rigid body that the particles in `rows` are, with their velocities at the instant of the positions; otherwise as
-    /// [`from_particles`](Self::from_particles). The particles stay where they are: whoever swaps takes them out, or pins them.
+    /// The rigid body equivalent to the particles in `rows`, with their velocities at the instant of the positions; otherwise as
+    /// [`from_particles`](Self::from_particles). The particles stay in the simulation: the caller removes or pins them.
     ///
     /// # Errors
-    /// As `from_particles`; and [`RigidFault::Particles`] for a row that is not there.
+    /// As `from_particles`; and [`RigidFault::Particles`] for a row that does not exist.
     pub fn from_rows(
         particles: &Particles,
         rows: &[usize],
@@ -126,11 +125,11 @@ impl RigidBody {
         Self::from_particles(origin, rows.iter().map(point), rest, previous)
     }
 
-    /// Puts the particles in `rows` where the body has them, with its velocities: the way back. Their masses are left alone.
+    /// Writes the body's motion to the particles in `rows`, positions and velocities: the way back. Their masses stay.
     ///
     /// # Errors
-    /// [`RigidFault::Particles`] if there are not as many rest positions as rows, or for a row that is not there; the body's
-    /// [fault](Self::fault) if it has one. Then nothing changes.
+    /// [`RigidFault::Particles`] if the numbers of rest positions and rows differ, or a row does not exist; the body's [fault](Self::fault) if it has one. Then
+    /// nothing changes.
     pub fn write_rows(
         &self,
         particles: &mut Particles,
@@ -143,7 +142,7 @@ impl RigidBody {
         })
     }
 
-    /// The same by a step itself, which wakes nobody.
+    /// [`write_rows`](Self::write_rows) for the step itself: wakes nothing.
     pub(crate) fn settle_rows(
         &self,
         particles: &mut Particles,
@@ -166,7 +165,7 @@ impl RigidBody {
             return Err(RigidFault::Particles);
         }
         for (&i, (position, velocity)) in rows.iter().zip(self.place(rest)) {
-            // As a displacement: set as a position of the world, it would lose its digits far from zero.
+            // Written as a displacement: a position in world coordinates would lose digits far from zero.
             let displacement = position - particles.relative_to(i, self.origin);
             put(particles, i, displacement, velocity);
         }
@@ -174,7 +173,7 @@ impl RigidBody {
     }
 }
 
-/// In `f32`, with both halves from the same one, so that they agree.
+/// Rounded to `f32`, with both halves from the same elements, so that it is exactly symmetric.
 fn symmetric(m: DMat3) -> Mat3 {
     let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = m.as_mat3().to_cols_array_2d();
     Mat3::from_cols_array_2d(&[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

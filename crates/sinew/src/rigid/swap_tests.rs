@@ -1,4 +1,4 @@
-//! From particles to a body and back: what must still be there, whatever the compound is.
+//! From particles to a body and back: what must be preserved, for any compound.
 
 use glam::{DVec3, Quat, Vec3};
 
@@ -6,7 +6,7 @@ use super::*;
 use crate::pose::{Motion, motion};
 use crate::{Distance, ParticleSeed, Simulation};
 
-/// A small generator of reproducible cases (Knuth's linear congruence).
+/// A small generator of reproducible cases (a linear congruential generator, Knuth's constants).
 struct Random(u64);
 
 impl Random {
@@ -28,14 +28,14 @@ impl Random {
     }
 }
 
-/// A rigid compound: where it rests, and position, velocity and mass of its particles now.
+/// A rigid compound: rest positions, and present positions, velocities and masses of its particles.
 struct Compound {
     rest: Vec<Vec3>,
     now: Vec<(Vec3, Vec3, f32)>,
     rotation: Quat,
 }
 
-/// 4 to 20 particles of random masses, anywhere in the rest frame, squeezed by `shape`, turned, moved and spinning.
+/// 4 to 20 particles of random masses, anywhere in the rest frame, scaled by `shape`, turned, moved and spinning.
 fn random(random: &mut Random, shape: Vec3) -> Compound {
     let count = 4 + (random.next().abs() * 17.0) as usize;
     let (aside, tilt) = (random.vector() * 2.0, random.rotation());
@@ -55,7 +55,7 @@ fn turn(q: Quat, v: Vec3) -> Vec3 {
     (q * v.as_dvec3()).as_vec3()
 }
 
-/// Momentum and angular momentum about the origin, and the sizes that they are measured by.
+/// Momentum and angular momentum about the origin, and the scales for their errors.
 fn momenta(points: &[(Vec3, Vec3, f32)]) -> (DVec3, DVec3, f64, f64) {
     let (mut p, mut l, mut p_size, mut l_size) = (DVec3::ZERO, DVec3::ZERO, 0.0, 0.0);
     for (x, v, m) in points {
@@ -78,13 +78,13 @@ fn placed(body: &RigidBody, compound: &Compound) -> Vec<(Vec3, Vec3, f32)> {
     body.place(&compound.rest).zip(masses).map(|((p, v), m)| (p, v, m)).collect()
 }
 
-/// The largest relative changes from `compound` by way of the body and back: of P, L, positions and velocities.
+/// The largest relative changes by a swap to the body and back: of P, L, positions and velocities.
 fn there_and_back(compound: &Compound) -> [f64; 4] {
     let body = body(compound, compound.rotation);
     let after = placed(&body, compound);
     let (p, l, p_size, l_size) = momenta(&compound.now);
     let (p2, l2, ..) = momenta(&after);
-    // The body has them while it is one, too.
+    // The body has the same momenta while it is one.
     assert!((body.momentum() - p).length() < 1e-5 * p_size);
     let off = (body.angular_momentum_about_zero() - l).length() / l_size;
     assert!(off < 1e-5, "{off} {body:?}");
@@ -239,7 +239,7 @@ fn a_compound_in_a_simulation_far_away_becomes_a_body_flies_on_and_comes_back() 
         let stood = at(&world);
         flying.write_rows(&mut world.particles, &rows, &rest).unwrap();
         let jump = stood.iter().zip(at(&world)).map(|(a, b)| (*a - b).length());
-        // The rods' own error is gone, and that is all.
+        // The swap removes the rods' own error, and changes nothing else.
         assert!(jump.fold(0.0, f32::max) < 1e-4);
         for _ in 0..120 {
             let weight = Vec3::NEG_Y * 9.81 * flying.mass;
@@ -258,7 +258,7 @@ fn a_compound_in_a_simulation_far_away_becomes_a_body_flies_on_and_comes_back() 
     };
     let (here, there) = (fly(Vec3::ZERO), fly(far));
     for (a, b) in here.iter().zip(&there) {
-        // Less than one step of f32 out there: 0.5 mm.
+        // Less than the spacing of f32 out there, 0.5 mm.
         assert!((*a - *b).length() < 4e-4, "{a} {b}");
     }
 }

@@ -1,4 +1,4 @@
-//! What the explicit rigid body must do: fall, turn, flip, and keep what is to be kept.
+//! Explicit rigid bodies: falling, turning, flipping, and what must be conserved.
 
 use glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 
@@ -9,7 +9,7 @@ const ALL: [RigidIntegrator; 3] =
     [RigidIntegrator::Euler, RigidIntegrator::Leapfrog, RigidIntegrator::Verlet];
 const GOOD: [RigidIntegrator; 2] = [RigidIntegrator::Leapfrog, RigidIntegrator::Verlet];
 
-/// A way through time, in `f64`.
+/// An integrator of the rotation, in `f64`.
 type Way = fn(Spin, &Principal, DVec3, f64) -> Spin;
 
 /// The box of physics.md B2: edges 1, 2, 3 m, ω = 6 rad/s about the middle axis, tilted by 1 % towards the
@@ -30,7 +30,7 @@ fn run(body: &mut RigidBody, torque: Vec3, h: f32, steps: u32, integrator: Rigid
     }
 }
 
-/// Seconds between successive flips over the middle axis, the mean of the first few.
+/// Mean time in seconds between successive flips over the middle axis, from the first few.
 fn flips(mut body: RigidBody, h: f32, integrator: RigidIntegrator) -> f64 {
     let (mut times, mut before) = (Vec::new(), inside(&body).y);
     for step in 1..(30.0 / h) as u32 {
@@ -74,7 +74,7 @@ fn it_is_the_rounding_to_f32_that_moves_the_flips_by_a_thousandth() {
     }
 }
 
-/// The rotation after 2 s of a free asymmetric top that is not axis-aligned, in `f64` throughout.
+/// The rotation of a free asymmetric top, not axis-aligned, after 2 s, in `f64` throughout.
 fn turned(steps: u32, way: Way) -> Spin {
     let tilt = Mat3::from_quat(Quat::from_xyzw(0.5, 0.1, -0.7, 0.5).normalize());
     let inertia = tilt * Mat3::from_diagonal(Vec3::new(1.0, 1.7, 2.4)) * tilt.transpose();
@@ -97,7 +97,7 @@ fn leapfrog_and_verlet_are_of_order_two_and_euler_of_order_one() {
         ("Leapfrog", leapfrog::turn, 2.0),
         ("Verlet", verlet::turn, 2.0),
     ];
-    // Two methods that have nothing in common but the answer.
+    // Two independent methods agree on the reference.
     let exact = turned(1 << 17, leapfrog::turn).rotation;
     assert!(apart(exact, turned(1 << 17, verlet::turn).rotation) < 1e-8);
     for (name, way, order) in ways {
@@ -120,7 +120,7 @@ fn ten_thousand_steps_keep_energy_and_angular_momentum() {
             run(&mut body, Vec3::ZERO, 1.0 / 240.0, 1, integrator);
             let off = body.kinetic_energy() / energy - 1.0;
             worst = worst.max(off.abs());
-            // Where the box has just flipped the error is largest: so the mean, not the worst, tells a drift.
+            // The error is largest just after a flip of the box, so a drift shows in the mean, not in the maximum.
             late += if step >= 9000 { off / 1000.0 } else { 0.0 };
         }
         let turned = (body.angular_momentum() - momentum).length() / momentum.length();
@@ -132,7 +132,7 @@ fn ten_thousand_steps_keep_energy_and_angular_momentum() {
             assert!(turned < 1e-5, "{integrator:?} {turned}");
         }
     }
-    // Without the rounding to f32, to the last bit.
+    // Without rounding to f32, exact to the last bits.
     for way in [leapfrog::turn, verlet::turn] {
         let left = turned(10_000, way).momentum - DVec3::new(2.0, 5.0, -3.0);
         assert_eq!(left, DVec3::ZERO);
@@ -183,11 +183,11 @@ fn a_torque_about_a_principal_axis_gives_alpha_and_half_alpha_t_squared() {
             run(&mut body, axis * 2.0, 1.0 / 256.0, 256, integrator);
             let moment = (body.inertia * axis).dot(axis);
             let alpha = 2.0 / moment;
-            // 256 times the same change, each rounded to f32.
+            // 256 equal changes, each rounded to f32.
             let off = (body.angular_velocity - axis * alpha).length() / alpha;
             assert!(off < 1e-5, "{integrator:?} {axis} {off}");
             let angle = 2.0 * libm::atan2f(body.rotation.xyz().length(), body.rotation.w.abs());
-            // Verlet's step turns by the arc whose sine it should have; Euler is half a step ahead.
+            // A Verlet step turns by the angle whose sine it should have; Euler is half a step ahead.
             let allowed = if integrator == RigidIntegrator::Euler { 0.01 } else { 1e-5 };
             assert!((angle / (0.5 * alpha) - 1.0).abs() < allowed, "{integrator:?} {angle}");
         }
@@ -308,7 +308,7 @@ fn however_fast_it_turns_and_however_long_the_step_it_stays_finite_and_keeps_its
             let turned = (body.angular_momentum() - momentum).length() / momentum.length();
             let ratio = body.kinetic_energy() / energy;
             assert!(turned < 1e-5, "{integrator:?} {rate} {turned}");
-            // With |L| kept, energy lies between L²/2I of the hardest and the easiest axis.
+            // With |L| kept, the energy lies between L²/2I of the axes of greatest and least inertia.
             assert!((0.2..5.0).contains(&ratio), "{integrator:?} {rate} {ratio}");
         }
     }

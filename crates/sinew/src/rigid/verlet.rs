@@ -1,24 +1,23 @@
-//! Verlet for a turning body: the discrete equations of Moser and Veselov.
+//! Verlet for rotation: the discrete equations of Moser and Veselov.
 //!
-//! Verlet's formula is what is left of Newton's law when the path is a chain of straight steps and the *sum* of `½ m |p' - p|²/h` along it is
-//! stationary. Rotations do the same: from `R` to `R' = R F` each mass moves straight on, which sums up to `-tr(F J)/h` with
-//! `J = Σ m r rᵀ`. The momentum that belongs to it (its derivative by a turn of `R`, in the body's frame) is `h [m] = F J - J Fᵀ`.
-//! Write `F` as the unit quaternion `(q, q₀)`, `F = 1 + 2 q₀ [q] + 2 [q]²`. Then, with `[q] J + J [q] = [I q]` for the inertia
-//! `I = tr(J) 1 - J`, and `[q]² J - J [q]² = q (Jq)ᵀ - (Jq) qᵀ = [Jq × q] = [q × I q]`,
+//! Verlet's formula follows from Newton's law if the path is a chain of straight steps and the *sum* of `½ m |p' - p|²/h` along it is stationary. The same
+//! works for rotations. In a step from `R` to `R' = R F` each mass moves in a straight line, which sums to `-tr(F J)/h` with `J = Σ m r rᵀ`. The conjugate
+//! momentum (the derivative by a turn of `R`, in the body's frame) is `h [m] = F J - J Fᵀ`. Write `F` as the unit quaternion `(q, q₀)`, `F = 1 + 2 q₀ [q] + 2
+//! [q]²`. Then, with `[q] J + J [q] = [I q]` for the inertia `I = tr(J) 1 - J`, and `[q]² J - J [q]² = q (Jq)ᵀ - (Jq) qᵀ = [Jq × q] = [q × I q]`,
 //!
 //! ```text
 //! ½ h m = q₀ I q + q × I q                                                                              (1)
 //! ```
 //!
-//! That the sum is stationary says that the momentum which arrives is the one that leaves: `m' = Fᵀ m`, so `L = R m` stays, exactly.
-//! (From the other end of the step, `½ h m' = q₀ I q - q × I q`: the same formula backwards in time.) The map is symplectic and of order 2,
-//! and with half a kick of the torque before and after it is Verlet's formula, started with the velocity true now.
+//! Stationarity means that the momentum at the end of a step is the one at the start of the next: `m' = Fᵀ m`, so `L = R m` is constant, exactly. (From the
+//! other end of the step, `½ h m' = q₀ I q - q × I q`: the same formula backwards in time.) The map is symplectic and of order 2. With half a kick of the
+//! torque before and after it, it is Verlet's formula, started with the velocity at the instant of the position.
 //!
 //! # Solving (1)
 //!
-//! Given `m`, with `ξ = q/q₀`, so `q₀² = 1/(1 + ξ²)`, it is `I ξ + ξ × I ξ = (1 + ξ²) ½ h m`: Newton's method from `ξ = ½ h I⁻¹ m`.
-//! For a sphere `|ξ| = tan ½θ` and `sin θ = h m/I`: no solution beyond one radian a step. Therefore a step in which the body turns
-//! by more than half a radian is cut; a free body's `|L|` stays, so the cuts stay too, nearly, and spoil nothing.
+//! Given `m`, with `ξ = q/q₀`, so `q₀² = 1/(1 + ξ²)`, (1) becomes `I ξ + ξ × I ξ = (1 + ξ²) ½ h m`, solved by Newton's method from `ξ = ½ h I⁻¹ m`. For a
+//! sphere `|ξ| = tan ½θ` and `sin θ = h m/I`: there is no solution beyond one radian a step. Therefore a step in which the body turns by more than half a
+//! radian is divided; `|L|` of a free body is constant, so the number of parts is nearly constant too, and the division does no harm.
 //!
 //! Moser, Veselov, *Discrete versions of some classical integrable systems*, 1991; `McLachlan`, Zanna, *The discrete Moser–Veselov
 //! algorithm for the free rigid body, revisited*, 2005.
@@ -28,11 +27,11 @@ use glam::{DMat3, DQuat, DVec3};
 use super::leapfrog;
 use super::principal::{Principal, Spin};
 
-/// The most that a body turns in one piece of a step, rad: half way to where (1) has no solution.
+/// Largest turn in one part of a step, rad: half of where (1) has no solution.
 const FURTHEST: f64 = 0.5;
-/// Most pieces of one step.
+/// Most parts of one step.
 const MOST: f64 = 64.0;
-/// Newton doubles the digits each time: from 1 to 16 takes 4 or 5. The bound is for what does not converge.
+/// Newton doubles the number of digits each time: from 1 to 16 takes 4 or 5 iterations. The bound is for cases that do not converge.
 const ITERATIONS: u32 = 12;
 
 /// The spin after `h` seconds under a torque (N·m, world).
@@ -78,7 +77,7 @@ fn solve(moments: DVec3, a: DVec3) -> Option<DVec3> {
         }
         let change = slope.inverse() * miss;
         xi -= change;
-        // A change of 1e-10 leaves an error of its square: nothing that an `f64` could show.
+        // A change of 1e-10 leaves an error of its square, below the precision of `f64`.
         if change.length_squared() <= 1e-20 * xi.length_squared() {
             return xi.is_finite().then_some(xi);
         }

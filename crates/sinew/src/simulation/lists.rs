@@ -1,4 +1,5 @@
-//! The lists of a simulation: what is bound, what is rigid and what collides, to be read and changed. Whatever changes one is noted for the plan.
+//! The lists of a simulation: distances, constraints, compounds and body colliders, with their accessors. Every change is noted for the next update of the
+//! plan.
 
 use smallvec::smallvec;
 
@@ -14,25 +15,24 @@ impl Simulation {
         &self.distances
     }
 
-    /// The distances, to add to, change or remove from. The plan is compiled afresh at the next step; a faulty distance is left out of it.
+    /// The distances, mutable. The plan is compiled afresh at the next step; a faulty distance is left out of it.
     ///
-    /// For one or a few there are [`insert_distance`](Self::insert_distance), [`remove_distance`](Self::remove_distance) and
-    /// [`replace_distance`](Self::replace_distance): a plan that knows what changed is updated incrementally, which takes a fraction of the time. For
-    /// bodies that are added there is [`extend_distances`](Self::extend_distances), and for another list
-    /// [`replace_distances_from`](Self::replace_distances_from).
+    /// For one or a few changes use [`insert_distance`](Self::insert_distance), [`remove_distance`](Self::remove_distance) or
+    /// [`replace_distance`](Self::replace_distance): the plan is then updated incrementally, in a fraction of the time. To add bodies use
+    /// [`extend_distances`](Self::extend_distances), and to replace a part of the list [`replace_distances_from`](Self::replace_distances_from).
     pub fn distances_mut(&mut self) -> &mut Vec<Distance> {
         self.scratch.changes.note_all();
         &mut self.distances
     }
 
-    /// Puts distances behind those that there are. Bodies that they do not tie to something stay compiled.
+    /// Appends distances. Bodies that the new ones do not connect to anything stay compiled.
     pub fn extend_distances(&mut self, distances: impl IntoIterator<Item = Distance>) {
         self.scratch.changes.note_from(List::Distances, self.distances.len());
         self.distances.extend(distances);
     }
 
-    /// Puts other distances in the place of those from number `from` on; of all that there are, from 0 on. Bodies stay compiled before the first of which a
-    /// distance has changed, in the order of their first particles.
+    /// Replaces all distances from index `from` on; from 0 the whole list. In the order of their first particles, bodies before the first one with a changed
+    /// distance stay compiled.
     ///
     /// # Panics
     /// If there are fewer than `from` distances.
@@ -42,7 +42,7 @@ impl Simulation {
         }
     }
 
-    /// Puts a distance into the list, before the one that has been number `at`. It acts from the next step on.
+    /// Inserts a distance before index `at`. It acts from the next step on.
     ///
     /// # Panics
     /// If there are fewer than `at` distances.
@@ -51,10 +51,10 @@ impl Simulation {
         self.scratch.changes.note(Change::Added(List::Distances, at));
     }
 
-    /// Takes distance number `at` out of the list: a tear.
+    /// Removes the distance at index `at`, as when cloth tears, and returns it.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no such distance.
     pub fn remove_distance(&mut self, at: usize) -> Distance {
         let gone = self.distances.remove(at);
         let rows = smallvec![gone.a, gone.b];
@@ -62,10 +62,10 @@ impl Simulation {
         gone
     }
 
-    /// Puts a distance in the place of number `at`, and returns that one.
+    /// Replaces the distance at index `at`, and returns the old one.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no such distance.
     pub fn replace_distance(&mut self, at: usize, distance: Distance) -> Distance {
         let gone = self.remove_distance(at);
         self.insert_distance(at, distance);
@@ -77,20 +77,21 @@ impl Simulation {
         &self.constraints
     }
 
-    /// The constraints other than distances, to add to, change or remove from. The plan is compiled afresh at the next step; a faulty constraint is
-    /// left out of it. For one or a few there are [`insert_constraint`](Self::insert_constraint) and its like.
+    /// The constraints other than distances, mutable. The plan is compiled afresh at the next step; a faulty constraint is left out of it. For one or a few
+    /// changes use [`insert_constraint`](Self::insert_constraint), [`remove_constraint`](Self::remove_constraint) or
+    /// [`replace_constraint`](Self::replace_constraint).
     pub fn constraints_mut(&mut self) -> &mut Vec<Constraint> {
         self.scratch.changes.note_all();
         &mut self.constraints
     }
 
-    /// Puts constraints behind those that there are, as [`extend_distances`](Self::extend_distances) does.
+    /// Appends constraints, as [`extend_distances`](Self::extend_distances) does.
     pub fn extend_constraints(&mut self, constraints: impl IntoIterator<Item = Constraint>) {
         self.scratch.changes.note_from(List::Constraints, self.constraints.len());
         self.constraints.extend(constraints);
     }
 
-    /// Puts other constraints in the place of those from number `from` on, as [`replace_distances_from`](Self::replace_distances_from) does.
+    /// Replaces all constraints from index `from` on, as [`replace_distances_from`](Self::replace_distances_from) does.
     ///
     /// # Panics
     /// If there are fewer than `from` constraints.
@@ -100,7 +101,7 @@ impl Simulation {
         }
     }
 
-    /// Puts a constraint into the list, as [`insert_distance`](Self::insert_distance) does.
+    /// Inserts a constraint before index `at`, as [`insert_distance`](Self::insert_distance) does.
     ///
     /// # Panics
     /// If there are fewer than `at` constraints.
@@ -109,10 +110,10 @@ impl Simulation {
         self.scratch.changes.note(Change::Added(List::Constraints, at));
     }
 
-    /// Takes constraint number `at` out of the list.
+    /// Removes the constraint at index `at`, and returns it.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no such constraint.
     pub fn remove_constraint(&mut self, at: usize) -> Constraint {
         let gone = self.constraints.remove(at);
         let rows = gone.rows.clone();
@@ -120,10 +121,10 @@ impl Simulation {
         gone
     }
 
-    /// Puts a constraint in the place of number `at`, and returns that one.
+    /// Replaces the constraint at index `at`, and returns the old one.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no such constraint.
     pub fn replace_constraint(&mut self, at: usize, constraint: Constraint) -> Constraint {
         let gone = self.remove_constraint(at);
         self.insert_constraint(at, constraint);
@@ -135,26 +136,26 @@ impl Simulation {
         &self.compounds
     }
 
-    /// The compounds that move as explicit rigid bodies, to add to, change or remove from: that swaps their representation, and nothing jumps.
-    /// Distances and constraints among the particles of one compound alone rest meanwhile.
+    /// The compounds that move as explicit rigid bodies, mutable. Adding or removing one swaps the representation of its particles without a jump. Distances
+    /// and constraints whose particles all belong to one compound have no effect meanwhile.
     pub fn compounds_mut(&mut self) -> &mut Vec<Compound> {
         self.scratch.changes.note_all();
         &mut self.compounds
     }
 
-    /// The compounds that collide by their shape.
+    /// The body colliders: sets of particles that collide by a shape.
     pub fn body_colliders(&self) -> &[BodyCollider] {
         &self.body_colliders
     }
 
-    /// The compounds that collide by their shape, to add to, change or remove from. Their particles then touch nothing by themselves.
+    /// The body colliders, mutable. Their particles do not collide one by one.
     pub fn body_colliders_mut(&mut self) -> &mut Vec<BodyCollider> {
         self.scratch.changes.note_colliders();
         &mut self.body_colliders
     }
 }
 
-/// Puts others in the place of all from number `from` on. How many are what they were, if not all.
+/// Replaces all items from index `from` on. Returns the index of the first item that differs, or `None` if the list is what it was.
 fn replace_from<T: PartialEq>(list: &mut Vec<T>, from: usize, others: Vec<T>) -> Option<usize> {
     let both = list[from..].iter().zip(&others);
     let same = from + both.take_while(|(one, other)| one == other).count();

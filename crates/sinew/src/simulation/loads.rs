@@ -1,13 +1,13 @@
-//! Loads: with what force single distances and constraints hold, for whoever asks.
+//! Loads: the forces with which single distances and constraints hold, measured on request.
 
 use super::{Scratch, Simulation, Substep};
 
 impl Simulation {
-    /// Has the loads of these distances and constraints measured from the next step on, by their numbers in [`distances`](Self::distances) and
-    /// [`constraints`](Self::constraints), and those of no others. Where one is added or removed, numbers change: then say them again.
+    /// Measures the loads of these distances and constraints from the next step on, and of no others, given by their indices in [`distances`](Self::distances)
+    /// and [`constraints`](Self::constraints). Adding or removing one shifts the indices: then call this again.
     ///
-    /// Islands with such are solved one constraint after the other, whatever order they ask for, and held by tethers however small they are
-    /// ([`SolverSettings::long_range`](crate::SolverSettings::long_range)): three times the work, and a few particles move by round-off elsewhere.
+    /// Islands with measured constraints are solved one constraint after the other, whatever order is set, and by tethers however small they are
+    /// ([`SolverSettings::long_range`](crate::SolverSettings::long_range)): three times the work, and a few particles elsewhere move by round-off.
     ///
     /// ```
     /// use sinew::glam::Vec3;
@@ -34,27 +34,27 @@ impl Simulation {
         self.scratch.loads.want(distances.into_iter(), constraints.into_iter());
     }
 
-    /// Has these distances, by their numbers in [`distances`](Self::distances), be as far from their lengths when a step ends as the solver left them, from
-    /// the next step on, and no others: for whoever breaks them by that. Otherwise large cloth that something holds has its errors shared out and its strain
-    /// limited to 3 % then ([`SolverSettings::microsteps`](crate::SolverSettings::microsteps)). Where one is added or removed, numbers change: then say them
-    /// again.
+    /// Keeps the strains of these distances, given by their indices in [`distances`](Self::distances), as the solver leaves them, from the next step on, and of
+    /// no others: for a game that breaks distances by strain. Without this, large cloth that something holds ends each step with its errors distributed and its
+    /// strain limited to 3 % ([`SolverSettings::microsteps`](crate::SolverSettings::microsteps)). Adding or removing a distance shifts the indices: then call
+    /// this again.
     pub fn measure_strains(&mut self, distances: impl IntoIterator<Item = usize>) {
         self.scratch.measured_strains.clear();
         self.scratch.measured_strains.extend(distances);
         self.scratch.settled = None;
     }
 
-    /// The tension of a distance, N, in the mean over the last step; negative where it holds its ends apart. `None` if it was not
-    /// [measured](Self::measure_loads), or could not act.
+    /// Tension of a distance, N, averaged over the last step; negative where it pushes its ends apart. `None` if it was not [measured](Self::measure_loads), or
+    /// is faulty and so not in the plan.
     ///
-    /// It is what the solver did, so it balances what pulls whether the solver was done or not: what hangs at rest pulls with its weight.
+    /// It is the sum of the solver's corrections, so it balances the load even where the solver did not converge: what hangs at rest pulls with its weight.
     pub fn distance_load(&self, number: usize) -> Option<f32> {
         let Scratch { loads, plan, .. } = &self.scratch;
         loads.distance(number, (&self.particles, plan), self.last_substeps())
     }
 
-    /// The same of a constraint: the force between the two anchors of an [`AnchorDistance`](crate::constraints::AnchorDistance), of any other kind that on
-    /// the first of its particles that is free. Not negative.
+    /// Load of a constraint, N, averaged over the last step: for an [`AnchorDistance`](crate::constraints::AnchorDistance) the force between its two anchors,
+    /// for any other kind the force on the first of its particles that is not pinned. Not negative.
     pub fn constraint_load(&self, number: usize) -> Option<f32> {
         self.scratch.loads.constraint(number, self.last_substeps())
     }
@@ -64,7 +64,7 @@ impl Simulation {
         (length, self.report.substeps.saturating_sub(remaining))
     }
 
-    /// Looks up where in the plan those are that are measured, when the step begins.
+    /// Finds the measured distances and constraints in the plan, when the step begins.
     pub(super) fn find_loads(&mut self) {
         if self.scratch.loads.is_stale() {
             let none = self.scratch.loads.is_empty();
@@ -74,7 +74,7 @@ impl Simulation {
                 let [outer, others] = self.numbers_beside_compounds();
                 let given = |all: &[u32], i: u32| all.get(i as usize).copied().unwrap_or(u32::MAX);
                 distances.iter_mut().for_each(|i| *i = given(&outer, *i));
-                // Behind the others are the shapes, which are nobody's.
+                // Behind these are the shapes of compounds, which have no index in the list.
                 constraints.iter_mut().for_each(|i| *i = given(&others, *i));
             }
             let Scratch { loads, plan, .. } = &mut self.scratch;

@@ -42,36 +42,36 @@ use crate::{integrate, ledger};
 
 /// A world of particles.
 ///
-/// [`step`](Self::step) does it all. An engine that lets a game put its own systems between the phases calls [`begin_step`](Self::begin_step), then
+/// [`step`](Self::step) takes a whole step. An engine that runs a game's own systems between the phases calls [`begin_step`](Self::begin_step) instead, then
 /// for each substep [`begin_substep`](Self::begin_substep) and the phases in their order, then [`end_step`](Self::end_step).
 #[derive(Clone, Debug, Default)]
 pub struct Simulation {
     /// Configuration of the solver.
     pub settings: SolverSettings,
-    /// The particles: live state.
+    /// The particles: live state, to be saved and restored.
     pub particles: Particles,
-    /// What accelerates them.
+    /// Gravity, winds, fluids, charges, springs and controls.
     pub forces: Forces,
-    /// What holds single particles: planes, boxes, pins.
+    /// Planes, boxes and pins that hold particles one by one.
     pub boundaries: Boundaries,
-    /// What single bodies ask of the solver. [`Particles::set_body`] says which particle belongs to which.
+    /// Solver settings of each body, indexed by body. [`Particles::set_body`] assigns particles to bodies.
     pub bodies: Tracked<Vec<BodySettings>>,
-    /// Shapes that stand still or that the game moves. They may change at any step for free.
+    /// Static and kinematic collision shapes. They may change at any step; nothing is compiled from them.
     pub colliders: Vec<Collider>,
-    /// How single bodies take part in contacts, numbered as in `bodies`. What is missing takes part by its rigid parts, with the default; its other
-    /// particles touch colliders alone.
+    /// How each body takes part in contacts, indexed as `bodies`. A body beyond the end of the list collides by its body colliders, with the default settings;
+    /// its other particles touch only colliders.
     pub contacts: Tracked<Vec<BodyContacts>>,
-    /// Pairs of a body and another body or a collider that never touch, though no constraint joins them: what is fastened to something that the game
-    /// moves. In any order; others than those do nothing.
+    /// Pairs of a body and another body or a collider that never touch, though no constraint joins them: for instance what is fastened to a kinematic collider.
+    /// In any order; pairs of any other kind have no effect.
     pub ignored: Vec<[ContactParticipant; 2]>,
-    /// Manifolds and friction anchors of body colliders that touch: live state, to be saved and restored with the particles. During a step it is
-    /// elsewhere.
+    /// Contact cache: manifolds and friction anchors of body colliders that touch. Live state, to be saved and restored with the particles. During a step the
+    /// solver holds it, and this field is not valid.
     pub contact_cache: ContactCache,
-    /// Which bodies may sleep, and for how long they have been still, numbered as in `bodies`; what is missing is always awake.
+    /// Which bodies may sleep, and for how long each has been still, indexed as `bodies`. A body beyond the end of the list never sleeps.
     pub sleep: Tracked<Vec<Sleep>>,
-    /// Which instructions the wide kernels use; the best that the machine has by default. It never changes a result.
+    /// Instruction set of the wide kernels; by default the best that the machine has. It never changes a result.
     pub instructions: InstructionSet,
-    /// Threads that may help; none by default. They never change a result.
+    /// Threads lent to the step; none by default. They never change a result.
     pub workers: Option<Arc<dyn Workers>>,
     /// Simulated time in seconds at the start of the current substep; gusts of wind depend on it.
     pub time: f64,
@@ -83,16 +83,16 @@ pub struct Simulation {
     report: SolverReport,
 }
 
-/// What a step needs and nobody saves.
+/// Working data of a step that is not part of the saved state.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
     plan: Plan,
-    /// What the plan does not know of yet.
+    /// Changes of the lists that are not compiled into the plan yet.
     changes: Changes,
-    /// What the settings of islands followed from in the last step: the world's, the length of a substep, seconds, and the numbers of what bodies ask for and of
-    /// edits. `None` where that is not all.
+    /// Inputs from which the islands' settings were merged in the last step: the world's settings, the length of a substep in seconds, and the revisions of
+    /// `bodies` and of the particles' [edits](Particles::edits). `None` if they depended on more than these.
     settled: Option<(SolverSettings, f32, u64, u64)>,
-    /// Numbers of the distances whose strains are measured.
+    /// Indices of the distances whose strains are measured.
     measured_strains: Vec<usize>,
     substep: Substep,
     electric: forces::ElectricScratch,
@@ -102,50 +102,51 @@ struct Scratch {
     solving: solve::SolveScratch,
     loads: solve::Loads,
     damping: solve::Damping,
-    /// Of measuring what is left.
+    /// For measuring the errors left.
     sweep_scratch: solve::SweepScratch,
     lane_particles: Vec<solve::LaneParticles>,
     moving: Moving,
     sleep_scratch: Kept<sleep::SleepScratch>,
     /// Pinned particles that were given another origin for this step.
     anchors: Vec<prepare::PinnedOrigin>,
-    /// The pressure of each wind on each triangle, looked up when the step began.
+    /// Pressure of each wind on each triangle, sampled when the step began.
     pressures: forces::Pressures,
-    /// The triangles that those press on.
+    /// The triangles under wind pressure, packed for the wide kernels.
     surfaces: forces::PackedSurfaces,
-    /// The air at each triangle and loose particle, looked up at the same time.
+    /// The air at each triangle and loose particle, sampled when the step began.
     air: forces::Air,
-    /// Where the step began, with the inverse mass: what went non-finite took that with it.
+    /// Positions and inverse masses when the step began, for rows that turn non-finite.
     checkpoint: Vec<Vec4>,
-    /// In a step of one substep, with which velocities it began, m/s, and their lags, seconds; otherwise empty.
+    /// Velocities when the step began, m/s, and their lags, seconds; only in a step of one substep, otherwise empty.
     first_velocity: Vec<Vec4>,
     /// Length of the last step, seconds.
     length: f32,
-    /// Rows that do not follow from rigid states in this step.
+    /// Rows that are integrated as particles in this step: those that neither sleep nor follow a rigid state.
     single_rows: Vec<integrate::StepRows>,
-    /// Rows that are none of these, or take microsteps.
+    /// Rows that follow a rigid state or sleep, or take microsteps: what `single_rows` is cut by.
     rows_apart: Vec<integrate::StepRows>,
-    /// Rows of which none sleeps in this step, or stands in no one stretch with others of its island.
+    /// Ranges of rows to check at the end of the step: all but those of sleeping islands whose rows are consecutive.
     awake_rows: Vec<Range<usize>>,
-    /// Whether only our own forces look at particles until the step ends, so that those of rigid states on which none of them acts one by one may be written then.
+    /// Whether nothing but the crate's own forces reads particles until the step ends. Particles of rigid states without forces on single particles then need
+    /// to be written only at the end.
     unseen: bool,
-    /// Triangles that winds press on corner by corner: those of what does not move as rigid states.
+    /// Triangles to which wind pressure is applied corner by corner: those that are not part of a rigid state.
     separate_surfaces: Vec<Range<usize>>,
     /// Whether nothing moves in this step.
     at_rest: bool,
     rest: Kept<rest::Rest>,
 }
 
-/// Where in a step the simulation is.
+/// Position within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Substep {
     /// Length of a substep, seconds.
     pub length: f32,
-    /// Substeps to go, the current one included.
+    /// Substeps left, the current one included.
     pub remaining: u32,
 }
 
-/// Why a step was not taken.
+/// Why a step was refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "a step of {0} s cannot be taken: it must be positive and finite, and not too short to halve"
@@ -176,17 +177,17 @@ impl Simulation {
         Ok(&self.report)
     }
 
-    /// Begins a step of `dt` seconds: compiles the plan if distances changed, and returns the number of substeps to take.
+    /// Begins a step of `dt` seconds: updates the plan if constraints changed, runs the broad phase, and returns the number of substeps to take.
     ///
     /// # Errors
     /// A `dt` that is not positive and finite is refused and nothing changes.
     pub fn begin_step(&mut self, dt: f32) -> Result<u32, StepFault> {
-        // What froze in the last step did not freeze in this one, taken or not.
+        // Reports of the last step do not apply to this one, whether it is taken or refused.
         self.report.frozen.clear();
         self.report.too_fast.clear();
         let settings = self.settings.clamped();
         let h = dt / settings.substeps as f32;
-        // 1/h² must be a number: compliances are scaled by it.
+        // 1/h² must be finite: compliances are scaled by it.
         if !(dt.is_finite() && h > 0.0 && (1.0 / (h * h)).is_finite()) {
             return Err(StepFault(dt));
         }
@@ -217,7 +218,7 @@ impl Simulation {
         self.report.most_sweeps = 0;
         self.report.converged = true;
         let islands = &self.scratch.plan.islands.list;
-        // What sleeps has moved nothing since it was measured, if that was in the same plan.
+        // What sleeps has not moved since it was measured, provided that was with the same plan.
         for (own, island) in self.report.islands.iter_mut().zip(islands) {
             let IslandReport { error, strain, .. } = *own;
             *own = IslandReport::default();
@@ -234,7 +235,7 @@ impl Simulation {
         self.scratch.substep
     }
 
-    /// Begins a substep: the sums of forces and of damping start afresh. From here to `integrate`, forces add up in any order.
+    /// Begins a substep: clears the sums of forces and of damping. From here to `integrate`, forces add up in any order.
     pub fn begin_substep(&mut self) {
         forces::reset(&mut self.particles, &self.forces);
     }
@@ -250,7 +251,7 @@ impl Simulation {
     pub fn apply_wind(&mut self) {
         let Self { particles, instructions, scratch, .. } = self;
         let Scratch { surfaces, pressures, air, substep, unseen, .. } = scratch;
-        // In the last substep all, for what particles are accelerated by then is read between steps.
+        // In the last substep all, because accelerations are read between steps.
         let separate = *unseen && substep.remaining > 1;
         forces::apply_wind(particles, surfaces, pressures, separate, *instructions);
         forces::apply_air(particles, surfaces, air, substep.length, *instructions);
@@ -271,8 +272,7 @@ impl Simulation {
         forces::apply_electric(&mut self.particles, &self.forces, scratch, self.instructions);
     }
 
-    /// Phase 5: predicts the next positions by the world's integrator, after what planes with a drag have taken, and leads the pinned particles
-    /// towards their targets.
+    /// Phase 5: predicts the next positions with the world's integrator, after the drag of planes, and moves pinned particles towards their targets.
     pub fn integrate(&mut self) {
         let Substep { length, remaining } = self.scratch.substep;
         if self.settings.statics {
@@ -290,7 +290,7 @@ impl Simulation {
         for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
             if i < self.particles.len() && pin.target.is_finite() {
-                // From the origin that the particle has: far out, points of the world have no digits for a way walked in small parts.
+                // Relative to the particle's origin: far out, world coordinates are too coarse for a path in small parts.
                 let pin = Pin { target: pin.target - self.particles.origin[i], ..*pin };
                 let here = self.particles.position[i];
                 self.particles.position[i] = pin.lead(here.truncate(), remaining).extend(here.w);
@@ -298,7 +298,7 @@ impl Simulation {
         }
     }
 
-    /// Phase 6: enforces the constraints, derives the velocities from where the particles ended, and closes the substep.
+    /// Phase 6: enforces constraints and contacts, derives the velocities from the corrected positions, and ends the substep.
     pub fn solve_constraints(&mut self) {
         self.release_moved();
         let parameters = self.substep_parameters();
@@ -335,7 +335,7 @@ impl Simulation {
         self.scratch.substep.remaining = self.scratch.substep.remaining.saturating_sub(1);
     }
 
-    /// The substep at hand, for solving.
+    /// Parameters of the current substep.
     fn substep_parameters(&self) -> solve::SubstepParameters {
         let Substep { length: h, remaining } = self.scratch.substep;
         let (lag, gravity) = (self.settings.integrator.lag(h), self.forces.gravity.length());
@@ -343,7 +343,7 @@ impl Simulation {
         solve::SubstepParameters { h, lag, gravity, number: of.saturating_sub(remaining), of }
     }
 
-    /// Ends a step: puts rows that turned non-finite back to where the step began, at rest, slows down what is too fast, and measures the errors left.
+    /// Ends a step: resets rows that turned non-finite to where the step began, at rest, limits speeds, and measures the errors left.
     pub fn end_step(&mut self) {
         if core::mem::take(&mut self.scratch.unseen) {
             self.write_all_rigid_states();
@@ -394,7 +394,7 @@ impl Simulation {
         self.note_rest();
     }
 
-    /// Where particle `i` was when the last step began, metres: for drawing what lies between two steps.
+    /// Where particle `i` was when the last step began, metres: for interpolation between two steps.
     #[inline]
     pub fn step_start(&self, i: usize) -> Vec3 {
         let began = self.scratch.checkpoint.get(i);
@@ -402,7 +402,7 @@ impl Simulation {
             .map_or_else(|| self.particles.position(i), |q| self.particles.origin[i] + q.truncate())
     }
 
-    /// Forgets where the particles were when the last step began, because rows now hold other particles.
+    /// Discards the positions at the start of the last step. To be called when rows now hold other particles.
     pub fn forget_step_start(&mut self) {
         self.scratch.checkpoint.clear();
         self.scratch.first_velocity.clear();
@@ -413,17 +413,17 @@ impl Simulation {
         &self.report
     }
 
-    /// How the last step of the island of particle `i` went: of everything that constraints connect it with.
+    /// Report of the last step on the island of particle `i`: of all particles that constraints connect with it.
     pub fn island_report(&self, i: usize) -> Option<&IslandReport> {
         self.report.islands.get(self.island_of(i)? as usize)
     }
 
-    /// The number of the island of particle `i` in the last step, by which [`SolverReport::islands`] is sorted.
+    /// The index of the island of particle `i` in the last step, in [`SolverReport::islands`].
     pub fn island_of(&self, i: usize) -> Option<u32> {
         self.scratch.plan.islands.of.get(i).copied()
     }
 
-    /// Mass of the island of particle `i`, kg: of all that constraints connect it with, without what is pinned. Zero before the first step.
+    /// Mass of the island of particle `i`, kg, without pinned particles. Zero before the first step.
     pub fn island_mass(&self, i: usize) -> f32 {
         let plan = &self.scratch.plan;
         let island =
@@ -437,12 +437,12 @@ impl Simulation {
         masses.sum::<f64>() as f32
     }
 
-    /// The most groups that an island has in the plan: constraints of one kind and one colour, which share no particle.
+    /// The largest number of constraint groups in an island: a group holds constraints of one kind and one colour, which share no particle.
     pub fn colours(&self) -> usize {
         self.scratch.plan.islands.list.iter().map(|island| island.groups.len()).max().unwrap_or(0)
     }
 
-    /// The distances of the plan, each with the number of its group in its island: those of one group share no particle, and are solved side by side.
+    /// The distances of the plan, each with the index of its group in its island: those of one group share no particle, and are solved side by side.
     pub fn grouped_distances(&self) -> impl Iterator<Item = (usize, &Distance)> {
         let plan = &self.scratch.plan;
         plan.islands.list.iter().flat_map(|island| {
@@ -455,18 +455,18 @@ impl Simulation {
         })
     }
 
-    /// Number of islands: sets of particles that constraints connect, a loose particle being one by itself.
+    /// Number of islands: sets of particles that constraints connect; a loose particle is an island by itself.
     pub fn islands(&self) -> usize {
         self.scratch.plan.islands.list.len()
     }
 
-    /// What the last step was solved by.
+    /// The plan of the last step.
     #[cfg(test)]
     pub(crate) fn plan(&self) -> &solve::Plan {
         &self.scratch.plan
     }
 
-    /// What single particles may touch in the last step.
+    /// Particle contacts of the last step.
     #[cfg(test)]
     pub(crate) fn particle_contacts(&self) -> &crate::collide::ParticleContacts {
         &self.scratch.contacts.particle_contacts
@@ -477,7 +477,7 @@ impl Simulation {
         solve::soft_energy(&mut self.particles, &self.scratch.plan)
     }
 
-    /// Energy and momentum of the whole world. It sums up the forces afresh, so that velocities and positions are of one instant.
+    /// Energy and momentum of the whole world. It sums the forces at the present positions first.
     pub fn ledger(&mut self) -> ledger::Ledger {
         self.compile();
         self.share_origins();
@@ -495,7 +495,7 @@ impl Simulation {
     }
 }
 
-/// What the machine lends to a phase.
+/// Instruction set and workers for a phase.
 fn execution(
     instructions: InstructionSet,
     workers: &Option<Arc<dyn Workers>>,
@@ -503,7 +503,8 @@ fn execution(
     ExecutionContext { instructions, workers: workers.as_deref() }
 }
 
-/// What contacts depend on: shapes and what holds particles; what may touch, and islands; gravity, m/s²; the length of a substep, seconds, their number, and whether nothing moves.
+/// Everything that contacts depend on: shapes and boundaries; filter and islands; gravity, m/s²; length of a substep, seconds, number of substeps, and whether
+/// nothing moves in the step.
 fn contact_world<'a>(
     given: (&'a Boundaries, &'a [Collider], &'a [BodyCollider]),
     (filter, islands): (&'a ContactFilter, &'a Islands),

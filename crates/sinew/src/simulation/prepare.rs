@@ -1,4 +1,4 @@
-//! What a step needs before its first substep: a plan, origins, settings, a state to go back to, and the gusts.
+//! Preparation of a step: plan, origins, settings of islands, checkpoint, broad phase, and the air.
 
 use glam::{Vec3, Vec4};
 use smallvec::SmallVec;
@@ -13,7 +13,7 @@ use crate::settings::{BodySettings, SolverSettings};
 use crate::solve::{Given, divide, is_free};
 
 impl Simulation {
-    /// Brings the plan up to date with the lists.
+    /// Updates the plan to the lists.
     pub(super) fn compile(&mut self) {
         let Self { particles, distances, constraints, compounds, scratch, .. } = self;
         let Scratch { plan, changes, .. } = scratch;
@@ -52,13 +52,13 @@ impl Simulation {
         }
         changes.clear();
         scratch.settled = None;
-        // They were of islands that may have other numbers now.
+        // They were of the old islands, which may have other numbers now.
         self.report.islands.clear();
         scratch.loads.expire();
         scratch.sleep_scratch.0.forget_support();
     }
 
-    /// Compiles it with rigid bodies, each of which is one shape.
+    /// Compiles the plan with explicit rigid bodies: each is one shape constraint.
     fn compile_beside_compounds(&mut self) {
         let (distances, constraints) = self.beside_compounds();
         let particles = self.particles.len();
@@ -71,7 +71,7 @@ impl Simulation {
         }
     }
 
-    /// The constraints less those among the particles of one compound, which its shape does away with; and the shapes.
+    /// The lists without constraints among the particles of one compound, which its shape replaces, and with the shapes.
     fn beside_compounds(&self) -> (Vec<Distance>, Vec<Constraint>) {
         let [distances, constraints] = self.numbers_beside_compounds();
         let distances = distances.iter().map(|&i| self.distances[i as usize]).collect();
@@ -79,7 +79,7 @@ impl Simulation {
         (distances, constraints.chain(self.compounds.iter().map(Compound::shape)).collect())
     }
 
-    /// The numbers of the distances and of the constraints that are not among the particles of one compound.
+    /// The indices of the distances and of the constraints that are not among the particles of one compound.
     pub(super) fn numbers_beside_compounds(&self) -> [Vec<u32>; 2] {
         let mut compound_of = vec![usize::MAX; self.particles.len()];
         for (number, compound) in self.compounds.iter().enumerate() {
@@ -99,7 +99,7 @@ impl Simulation {
         [distances.map(|(_, i)| i).collect(), constraints.map(|(_, i)| i).collect()]
     }
 
-    /// Gives the particles of each island one origin near them, which constraints rely on.
+    /// Gives all particles of an island one origin near them, as the constraint kernels require.
     pub(super) fn share_origins(&mut self) {
         let Self { particles, scratch: Scratch { plan, checkpoint, anchors, .. }, .. } = self;
         anchors.clear();
@@ -108,7 +108,7 @@ impl Simulation {
             let rows =
                 || plan.islands.members[island.members.clone()].iter().map(|&row| row as usize);
             let first = rows().find(|&i| particles.is_finite(i));
-            // From the digits that it has, not from the world position, which has fewer far out.
+            // From the local position, which has more digits than the world position far out.
             let Some(first) = first else {
                 plan.islands.list[number].one_origin = false;
                 continue;
@@ -123,7 +123,7 @@ impl Simulation {
                         continue;
                     }
                     let shift = (particles.origin[i] - origin).extend(0.0);
-                    // What is so far off that the difference of two origins is none keeps its own: nothing can bind it.
+                    // A particle so far off that the difference of the origins overflows keeps its own: no constraint can act over that distance.
                     if !shift.is_finite() {
                         one_origin = false;
                         continue;
@@ -145,7 +145,7 @@ impl Simulation {
         }
     }
 
-    /// Puts pinned particles that nothing led back to the last bit: as seen from the origin of their island they may have been rounded.
+    /// Restores pinned particles that were not moved to the last bit: relative to the origin of their island they may have been rounded.
     pub(super) fn restore_anchors(&mut self) {
         let Self { particles, scratch: Scratch { anchors, checkpoint, .. }, .. } = self;
         for PinnedOrigin { row, home, place, shifted } in anchors.drain(..) {
@@ -160,12 +160,12 @@ impl Simulation {
         }
     }
 
-    /// Gives each island the settings that its bodies ask for.
+    /// Merges the settings of the bodies in each island.
     pub(super) fn settle_islands(&mut self, world: SolverSettings) {
         let Self { particles, bodies, forces, distances, scratch, .. } = self;
         let Scratch { plan, substep, settled, loads, measured_strains, .. } = scratch;
         let h = substep.length;
-        // Of what springs, loads and a walk to rest change from step to step none is asked for the same twice.
+        // Springs, loads and statics change the result from step to step, so it is reused only without them.
         let is_plain = forces.springs.is_empty() && loads.is_empty() && !world.statics;
         let inputs = (world, h, bodies.revision(), particles.edits());
         if is_plain && *settled == Some(inputs) {
@@ -186,7 +186,7 @@ impl Simulation {
             }
         }
         let held = |position: &Vec4| position.w == 0.0;
-        // Neighbouring bodies mostly ask for the same.
+        // Neighbouring bodies mostly have the same settings.
         let mut last: Option<(BodySettings, SolverSettings)> = None;
         for number in 0..plan.islands.list.len() {
             let island = &plan.islands.list[number];
@@ -228,17 +228,17 @@ impl Simulation {
         plan.tether(particles);
     }
 
-    /// Notes a good state for each row to go back to.
+    /// Stores a good state of each row, which it is reset to if it turns non-finite.
     pub(super) fn set_checkpoint(&mut self) {
         let Self { particles, scratch: Scratch { checkpoint, .. }, .. } = self;
         checkpoint.resize(particles.len(), Vec4::ZERO);
         for (good, q) in checkpoint.iter_mut().zip(&particles.position) {
-            // A row that a caller set to no position at all goes back to the last one it had.
+            // A row that a caller set to a non-finite position is reset to the last one stored.
             *good = if q.is_finite() { *q } else { good.truncate().extend(q.w) };
         }
     }
 
-    /// Finds what may come to touch what.
+    /// Runs the broad phase.
     pub(super) fn begin_contacts(&mut self) {
         let listens = self.hears_of_contacts();
         let Self {
@@ -283,7 +283,7 @@ impl Simulation {
         }
     }
 
-    /// Looks up the gusts on every triangle.
+    /// Samples winds and air at every triangle.
     pub(super) fn feel_winds(&mut self) {
         let Self { particles, forces, scratch, instructions, .. } = self;
         let flows = &forces.air_flows;
@@ -302,7 +302,7 @@ impl Simulation {
         }
     }
 
-    /// Packs the triangles that winds press on, and air drags at, if there is any.
+    /// Packs the triangles that winds and air act on, if there are any.
     pub(super) fn pack_surfaces(&mut self) {
         let Self { particles, forces, scratch, .. } = self;
         let Scratch { surfaces, pressures, air, separate_surfaces, .. } = scratch;
@@ -312,19 +312,19 @@ impl Simulation {
     }
 }
 
-/// Where a pinned particle was before its island gave it another origin.
+/// A pinned particle whose origin was changed to that of its island, to be restored.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PinnedOrigin {
     row: usize,
     /// Its own origin, metres.
     home: Vec3,
-    /// Where it is from that, with its inverse mass, zero.
+    /// Its position from that origin, with its inverse mass, zero.
     place: Vec4,
-    /// Where it is from the island's.
+    /// Its position from the island's origin.
     shifted: Vec4,
 }
 
-/// What the body that most particles of an island are of asks for in substeps of `h` seconds.
+/// The settings of the body that most particles of an island belong to, in substeps of `h` seconds.
 fn settings_of_most(
     members: &[u32],
     particles: &Particles,
@@ -339,13 +339,13 @@ fn settings_of_most(
             None => counts.push((body(&run[0]), run.len())),
         }
     }
-    // Of several the first.
+    // The first of equals.
     let most = counts.into_iter().reduce(|most, next| if next.1 > most.1 { next } else { most });
     let own = most.and_then(|(body, _)| bodies.get(body as usize));
     own.map_or(world, |body| body.over(world, h))
 }
 
-/// What the bodies of an island ask for together in substeps of `h` seconds.
+/// The merged settings of the bodies of an island, in substeps of `h` seconds.
 fn settings_of(
     members: &[u32],
     particles: &Particles,
@@ -358,7 +358,7 @@ fn settings_of(
     let (mut found, mut last) = (None::<SolverSettings>, None);
     for &row in members {
         let body = particles.body[row as usize];
-        // Neighbours mostly share their body. A pinned particle holds on to nothing, and has nothing to say.
+        // Neighbours mostly share their body. The settings of a pinned particle do not count, as no constraint moves it.
         if last == Some(body) || particles.position[row as usize].w == 0.0 {
             continue;
         }

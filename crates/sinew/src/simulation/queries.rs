@@ -1,7 +1,7 @@
-//! Questions about where things are: what a ray or a shape meets on its way, what a shape overlaps, which particle is nearest.
+//! Spatial queries: ray casts, shape casts, overlaps, and the nearest particle.
 //!
-//! They look at the world as the last step left it, one thing after the other, in the order of their numbers: a question costs some nanoseconds for
-//! each particle and collider.
+//! They test the world as the last step left it, item by item in index order, without an acceleration structure: a query costs some nanoseconds for each
+//! particle and collider.
 
 use glam::Vec3;
 
@@ -13,37 +13,37 @@ use crate::collide::{
 use crate::particles::NO_BODY;
 use crate::pose::pose;
 
-/// What a question is about.
+/// What a query includes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
-    /// What it minds, and what minds it. Default everything.
+    /// Layers of the query; it includes what [meets](Layers::meets) them. Default everything.
     pub layers: Layers,
-    /// Whether colliders count, and planes and boxes of [`Boundaries`](crate::Boundaries), which are in all layers. Default yes.
+    /// Whether colliders are included, and planes and boxes of [`Boundaries`](crate::Boundaries), which are in all layers. Default true.
     pub colliders: bool,
-    /// Whether sensors count among them. Default not.
+    /// Whether sensors are included among colliders. Default false.
     pub sensors: bool,
-    /// Whether bodies and loose particles count. Default yes.
+    /// Whether bodies and loose particles are included. Default true.
     pub bodies: bool,
-    /// One that does not count: who asks. Default none.
+    /// One participant to exclude, for instance the one that casts. Default none.
     pub except: Option<ContactParticipant>,
 }
 
-/// What a ray or a shape met.
+/// A hit of a ray or a shape cast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Whom.
+    /// What was hit.
     pub participant: ContactParticipant,
-    /// The particle: that which was met, or the nearest corner of what was; none of what stands by itself.
+    /// The particle that was hit, or the first particle of the triangle or body collider that was; `None` for colliders, planes and boxes.
     pub row: Option<u32>,
-    /// How far from where it began, metres.
+    /// Distance from the start of the cast, metres.
     pub distance: f32,
-    /// Where, metres.
+    /// Point of contact, metres.
     pub point: Vec3,
-    /// Unit vector out of what was met.
+    /// Unit normal of the surface that was hit, outward.
     pub normal: Vec3,
 }
 
-/// How far a ray looks that has no end, metres: that and the squares of what it meets are numbers.
+/// Longest reach of an endless ray, metres: this distance and its square are finite in `f32`.
 const FARTHEST: f32 = 1e18;
 
 impl Default for Filter {
@@ -59,8 +59,8 @@ impl Default for Filter {
 }
 
 impl Simulation {
-    /// What a ray meets first within `max` metres: a collider, a plane, a wall of a box from inside, a body collider, a triangle of a surface from either
-    /// side, or a particle's ball. A direction that has no length meets nothing; it need not be a unit vector.
+    /// First hit of a ray within `max` metres: a collider, a plane, a wall of a box from inside, a body collider, a triangle of a surface from either side, or
+    /// a particle's sphere. The direction need not be a unit vector; a zero direction hits nothing.
     pub fn cast_ray(
         &self,
         origin: Vec3,
@@ -70,7 +70,7 @@ impl Simulation {
     ) -> Option<Hit> {
         let direction = direction.try_normalize()?;
         let mut ray = Ray { origin, direction, max, first: None };
-        // A direction may be along an axis, and infinity has no product with zero.
+        // A component of the direction may be zero, and infinity times zero is NaN.
         let end = origin + direction * max.min(FARTHEST);
         let around = enlarged((origin.min(end), origin.max(end)));
         self.all_within(around, filter, &mut |participant, row, obstacle| {
@@ -86,10 +86,10 @@ impl Simulation {
         ray.first
     }
 
-    /// What a shape without dents meets first that goes up to `max` metres along a direction, without turning: a collider, a plane, a wall of a box, a body
-    /// collider, a triangle of a surface from either side, or a particle's ball. It goes through nothing, however far it goes and however thin that is. What
-    /// it overlaps at the start it meets at once. A direction that has no length meets nothing, and so do half-spaces, meshes and landscapes that are to go
-    /// somewhere; a direction need not be a unit vector.
+    /// First hit of a convex shape that moves up to `max` metres along a direction, without turning: a collider, a plane, a wall of a box, a body collider, a
+    /// triangle of a surface from either side, or a particle's sphere. Nothing is tunnelled through, however far it goes and however thin that is. What it
+    /// overlaps at the start is hit at distance zero. The direction need not be a unit vector; a zero direction hits nothing, and neither do half-spaces,
+    /// meshes and heightfields when they are the moving shape.
     pub fn cast_shape(
         &self,
         shape: &Shape,
@@ -109,7 +109,7 @@ impl Simulation {
         Some(self.sweep(shape, frame, &way, filter)?.hit())
     }
 
-    /// The same, by how it goes. Of several that are met at once the first counts.
+    /// Shape cast with a given [`SweepMotion`]. Of several simultaneous hits the first found counts.
     pub(super) fn sweep(
         &self,
         shape: &Shape,
@@ -120,7 +120,7 @@ impl Simulation {
         if !(frame.is_valid() && way.length >= 0.0) {
             return None;
         }
-        // Farther than this is nothing, and no box can be drawn around a way without end.
+        // Longer ways are cut: no bounding box can enclose an infinite one.
         let mut way = SweepMotion { length: way.length.min(1e6), ..*way };
         let (low, high) = shape.bounds_in(frame);
         let by = way.direction * way.length;
@@ -140,7 +140,7 @@ impl Simulation {
         first
     }
 
-    /// Calls with everything that counts, collides, and may be in a box: colliders, body colliders, triangles, particles' balls.
+    /// Calls `call` with all that is included, collides, and may be in a box: colliders, walls, body colliders, triangles, particles' spheres.
     pub(super) fn obstacles(
         &self,
         around: (Vec3, Vec3),
@@ -150,7 +150,7 @@ impl Simulation {
         self.all_within(around, filter, &mut |participant, row, obstacle| {
             let collides = match obstacle {
                 Obstacle::Shape(..) => true,
-                // What is part of a body collider collides by that.
+                // Particles and triangles of a body collider collide by its shape.
                 Obstacle::Triangle(_) => !row.is_some_and(|row| self.is_aside(row)),
                 Obstacle::Ball(_, radius) => *radius > 0.0,
             };
@@ -160,7 +160,7 @@ impl Simulation {
         });
     }
 
-    /// The same with what does not collide: triangles that are part of a body collider, and particles without a radius.
+    /// [`obstacles`](Self::obstacles), and what does not collide: triangles that are part of a body collider, and particles without a radius.
     fn all_within(
         &self,
         around: (Vec3, Vec3),
@@ -198,7 +198,7 @@ impl Simulation {
         }
         for corners in &self.forces.surfaces {
             let Some(participant) = self.counts_row(corners[0], filter) else { continue };
-            // A triangle whose particle is gone is none.
+            // A triangle with a missing particle is skipped.
             if corners.iter().any(|&row| row as usize >= self.particles.len()) {
                 continue;
             }
@@ -220,7 +220,7 @@ impl Simulation {
         }
     }
 
-    /// Calls with the planes that count and with the walls of boxes, as half-spaces.
+    /// Calls `call` with the included planes, and with the walls of boxes, as half-spaces.
     fn walls(&self, filter: &Filter, call: &mut dyn FnMut(ContactParticipant, &Shape, Frame)) {
         let everywhere = Layers::new(u32::MAX, u32::MAX);
         let none = self.boundaries.planes.is_empty() && self.boundaries.boxes.is_empty();
@@ -235,8 +235,8 @@ impl Simulation {
         });
     }
 
-    /// Where a body collider is, if it may be in a box: no point of it is farther from its first particle than that is from its zero, and its own
-    /// farthest point.
+    /// Frame of a body collider, if it may be in a box: no point of it is farther from its first particle than that particle is from the collider's origin,
+    /// plus the shape's farthest point from it.
     fn frame_near(&self, solid: &BodyCollider, around: (Vec3, Vec3)) -> Option<Frame> {
         let (&row, &rest) = (solid.rows.first()?, solid.rest.first()?);
         let (low, high) = solid.shape.bounds();
@@ -246,8 +246,8 @@ impl Simulation {
         if near { self.frame_of(solid) } else { None }
     }
 
-    /// Calls `found` with everyone who overlaps a shape: once each for colliders, planes and body colliders, for each wall of a box, with a row for each
-    /// triangle of a surface and each particle. Particles are balls of their radii, also of none.
+    /// Calls `found` with everything that overlaps a shape: once for each collider, plane and body collider and for each wall of a box, and with a row for each
+    /// triangle of a surface and each particle. Particles are spheres of their radii, zero included.
     pub fn overlaps(
         &self,
         shape: &Shape,
@@ -274,13 +274,13 @@ impl Simulation {
         });
     }
 
-    /// The particle whose centre is nearest to a point, within `max` metres, and how far away it is; of equals the first.
+    /// The particle whose centre is nearest to a point, within `max` metres, and its distance; the first of equals.
     pub fn nearest_particle(&self, point: Vec3, max: f32, filter: &Filter) -> Option<(u32, f32)> {
         let mut nearest = None;
         let mut least = max;
         for row in 0..self.particles.len() as u32 {
             let distance = self.particles.relative_to(row as usize, point).length();
-            // Also for NaN.
+            // False for NaN, too.
             let nearer = distance < least || (nearest.is_none() && distance <= least);
             if nearer && self.counts_row(row, filter).is_some() {
                 (nearest, least) = (Some(row), distance);
@@ -298,7 +298,7 @@ impl Simulation {
             && filter.except != Some(ContactParticipant::Collider(number as u32))
     }
 
-    /// Who a row is, if that counts.
+    /// The participant that a row belongs to, if the filter includes it.
     fn counts_row(&self, row: u32, filter: &Filter) -> Option<ContactParticipant> {
         let body = *self.particles.body.get(row as usize)?;
         let participant = if body == NO_BODY {
@@ -312,7 +312,7 @@ impl Simulation {
         counts.then_some(participant)
     }
 
-    /// The same of a body collider, with its first row.
+    /// The participant that a body collider belongs to, with its first row, if the filter includes it.
     fn counts_solid(
         &self,
         solid: &BodyCollider,
@@ -322,7 +322,7 @@ impl Simulation {
         self.counts_row(row, filter).map(|participant| (participant, row))
     }
 
-    /// Where a body collider is.
+    /// Pose of a body collider, fitted to its particles.
     pub(super) fn frame_of(&self, solid: &BodyCollider) -> Option<Frame> {
         let points = solid.rows.iter().zip(&*solid.rest).filter_map(|(&row, &rest)| {
             let i = row as usize;
@@ -333,13 +333,13 @@ impl Simulation {
         Some(Frame::new(found.translation, found.rotation))
     }
 
-    /// Whether a row does not collide by itself: it is part of a body collider, which is met in its place, or its body touches nothing.
+    /// Whether a row does not collide by itself: it is part of a body collider, which collides in its place, or its body takes no part in contacts.
     fn is_aside(&self, row: u32) -> bool {
         self.scratch.contacts.is_aside(row)
     }
 }
 
-/// Whom a shape met on its way, and where.
+/// First hit of a shape cast.
 #[derive(Clone, Copy)]
 pub(super) struct SweptHit {
     participant: ContactParticipant,
@@ -348,31 +348,31 @@ pub(super) struct SweptHit {
 }
 
 impl SweptHit {
-    /// The same for whoever asked.
+    /// The hit as it is returned to the caller.
     pub(super) fn hit(&self) -> Hit {
         let Self { participant, row, at: SweepHit { distance, point, normal, .. } } = *self;
         Hit { participant, row, distance, point: point.as_vec3(), normal: normal.as_vec3() }
     }
 }
 
-/// A box and a little around it: what touches by the last digit is not to be missed for how boxes are rounded.
+/// A box with a margin against rounding, so that contacts in the last digit are not missed.
 fn enlarged((low, high): (Vec3, Vec3)) -> (Vec3, Vec3) {
     let margin = 1e-6 * low.abs().max(high.abs()).max_element();
     (low - margin, high + margin)
 }
 
-/// Whether two shapes overlap, given where the first is in the coordinates of the second.
+/// Whether two shapes overlap; `a_in_b` is the frame of the first in that of the second.
 fn overlap(a: &Shape, b: &Shape, a_in_b: &Frame) -> bool {
     let mut overlaps = false;
     collide(a, b, a_in_b, 0.0, &mut ManifoldScratch::default(), &mut |_| overlaps = true);
     overlaps
 }
 
-/// A ray, and what it has met.
+/// A ray and its first hit so far.
 struct Ray {
     origin: Vec3,
     direction: Vec3,
-    /// How far it goes still, metres.
+    /// Remaining length, metres.
     max: f32,
     first: Option<Hit>,
 }
@@ -392,14 +392,14 @@ impl Ray {
         }
     }
 
-    /// How far off a shape is, metres, and the unit vector out of it there; `None` where the ray does not meet it. So too below.
+    /// Distance to a shape, metres, and its unit normal there; `None` if the ray misses it. The same for the methods below.
     fn shape(&self, shape: &Shape, frame: &Frame) -> Option<(f32, Vec3)> {
         let (origin, direction) = (frame.local(self.origin), frame.turn_back(self.direction));
         let hit = shape.cast_ray(origin, direction, self.max)?;
         Some((hit.distance, frame.turn(hit.normal)))
     }
 
-    /// `|o + t d - c|² = r²`; from within it is met at once, and never where there is no radius.
+    /// Solves `|o + t d - c|² = r²`. From inside, the distance is zero; a sphere without a radius is never hit.
     fn ball(&self, centre: Vec3, radius: f32) -> Option<(f32, Vec3)> {
         let from = self.origin - centre;
         let along = from.dot(self.direction);
@@ -410,7 +410,7 @@ impl Ray {
             return None;
         }
         let distance = if inside { 0.0 } else { -along - beneath.sqrt() };
-        // Made unit, because of a small ball far off the difference has few digits.
+        // Normalised, because for a small sphere far off the difference has few digits.
         let normal = (from + self.direction * distance).try_normalize();
         Some((distance, normal.unwrap_or(-self.direction)))
     }
@@ -428,7 +428,7 @@ impl Ray {
         let (v, distance) = (self.direction.dot(other) / volume, ac.dot(other) / volume);
         (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| {
             let normal = ab.cross(ac).normalize_or_zero();
-            // Out of the side that it came to.
+            // The normal of the side that was hit.
             (distance, if normal.dot(self.direction) > 0.0 { -normal } else { normal })
         })
     }
@@ -490,7 +490,7 @@ mod tests {
         assert_eq!(world.cast_ray(Vec3::NAN, Vec3::NEG_Y, 100.0, &all), None);
     }
 
-    /// Found by fuzzing: the triangle's first particle was there, and another was not.
+    /// Found by fuzzing: the triangle's first particle existed, and another did not.
     #[test]
     fn a_ray_passes_a_triangle_whose_particle_is_gone() {
         let mut world = world();
@@ -526,7 +526,7 @@ mod tests {
         assert_eq!(hit.participant, ContactParticipant::Collider(0));
         assert!((hit.distance - (4.0 - 0.5 * 2f32.sqrt())).abs() < 1e-4, "{hit:?}");
         assert!(hit.normal.abs_diff_eq(Vec3::Y, 1e-4));
-        // In it from the start; too short; no way; none that can go.
+        // Overlapping from the start; too short; no direction; a shape that cannot be cast.
         let hit = cast(&ball, Vec3::new(5.0, 0.9, 0.0), Vec3::Y, &all).unwrap();
         assert_eq!((hit.participant, hit.distance), (ContactParticipant::Body(0), 0.0));
         assert_eq!(world.cast_shape(&ball, &Frame::IDENTITY, Vec3::X, 3.9, &all), None);
@@ -535,7 +535,7 @@ mod tests {
         assert_eq!(cast(&Shape::half_space(), Vec3::Y * 9.0, Vec3::NEG_Y, &past), None);
     }
 
-    /// What ends at the first hit is not in anything there, and was not on the way.
+    /// At its hit distance a cast shape touches what it hit, and overlapped nothing before.
     #[test]
     fn a_cast_of_any_shape_ends_where_it_touches() {
         let world = world();
@@ -566,7 +566,7 @@ mod tests {
                     world.overlaps(shape, &there, &all, |_, _| any = true);
                     found |= any != touches;
                 }
-                // Grazing, two millimetres may not be enough.
+                // At grazing incidence two millimetres may not be enough.
                 assert!(!found || hit.normal.dot(direction).abs() < 0.1, "{number} {step} {hit:?}");
                 assert!(hit.normal.dot(direction) < 1e-3, "{hit:?}");
             }

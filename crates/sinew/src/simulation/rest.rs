@@ -1,9 +1,9 @@
-//! Steps that change nothing: where all sleep, and nothing has been touched since a step that left everything as it was, the next one leaves it, too, and
-//! need not be taken. Only the time passes.
+//! Skips steps that change nothing: if all bodies sleep, and nothing was changed since a step that left everything as it was, the next step would do so too.
+//! Only the time advances.
 //!
-//! A step is a function of the particles, of what acts on them and of its length. Of sleepers the time is no part of that: gusts that may move somebody keep
-//! him awake. A step at rest leaves its particles as they are when the one before it has been at rest, too, for that has stopped them. So it takes two such
-//! steps with the same inputs; from then on the inputs are compared, and that is all.
+//! A step is a function of the particles, of what acts on them and of its length. For sleepers the time is not an input: bodies that gusts could move are kept
+//! awake. A step with everything asleep leaves the particles unchanged if the step before it was one too, because that one set their velocities to zero. So it
+//! takes two such steps with the same inputs; from then on only the inputs are compared.
 
 use super::sleep::Sleep;
 use super::{Scratch, Simulation};
@@ -14,8 +14,7 @@ use crate::kept::Kept;
 use crate::settings::{BodySettings, SolverSettings};
 use crate::tracked::Tracked;
 
-/// What a step depends on, beside the columns of the particles, which number what is [written](crate::Particles::writes) to them, and the constraints, of which
-/// changes are noted.
+/// Inputs of a step, except the columns of the particles, whose writes are [counted](crate::Particles::writes), and the constraints, whose changes are recorded.
 #[derive(Clone, Debug, PartialEq)]
 struct Inputs {
     /// Seconds.
@@ -31,20 +30,20 @@ struct Inputs {
     sleep: Tracked<Vec<Sleep>>,
 }
 
-/// What is remembered of steps at rest.
+/// Record of the last steps with everything asleep.
 #[derive(Debug, Default)]
 pub(super) struct Rest {
-    /// Those of the last step, if all slept in it.
+    /// Inputs of the last step, if everything slept in it.
     inputs: Option<Box<Inputs>>,
-    /// Whether the step before had the same ones.
+    /// Whether the step before had the same inputs.
     settled: bool,
 }
 
 impl Simulation {
-    /// Takes a whole step of `dt` seconds, if all that it would change is the time: all sleep, and nothing has changed since the last two steps, in which
-    /// they slept, too. Says whether it has; otherwise nothing happened, and the step is yet to be taken.
+    /// Skips a step of `dt` seconds if the time is all that it would change: everything sleeps, and nothing has changed since the last two steps, in which
+    /// everything slept too. Returns whether it did; if not, nothing happened, and the step must still be taken.
     ///
-    /// For who takes the step in [phases](Self::begin_step), and lets nobody else do something between them. [`step`](Self::step) does it by itself.
+    /// For callers that run the step in [phases](Self::begin_step) and let nothing else act between them. [`step`](Self::step) does it by itself.
     ///
     /// ```
     /// use sinew::{ParticleSeed, Simulation, Sleep, constraints::Plane, glam::Vec3};
@@ -70,22 +69,22 @@ impl Simulation {
             return false;
         }
         let substeps = self.settings.clamped().substeps;
-        // As many small sums as otherwise, so that it comes out the same.
+        // Summed substep by substep, so that the time has the same bits as otherwise.
         (0..substeps).for_each(|_| self.time += f64::from(dt / substeps as f32));
         self.report.frozen.clear();
         self.report.too_fast.clear();
         true
     }
 
-    /// Whether the last two steps were such: the next is one, too, if nothing changes until then. The particles and the constraints have not so far; what else a
-    /// step depends on is not looked at.
+    /// Whether the last two steps were at rest, so that the next is one too if nothing changes until then. Compares only the particles and the constraints, not
+    /// the other inputs of a step.
     pub fn is_settled(&self) -> bool {
         let Scratch { rest: Kept(rest), changes, .. } = &self.scratch;
         let inputs = rest.inputs.as_ref().filter(|_| rest.settled && changes.is_empty());
         inputs.is_some_and(|inputs| inputs.writes == self.particles.writes())
     }
 
-    /// Notes, when a step ends, whether it was one at rest, and of what.
+    /// Records, when a step ends, whether everything slept in it, and its inputs.
     pub(super) fn note_rest(&mut self) {
         let scratch = &self.scratch;
         let slept = scratch.at_rest
@@ -118,7 +117,7 @@ impl Simulation {
         self.scratch.rest.0.inputs = Some(Box::new(inputs));
     }
 
-    /// Whether a step of `dt` seconds would have these.
+    /// Whether these are the inputs of a step of `dt` seconds now.
     fn has(&self, inputs: &Inputs, dt: f32) -> bool {
         let Inputs { writes, settings, forces, boundaries, colliders, .. } = inputs;
         let Inputs { bodies, contacts, ignored, sleep, .. } = inputs;
@@ -135,7 +134,7 @@ impl Simulation {
             && *ignored == self.ignored
     }
 
-    /// Whether somebody is to be told of contacts, those at rest included.
+    /// Whether contact events are reported anywhere, contacts at rest included.
     pub(super) fn hears_of_contacts(&self) -> bool {
         self.colliders.iter().any(|collider| collider.events)
             || self.contacts.iter().any(|body| body.events)

@@ -1,4 +1,4 @@
-//! Islands that move as one rigid state: when they are read, moved and written.
+//! Rigid states: islands that move as one rigid body in a step. When they are read from particles, predicted, and written back.
 
 use super::velocities::carried;
 use super::{Scratch, Simulation, Substep};
@@ -8,7 +8,7 @@ use crate::pose::{Motion, Pose};
 use crate::solve::SubstepParameters;
 
 impl Simulation {
-    /// Reads those of this step.
+    /// Reads the rigid states of this step from their particles.
     pub(super) fn begin_rigid_states(&mut self) {
         let Self { particles, bodies, boundaries, scratch, .. } = self;
         let Scratch { plan, contacts, substep: Substep { length: h, .. }, .. } = scratch;
@@ -18,7 +18,7 @@ impl Simulation {
         self.list_single_rows();
     }
 
-    /// Lists the rows that do not follow from rigid states and do not sleep, and those that do not sleep.
+    /// Lists the rows to integrate as particles, those to except from that, and those that are not asleep.
     fn list_single_rows(&mut self) {
         let Scratch { plan, single_rows, rows_apart, awake_rows, .. } = &mut self.scratch;
         let (mut next, last) = (0, self.particles.len());
@@ -49,7 +49,7 @@ impl Simulation {
         StepRows::cut(0..last, &mut rows_apart, |own| single_rows.push(own));
     }
 
-    /// Has those go on as particles that somebody else has moved.
+    /// Turns rigid states whose particles were moved from outside back into particles for the rest of the step.
     pub(super) fn release_moved(&mut self) {
         let Self { particles, scratch: Scratch { plan, contacts, .. }, .. } = self;
         if contacts.has_rigid_states()
@@ -59,7 +59,7 @@ impl Simulation {
         }
     }
 
-    /// Predicts them, before their particles are.
+    /// Predicts the rigid states, before the particles.
     pub(super) fn predict_rigid_states(&mut self) {
         let which = self.which_substep();
         let Self { particles, scratch, .. } = self;
@@ -70,14 +70,14 @@ impl Simulation {
         }
     }
 
-    /// Takes them through all substeps that remain, and says whether that went well: that nothing can have touched them.
+    /// Takes the rigid states through all remaining substeps. Returns false, with everything as before, if one of them may have touched something.
     pub(super) fn advance_idle_states(&mut self) -> bool {
         let which = self.which_substep();
         let Self { particles, scratch: Scratch { contacts, substep, .. }, .. } = self;
         if contacts.has_rigid_states() {
             contacts.rigid_states().advance_idle_states(particles, substep.length, which);
             if !contacts.rigid_states().is_idle() {
-                // No particle has been written yet: they are what they were.
+                // No particle has been written yet, so the states can be read again.
                 let unseen = self.scratch.unseen;
                 self.begin_rigid_states();
                 self.scratch.contacts.rigid_states().set_not_idle();
@@ -88,7 +88,7 @@ impl Simulation {
         true
     }
 
-    /// Notes what acts on them in this step, and which triangles are of others.
+    /// Notes which forces act on the rigid states in this step, and which triangles belong to none of them.
     pub(super) fn note_forces(&mut self) {
         let Self { particles, forces, body_colliders, scratch, .. } = self;
         let Scratch { plan, contacts, pressures, separate_surfaces, .. } = scratch;
@@ -111,7 +111,7 @@ impl Simulation {
         states.note_forces(&plan.islands, (any, rows), pressures, separate_surfaces);
     }
 
-    /// Writes the particles of those that somebody looks at within the step: when they have been predicted, and when a substep `ends`.
+    /// Writes the particles of those rigid states whose particles are read within the step: after prediction, and at the end of a substep (`ends`).
     pub(super) fn write_rigid_states(&mut self, ends: bool) {
         let Self { particles, scratch: Scratch { contacts, unseen, substep, .. }, .. } = self;
         if !contacts.has_rigid_states() {
@@ -119,7 +119,7 @@ impl Simulation {
         }
         let which = match (*unseen, ends, substep.remaining) {
             (false, ..) => Written::All,
-            // They are to be where they are when the wind in the last substep is summed up.
+            // Their positions are needed when the wind in the last substep is summed.
             (true, true, 2) => Written::ForcedAndWindy,
             (true, ..) => Written::Forced,
         };
@@ -127,7 +127,7 @@ impl Simulation {
         contacts.rigid_states().write_rigid_states(particles, which, exact);
     }
 
-    /// Writes all of their particles when the step ends.
+    /// Writes the particles of all rigid states when the step ends.
     pub(super) fn write_all_rigid_states(&mut self) {
         let Self { particles, scratch: Scratch { contacts, .. }, .. } = self;
         if contacts.has_rigid_states() {
@@ -135,10 +135,10 @@ impl Simulation {
         }
     }
 
-    /// The pose of a [body collider](Self::body_colliders) that went through the last step as one rigid state, in its own frame, by its number in the list:
-    /// what a fit to its particles gives but for round-off, at hand. `None` of any other, and where that is not finite.
+    /// Pose of a [body collider](Self::body_colliders), given by its index, that went through the last step as one rigid state; in the collider's own frame. It
+    /// is stored, and equals a fit to the particles up to round-off. `None` for any other collider, and where the pose is not finite.
     ///
-    /// Of the last step: not of particles that were moved since.
+    /// It is the pose at the end of the last step: particles that were moved since do not change it.
     pub fn rigid_pose(&self, number: usize) -> Option<Pose> {
         let first = *self.body_colliders.get(number)?.rows.first()? as usize;
         let pose = self.scratch.contacts.body_contact.rigid_pose(number)?;
@@ -147,11 +147,11 @@ impl Simulation {
         is_finite.then_some(Pose { translation, ..pose })
     }
 
-    /// How a [body collider](Self::body_colliders) moves that went through the last step as one rigid state, by its number in the list: what
-    /// [`motion`](crate::pose::motion) of its particles and their [velocities](Self::velocity_now) gives but for round-off, at hand. `None` of any other, where
-    /// forces act on its particles one by one, and where that is not finite.
+    /// Motion of a [body collider](Self::body_colliders), given by its index, that went through the last step as one rigid state. It is stored, and equals
+    /// [`motion`](crate::pose::motion) of its particles and their [velocities](Self::velocity_now) up to round-off. `None` for any other collider, where forces
+    /// act on its particles one by one, and where the motion is not finite.
     ///
-    /// Of the last step: not of particles that were moved since.
+    /// It is the motion at the end of the last step: particles that were moved since do not change it.
     pub fn rigid_motion(&self, number: usize) -> Option<Motion> {
         let first = *self.body_colliders.get(number)?.rows.first()? as usize;
         let changed = [&self.report.frozen, &self.report.too_fast];
@@ -177,7 +177,7 @@ impl Simulation {
         (sum.is_finite() && motion.mass.is_finite() && motion.inertia.is_finite()).then_some(motion)
     }
 
-    /// The number of the substep at hand, and how many there are in the step.
+    /// The index of the current substep, and the number of substeps of the step.
     fn which_substep(&self) -> (u32, u32) {
         let SubstepParameters { number, of, .. } = self.substep_parameters();
         (number, of)

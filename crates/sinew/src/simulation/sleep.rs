@@ -1,16 +1,17 @@
-//! Sleep: what lies still, with everything that it touches, is left out of the steps until something wakes it.
+//! Sleep: bodies that lie still, with everything that they touch, are left out of the steps until something wakes them.
 //!
-//! Bodies sleep and wake in groups: islands with a box about a piece of each that touch (`pieces`), and all islands of a body. When all of a group have been still for [`SECONDS`], it
-//! falls asleep: its particles stop and count as pinned, so that what comes near finds them in its way, and its constraints are not asked. A group
-//! wakes
+//! Bodies sleep and wake in groups: islands joined where bounds of their pieces touch (`pieces`), where a spring connects them, and all islands of a body. When
+//! all of a group have been still for [`SECONDS`], it falls asleep: its particles stop and count as pinned, so that whatever comes near collides with them, and
+//! its constraints are not solved. A group wakes
 //!
-//! - when one of its particles was given a velocity, a force or a control, or [is to wake](crate::Particles::wake);
+//! - when one of its particles was given a velocity, a force or a control, or was [marked to wake](crate::Particles::wake);
 //! - when something that moves comes near, or a collider near it moves;
-//! - when what it is made of and hangs on is not the same: places, masses, constraints, springs, and what it lay beside (`support`).
+//! - when its support changes: positions, masses, constraints, springs, and the static geometry beside it (`support`).
 //!
-//! What gusts may move does not sleep in them (`gusts`). Who has slept for long, and lies where nobody comes near, is not looked at (`dormant`).
+//! Bodies that gusts could move stay awake in them (`gusts`). Groups that have slept for long and have nothing moving near them are dormant: they are not even
+//! visited (`dormant`).
 //!
-//! Nothing else is remembered: what is to survive a step is in [`Sleep`], a body's own.
+//! No other state exists: what must survive a step is in [`Sleep`], which belongs to a body.
 
 mod dormant;
 mod gusts;
@@ -30,28 +31,28 @@ use crate::islands::Island;
 use crate::particles::NO_BODY;
 use crate::union_find::UnionFind;
 
-/// Whether a body may sleep, and for how long it has been still: configuration and live state, to be saved and restored with its particles.
+/// Whether a body may sleep, and how long it has been still: configuration and live state, to be saved and restored with its particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sleep {
-    /// Whether it may. Default not.
+    /// Whether the body may sleep. Default false.
     pub allowed: bool,
-    /// Whether it is to stay awake, and with it all that touches it, however still it lies. Default not.
+    /// Whether the body, and with it everything that touches it, stays awake, however still it is. Default false.
     pub keeps_awake: bool,
-    /// A particle slower than this is still, m/s, 0 and up. Default 0.02.
+    /// Speed up to which a particle counts as still, m/s, 0 and up. Default 0.02.
     pub speed: f32,
-    /// For how long all of it have been still, seconds. Default 0.
+    /// Time for which the whole group has been still, seconds. Default 0.
     pub still: f32,
-    /// Whether it sleeps. Default not. To wake a body, clear this and `still`.
+    /// Whether it sleeps. Default false. To wake a body, clear this and `still`.
     pub asleep: bool,
-    /// Hash of what it and all that it lay beside were made of, lay on and hung on when it fell asleep; where that is another one, it wakes. Default 0, while it is
-    /// awake.
+    /// Hash of the support when it fell asleep: of its group's particles, constraints and springs, and of the colliders beside it. If the hash is another one
+    /// now, it wakes. Default 0, also while it is awake.
     pub support_hash: u64,
 }
 
-/// How long a group has to be still before it falls asleep, seconds: longer than anything thrown up is slow at its height.
+/// How long a group must be still before it falls asleep, seconds: longer than an object thrown upwards stays slow at the top of its path.
 const SECONDS: f32 = 0.5;
 
-/// How near boxes have to be to count as touching, metres, beside what their particles may cover in a step.
+/// Gap up to which bounds count as touching, metres, in addition to the way of their particles in a step.
 const NEAR: f32 = 0.01;
 
 impl Default for Sleep {
@@ -68,47 +69,47 @@ impl Default for Sleep {
 }
 
 impl Sleep {
-    /// May sleep, and is awake.
+    /// A body that may sleep and is awake.
     pub fn allowed() -> Self {
         Self { allowed: true, ..Self::default() }
     }
 }
 
-/// Scratch of the sleeping decision.
+/// Working data of sleeping.
 #[derive(Default)]
 pub(super) struct SleepScratch {
-    /// Islands that are looked at in this step, ascending, and stretches of rows in which theirs are: all but dormant ones.
+    /// Islands that are visited in this step, ascending, and ranges of rows that contain theirs: all but dormant ones.
     looked: Vec<u32>,
     looked_rows: Vec<Range<usize>>,
     looked_bounds: Vec<(Vec3, Vec3)>,
     dormant: Dormant,
-    /// Of each island.
+    /// Bounds that each island may reach in the step.
     bounds: Vec<(Vec3, Vec3)>,
     pieces: Pieces,
     activities: Vec<IslandActivity>,
-    /// How much gusts may push each island, N.
+    /// Force that gusts may exert on each island, N.
     pushes: Vec<f32>,
     pairs: Vec<[u32; 2]>,
-    /// Who is near one.
+    /// Islands near one: a buffer.
     near: Vec<u32>,
     broad: Broad,
-    /// Towards the first island of a group.
+    /// Union-find over islands; the root is the first island of a group.
     groups: UnionFind,
     /// The first island of each body.
     first_of: Vec<u32>,
-    /// How far the shape of a body collider reaches beyond its particles, metres, for each row; empty if those have changed.
+    /// How far the shape of a body collider reaches beyond each of its particles, metres, by row; empty if the colliders have changed.
     bounding_radius: Vec<f32>,
-    /// Rows that sleep, and their inverse masses.
+    /// Rows put to sleep in this step, and their inverse masses.
     masses: Vec<(u32, f32)>,
-    /// Of each island what it is made of and hangs on, and, at the first island of a group, of all that sleep in it.
+    /// Support hash of each island; at the first island of a group, of all that sleep in the group.
     hashes: Vec<u64>,
-    /// [Edits](crate::Particles::edits) of the particles, the revision of how bodies touch, and the hashes of [what stands](support::of_surfaces) and of
-    /// [springs](support::of_springs) when that was last looked at; `None` if constraints or particles have come or gone since.
+    /// [Edits](crate::Particles::edits) of the particles, the revision of `contacts`, and the hashes of [static geometry](support::of_surfaces) and of
+    /// [springs](support::of_springs) when supports were last compared; `None` if constraints or particles were added or removed since.
     seen: Option<[u64; 4]>,
 }
 
 impl SleepScratch {
-    /// Has what sleepers are made of looked at in the next step.
+    /// Makes the next step compare the supports of all sleepers.
     pub(super) fn forget_support(&mut self) {
         self.seen = None;
         self.bounding_radius.clear();
@@ -117,40 +118,40 @@ impl SleepScratch {
     }
 }
 
-/// How an island, and then a group, lies.
+/// Activity of an island, and then of a group.
 #[derive(Clone, Copy, Debug)]
 struct IslandActivity {
-    /// Whether something of it moves, or keeps it from sleeping.
+    /// Whether a part of it moves, or keeps it awake.
     active: bool,
-    /// Whether all of it may sleep.
+    /// Whether all of its bodies may sleep.
     allowed: bool,
-    /// Whether all of it sleeps.
+    /// Whether all of its bodies sleep.
     asleep: bool,
-    /// For how long all of it have been still, seconds.
+    /// Time for which all of it has been still, seconds.
     still: f32,
 }
 
 impl IslandActivity {
-    /// Of one that moves nothing else counts.
+    /// A moving island; the other fields do not matter then.
     const MOVING: Self = Self { active: true, allowed: true, asleep: true, still: f32::INFINITY };
 }
 
-/// Whether a particle of a body lies still; also not where it moves by NaN.
+/// Whether a particle of a body is still. A NaN velocity is not.
 fn is_quiet(body: &Sleep, velocity: Vec4) -> bool {
     let speed = velocity.truncate().length();
     if body.asleep { speed == 0.0 } else { speed <= body.speed }
 }
 
 impl Simulation {
-    /// Has the next step look whether sleepers are where they were: for who writes others than they have by
+    /// Makes the next step check whether sleepers are where they were. To be called after loading other states into their rows by
     /// [`Particles::load`](crate::Particles::load).
     pub fn check_sleepers(&mut self) {
         self.scratch.rest = Default::default();
         self.scratch.sleep_scratch.0.forget_support();
     }
 
-    /// Whether nobody has written to a particle of a sleeper since the last step put it to sleep. Then all of it stands in its rows as that step has left it, and who
-    /// loads it from elsewhere need not.
+    /// Whether no particle of a sleeping body was written to since the last step. Then the rows of sleepers hold what that step left there, and a caller that
+    /// keeps the state elsewhere need not load them.
     pub fn are_sleepers_untouched(&self) -> bool {
         let Self { particles, sleep, .. } = self;
         let sleeps = |&row: &u32| {
@@ -160,7 +161,7 @@ impl Simulation {
         particles.touched().is_some_and(|rows| !rows.iter().any(sleeps))
     }
 
-    /// Finds which bodies sleep in a step of `dt` seconds, and puts them to sleep.
+    /// Decides which islands sleep in a step of `dt` seconds, and puts them to sleep.
     pub(super) fn put_to_sleep(&mut self, dt: f32) {
         let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch.0);
         if self.sleep.iter().any(|body| body.allowed) {
@@ -179,7 +180,7 @@ impl Simulation {
                 sleepers.dormant.forget();
                 self.look_at_islands(&mut sleepers, dt);
             }
-            // Who falls asleep remembers what it lies on.
+            // Groups that fall asleep store their support hash.
             let falls = |&number: &u32| {
                 let island = sleepers.activities[number as usize];
                 island.allowed && !island.asleep && !island.active && island.still >= SECONDS
@@ -200,7 +201,7 @@ impl Simulation {
         self.scratch.sleep_scratch.0 = sleepers;
     }
 
-    /// Whether something of a body moves of which another island is dormant.
+    /// Whether a visited island moves that belongs to the same body as a dormant one.
     fn wakes_dormant(&self, sleepers: &SleepScratch) -> bool {
         let SleepScratch { dormant, activities, looked_rows, .. } = sleepers;
         let islands = &self.scratch.plan.islands.of;
@@ -211,7 +212,7 @@ impl Simulation {
             })
     }
 
-    /// Wakes: gives those that sleep their masses back, at the end of a step.
+    /// Restores the masses of sleepers, at the end of a step.
     pub(super) fn wake(&mut self) {
         let Self { particles, scratch, .. } = self;
         let SleepScratch { masses, dormant, .. } = &mut scratch.sleep_scratch.0;
@@ -221,7 +222,7 @@ impl Simulation {
         dormant.wake(particles);
     }
 
-    /// Looks at each island but dormant ones: how it lies, and the box that it may reach in the step.
+    /// Measures the activity and the bounds of each island that is not dormant.
     fn look_at_islands(&mut self, sleepers: &mut SleepScratch, dt: f32) {
         let islands = &mut self.scratch.plan.islands;
         let SleepScratch { looked, looked_rows, dormant, .. } = &mut *sleepers;
@@ -232,7 +233,7 @@ impl Simulation {
         self.measure_islands(sleepers, dt);
     }
 
-    /// Looks at the islands that are to be looked at.
+    /// Measures the islands to visit.
     fn measure_islands(&self, sleepers: &mut SleepScratch, dt: f32) {
         let Self { particles, scratch, forces, .. } = self;
         if sleepers.bounding_radius.len() != particles.len() {
@@ -258,7 +259,7 @@ impl Simulation {
             any_lie |= !activity.active;
             sleepers.activities[number as usize] = activity;
         }
-        // Where all move nobody is asked whom it touches, but by those that are dormant.
+        // Where all move, no bounds are needed, except to find what comes near dormant islands.
         if any_lie || !sleepers.dormant.is_empty() {
             self.enclose_islands(sleepers, &looked, dt);
         } else {
@@ -294,7 +295,7 @@ impl Simulation {
         }
     }
 
-    /// How an island lies. Of one that moves nothing else counts.
+    /// Activity of an island. Once a part of it moves, the other fields do not matter.
     fn activity_of(&self, island: &Island) -> IslandActivity {
         let Self { particles, forces, .. } = self;
         let mut activity =
@@ -304,20 +305,20 @@ impl Simulation {
             if !is_quiet(&body, particles.velocity[i]) || pushed || body.keeps_awake {
                 return IslandActivity { active: true, ..activity };
             }
-            // What charges do to each other changes with each of them.
+            // Forces between charges change when any of them moves.
             let charged = particles.charge[i] != 0.0 && forces.electric.constant != 0.0;
             activity.allowed &= body.allowed && !charged;
             activity.asleep &= body.asleep;
             activity.still = activity.still.min(body.still);
         }
         if !activity.allowed {
-            // It keeps nobody awake who lies still beside it.
+            // It does not keep awake what lies still beside it.
             activity.still = f32::INFINITY;
         }
         activity
     }
 
-    /// The box that each of some islands, and each piece of it, may reach in a step of `dt` seconds.
+    /// Bounds that each of these islands, and each piece of them, may reach in a step of `dt` seconds.
     fn enclose_islands(&self, sleepers: &mut SleepScratch, these: &[u32], dt: f32) {
         let Self { particles, scratch, forces, .. } = self;
         let plan = &scratch.plan;
@@ -330,7 +331,7 @@ impl Simulation {
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             for (i, body) in self.loose_members(island) {
                 let velocity = particles.velocity[i];
-                // The same for all that is quiet, so that who touches whom does not change when they fall asleep.
+                // The same margin for all that is still, so that the pairs do not change when a group falls asleep.
                 let quiet = is_quiet(&body, velocity);
                 let fastest = if quiet { body.speed } else { velocity.truncate().length() };
                 let reach = (fastest + fall) * dt;
@@ -345,7 +346,7 @@ impl Simulation {
         }
     }
 
-    /// The rows of an island that are not pinned, each with how its body sleeps: by default where it has none.
+    /// The rows of an island that are not pinned, each with the sleep settings of its body; the default for particles without one.
     #[inline]
     fn loose_members(&self, island: &Island) -> impl Iterator<Item = (usize, Sleep)> {
         let Self { particles, scratch, sleep, .. } = self;
@@ -363,8 +364,8 @@ impl Simulation {
         })
     }
 
-    /// Joins islands that touch, those that a spring ties, and those of a body. Two that touch and both move are left as they are: neither lets anybody sleep,
-    /// whoever else is with them.
+    /// Joins islands that touch, islands that a spring connects, and all islands of a body. Two islands that touch and both move are not joined: each keeps its
+    /// group awake anyway.
     fn group(&self, sleepers: &mut SleepScratch, compare: bool) {
         let Self { particles, scratch, .. } = self;
         let SleepScratch {
@@ -383,7 +384,7 @@ impl Simulation {
         } = sleepers;
         pairs.clear();
         let each = || looked.iter().map(|&number| &activities[number as usize]);
-        // Where all lie still and have done so for long, each group sleeps, whoever is in it; and where all move, none does.
+        // If all have been still for long enough, every group sleeps, whatever the grouping; if all move, none does.
         let (still, moving) = (
             each().all(|island| !island.active && island.still >= SECONDS),
             each().all(|island| island.active),
@@ -401,7 +402,7 @@ impl Simulation {
                 for place in lying() {
                     near.clear();
                     broad.around(&looked_bounds[place as usize], looked_bounds, near);
-                    // Of two that lie still the first one has asked.
+                    // A pair of still islands was found by the first of them.
                     let others = near.iter().filter(|&&other| other > place || moves(other));
                     pairs.extend(others.map(|&other| [place, other]));
                 }
@@ -426,7 +427,7 @@ impl Simulation {
         }
         first_of.clear();
         first_of.resize(self.sleep.len(), u32::MAX);
-        // Neighbours mostly are of one body and of one island.
+        // Neighbours mostly share their body and their island.
         let mut last = None;
         for i in looked_rows.iter().flat_map(Clone::clone) {
             let (island, body) = (scratch.plan.islands.of[i], particles.body[i]);
@@ -442,7 +443,7 @@ impl Simulation {
         }
     }
 
-    /// Sums up each group, and lets it sleep, or lets its time go on.
+    /// Sums up each group, and puts it to sleep or advances its time.
     fn decide(&mut self, sleepers: &mut SleepScratch, dt: f32, compare: bool) {
         let SleepScratch { activities, groups, looked, bounds, .. } = &mut *sleepers;
         for &island in looked.iter() {
@@ -464,9 +465,9 @@ impl Simulation {
         }
         let SleepScratch { activities, groups, masses, hashes, looked, dormant, .. } = sleepers;
         let Self { particles, sleep, scratch, .. } = self;
-        // Borrowed once: each time counts as a change.
+        // Borrowed once, because each mutable borrow of `sleep` counts as a change.
         let (sleep, plan) = (&mut **sleep, &mut scratch.plan);
-        // As a step would leave what stands still.
+        // The velocity and lag that a step leaves for a particle at rest.
         let still = Vec3::ZERO.extend(self.settings.integrator.lag(scratch.substep.length));
         dormant.stop(particles, still);
         for &number in looked.iter() {
@@ -482,7 +483,7 @@ impl Simulation {
                     continue;
                 }
                 let Some(body) = sleep.get_mut(particles.body[i] as usize) else { continue };
-                // Of many particles of a body the first tells.
+                // The first particle of a body in its first island updates the body.
                 let tells = sleepers.first_of[particles.body[i] as usize] == number as u32;
                 if tells && !dormant.is_of_body(particles.body[i]) {
                     sleepers.first_of[particles.body[i] as usize] = u32::MAX;
@@ -506,7 +507,7 @@ impl Simulation {
         }
     }
 
-    /// Sums up what those of each group that are to sleep are made of and hang on, and wakes all of one in which that is not what it was.
+    /// Sums up the support hashes of the sleeping islands of each group, and marks a group as active where a body's stored hash is another one.
     fn compare_support(&self, sleepers: &mut SleepScratch) {
         let SleepScratch { activities, groups, hashes, bounds, looked, .. } = sleepers;
         let islands = &self.scratch.plan.islands;

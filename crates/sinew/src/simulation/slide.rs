@@ -1,11 +1,11 @@
-//! Move and slide: where something that a game moves by itself, such as a player's character, comes to in a tick.
+//! Move and slide: moves a kinematic object, such as a player's character, through a tick with sliding along obstacles.
 //!
-//! It goes its way until something is a skin's width away, takes the part of its velocity that leads into that out, and goes on with the rest of the time. Where
-//! the rest leads into something that it touches already, it goes along the edge between the two, and where that leads into a third, nowhere: the rule of
-//! *Quake*'s `PM_SlideMove` (1996), which Godot and Avian have, too. What overlaps it at the start pushes it out first.
+//! The shape moves until an obstacle is a skin width away, loses the part of its velocity that leads into the obstacle, and continues for the rest of the time.
+//! If that leads into another obstacle it already touches, it moves along the edge between the two; if that leads into a third, it stops: the rule of *Quake*'s
+//! `PM_SlideMove` (1996), which Godot and Avian use, too. What overlaps it at the start pushes it out first.
 //!
-//! A floor is what is level enough to stand on. It takes the weight whole, so that nothing slides down on it that does not go; what is steeper turns nobody
-//! upwards who goes against it, and slides everybody down. Climbing steps is left to the game, as it is in Avian: one cast up, one move, one cast down.
+//! A floor is a surface level enough to stand on. It carries the whole weight, so that nothing slides down it by gravity. A steeper surface does not deflect
+//! motion upwards, and lets everything slide down. Climbing steps is left to the game, as in Avian: one cast up, one move, one cast down.
 
 use glam::Vec3;
 
@@ -13,31 +13,31 @@ use super::queries::SweptHit;
 use super::{Filter, Hit, Simulation};
 use crate::collide::{AtStart, Frame, Shape, SweepHit, SweepMotion};
 
-/// How something moves and slides. What is not in its range is clamped to it.
+/// Parameters of [`Simulation::move_and_slide`]. Values out of range are clamped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlideConfig {
-    /// Against gravity, of any length but zero. Default +y.
+    /// The direction against gravity, of any length but zero. Default +y.
     pub up: Vec3,
-    /// The steepest slope that it can stand on, rad from the level, 0 to π/2. Default π/4.
+    /// The steepest slope that counts as a floor, rad from the level, 0 to π/2. Default π/4.
     pub max_slope: f32,
-    /// How far it keeps off everything, metres, 1e-4 to 1. Default 0.01.
+    /// Distance kept from everything, metres, 1e-4 to 1. Default 0.01.
     pub skin_width: f32,
-    /// How often it may turn, 1 to 32. Default 8.
+    /// Most changes of direction, 1 to 32. Default 8.
     pub iterations: u32,
-    /// How often it may be pushed out of what overlaps it at the start, 0 to 32; 0 for never. Default 8.
+    /// Most rounds of pushing out of what overlaps at the start, 0 to 32; 0 disables it. Default 8.
     pub depenetration_iterations: u32,
 }
 
-/// Where something that moved and slid has come to.
+/// Result of [`Simulation::move_and_slide`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SlideOutput {
-    /// Where its origin is, metres.
+    /// New position of the shape's origin, metres.
     pub translation: Vec3,
-    /// The velocity that is left, m/s: without what led into what it met.
+    /// Remaining velocity, m/s: without the parts that led into obstacles.
     pub velocity: Vec3,
-    /// The floor that it stands on, within two skin widths below; none while it rises from there.
+    /// The floor that it stands on, within two skin widths below; `None` while it moves upwards off the floor.
     pub ground: Option<Hit>,
-    /// What was in its way, in that order, once for each time. `distance` is how far it went to there since it turned last.
+    /// Obstacles in the order in which they were hit, once for each hit. `distance` is the way from the last change of direction.
     pub hits: Vec<Hit>,
 }
 
@@ -54,18 +54,18 @@ impl Default for SlideConfig {
 }
 
 impl SlideConfig {
-    /// Whether something can stand on a surface with this unit normal.
+    /// Whether a surface with this unit normal counts as a floor.
     pub fn is_floor(&self, normal: Vec3) -> bool {
         self.clamped().is_some_and(|config| config.slope(normal) == Slope::Floor)
     }
 
     fn clamped(&self) -> Option<Clamped> {
-        // In this order, NaN is the least.
+        // In this order NaN becomes `low`.
         let within = |x: f32, low: f32, high: f32| x.max(low).min(high);
         let max_slope = within(self.max_slope, 0.0, core::f32::consts::FRAC_PI_2);
         Some(Clamped {
             up: self.up.try_normalize()?,
-            // A slope of exactly that much is a floor, as rounding has it.
+            // With a margin for rounding, so that a slope of exactly `max_slope` is a floor.
             level: libm::cosf(max_slope) - 1e-4,
             skin: within(self.skin_width, 1e-4, 1.0),
             iterations: self.iterations.clamp(1, 32),
@@ -75,10 +75,10 @@ impl SlideConfig {
 }
 
 impl Simulation {
-    /// Moves a shape without dents by a velocity, m/s, for `delta` seconds, as far as it can, sliding along what is in the way. Nothing is changed: the new
-    /// place and the velocity that is left are for the caller to keep. It goes through nothing, however fast it is, and no farther than 1e6 m. Numbers that
-    /// are not finite, an `up` without a direction, and shapes with dents do not move; a velocity of zero is still pushed out of what overlaps it. To be
-    /// asked between steps.
+    /// Moves a convex shape with a velocity, m/s, for `delta` seconds, as far as possible, sliding along obstacles. The world is not changed: the caller stores
+    /// the new position and velocity. Nothing is tunnelled through, however fast the shape is; the way without a change of direction is at most 1e6 m. With
+    /// arguments that are not finite, a zero `up`, or a shape that is not convex nothing moves; with a zero velocity the shape is still pushed out of what
+    /// overlaps it. To be called between steps.
     pub fn move_and_slide(
         &self,
         shape: &Shape,
@@ -114,11 +114,11 @@ impl Simulation {
     }
 }
 
-/// The same with every number in its range.
+/// [`SlideConfig`] with every value in its range.
 #[derive(Clone, Copy)]
 struct Clamped {
     up: Vec3,
-    /// The least part of a normal upwards on what can be stood on.
+    /// Least upward component of the normal of a floor.
     level: f32,
     skin: f32,
     iterations: u32,
@@ -128,12 +128,12 @@ struct Clamped {
 #[derive(Clone, Copy, PartialEq)]
 enum Slope {
     Floor,
-    /// Steeper than that, upwards all the same.
+    /// Steeper than a floor, with a normal that points upwards.
     Steep,
     WallOrCeiling,
 }
 
-/// Something on its way.
+/// A move in progress.
 struct Slide<'a> {
     world: &'a Simulation,
     shape: &'a Shape,
@@ -141,24 +141,24 @@ struct Slide<'a> {
     filter: &'a Filter,
     config: Clamped,
     velocity: Vec3,
-    /// What it touches, and the velocity with which it came to there: what leads along all of them is a part of that, and never goes back against it,
-    /// as what is led along one after the other would.
+    /// The planes that it touches, and the velocity with which it came there. Velocities along several planes are projected from that one velocity; projected
+    /// one after the other, they could turn back against it.
     planes: Vec<SweepHit>,
     came: Vec3,
     hits: Vec<Hit>,
 }
 
-/// How far it goes without turning at most, metres: as far as a cast looks.
+/// Longest way without a change of direction, metres: as far as a cast reaches.
 const FARTHEST: f32 = 1e6;
-/// What is nearer than this part of the skin pushes. Where it rests it is no nearer than 98 %, so that it rests.
+/// Obstacles nearer than this fraction of the skin push. A shape at rest on something is no nearer than 98 %, so it stays at rest.
 const PUSHES: f32 = 0.95;
-/// A push that is a smaller part of the skin than this is none: between two walls that both push it ends there.
+/// Pushes smaller than this fraction of the skin end the loop: between two walls that both push it ends there.
 const SETTLED: f32 = 1e-3;
-/// How much pushes yield to each other, so that between what leaves too little room there is one place in the middle.
+/// Regularisation of the pushes: where there is too little room, they have one solution in the middle.
 const YIELDS: f32 = 0.1;
-/// Rounds in which pushes are shared out.
+/// Gauss–Seidel rounds over the pushes.
 const SHARES: usize = 48;
-/// What leads into a plane by less than this part of the speed leads along it.
+/// A velocity that leads into a plane by less than this fraction of the speed counts as along it.
 const ALONG: f32 = 1e-5;
 
 impl Slide<'_> {
@@ -168,7 +168,7 @@ impl Slide<'_> {
         self.world.sweep(self.shape, &self.frame, &way, self.filter)
     }
 
-    /// Out of what overlaps it and its skin, as far as that is free.
+    /// Pushes the shape out of what overlaps it and its skin, as far as there is room.
     fn push_out(&mut self) {
         let skin = self.config.skin;
         for _ in 0..self.config.pushes {
@@ -181,12 +181,12 @@ impl Slide<'_> {
             });
             let push = shared(&near);
             let length = push.length();
-            // Nor out of what is so large that there is no number for the way.
+            // Out of something so large that the push overflows there is no way, either.
             if !length.is_finite() || length <= SETTLED * skin {
                 return;
             }
             let direction = push / length;
-            // Not through what it does not touch yet.
+            // The push must not lead through what it does not touch yet.
             let (clearance, start) = (0.1 * skin, AtStart::Passed);
             let way = SweepMotion { direction, length, clearance, start, along: &[] };
             let met = self.world.sweep(self.shape, &self.frame, &way, self.filter);
@@ -194,7 +194,7 @@ impl Slide<'_> {
         }
     }
 
-    /// Its way.
+    /// Moves for `delta` seconds.
     fn go(&mut self, delta: f32) {
         let mut left = delta;
         for _ in 0..self.config.iterations {
@@ -220,7 +220,7 @@ impl Slide<'_> {
         }
     }
 
-    /// Forgets what it touched where it was before.
+    /// Drops the planes that it no longer touches.
     fn leave_planes(&mut self) {
         let (planes, skin) = (core::mem::take(&mut self.planes), self.config.skin);
         let touched =
@@ -233,13 +233,13 @@ impl Slide<'_> {
         self.planes = planes;
     }
 
-    /// What of the velocity leads into nothing that it touches: along the plane that came last, or one before it, or the edge between two of them.
+    /// The part of the velocity that leads into none of the touched planes: along the last plane, or an earlier one, or the edge between two of them.
     fn along_planes(&self) -> Vec3 {
         let velocity = self.came;
         let planes: Vec<Vec3> = self.planes.iter().map(|plane| plane.normal.as_vec3()).collect();
         let grain = ALONG * velocity.length();
         let free = |v: Vec3| planes.iter().all(|plane| v.dot(*plane) >= -grain);
-        // Less than rounding leaves is nothing: what stands, stands.
+        // Below rounding it is zero, so that a shape at rest stays at rest.
         let kept = |v: Vec3| if v.length() <= 1e-6 * velocity.length() { Vec3::ZERO } else { v };
         let single = planes.iter().rev().map(|plane| {
             let v = self.config.off(velocity, *plane);
@@ -254,7 +254,7 @@ impl Slide<'_> {
         single.chain(edges).map(kept).find(|v| free(*v)).unwrap_or(Vec3::ZERO)
     }
 
-    /// What it stands on in the end.
+    /// The floor under the final position.
     fn ground(&self) -> Option<Hit> {
         let Self { velocity, config: Clamped { up, skin, .. }, .. } = *self;
         let hit = self.cast(-up, skin, &[])?.hit();
@@ -272,8 +272,8 @@ impl Clamped {
         }
     }
 
-    /// What a slope takes of a velocity before the rest is led along it: a floor of a fall as much as leads into it, so that a weight does not become a way
-    /// downhill; what is steep all of a way against it, so that nobody runs up.
+    /// Removes from a velocity what a slope blocks before the rest is projected onto it. A floor removes as much of a downward velocity as leads into it, so
+    /// that weight does not become motion downhill; a steep slope removes the horizontal velocity against it, so that it cannot be climbed.
     fn off(&self, velocity: Vec3, normal: Vec3) -> Vec3 {
         let up = self.up;
         match self.slope(normal) {
@@ -290,7 +290,7 @@ impl Clamped {
     }
 }
 
-/// The least push that does what each of some normals asks for, metres along it, or comes as near to that as it can.
+/// The smallest push that satisfies each requirement, `(normal, metres along it)`, or comes nearest to that: projected Gauss–Seidel with regularisation.
 fn shared(near: &[(Vec3, f32)]) -> Vec3 {
     let mut push = Vec3::ZERO;
     let mut shares = vec![0.0_f32; near.len()];

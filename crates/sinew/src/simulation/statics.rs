@@ -1,8 +1,7 @@
-//! Statics: the state that everything comes to rest in, without waiting for it (physics.md F9).
+//! Statics: finds the state of rest directly, without simulating the time until it is reached (physics.md F9).
 //!
-//! With all drag there is, a step forgets its velocity: each particle falls by `½ h² a` from rest, constraints correct it, and that is all. So the
-//! state walks down the slope of its energy, under its constraints, until it finds no lower place nearby: a local minimum, the chain that hangs as
-//! a catenary.
+//! With full drag each step starts from zero velocity: each particle falls by `½ h² a` from rest, and constraints correct it. So the state descends the slope
+//! of its energy, under its constraints, to a local minimum: a hanging chain becomes a catenary.
 
 use glam::{Vec3, Vec4};
 
@@ -10,23 +9,23 @@ use super::{Simulation, StepFault};
 use crate::collide::Frame;
 use crate::particles::Particles;
 
-/// How far [`Simulation::relax`] came.
+/// Result of [`Simulation::relax`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxed {
-    /// Steps that it took.
+    /// Steps taken.
     pub steps: u32,
-    /// How far the particle that moved most went in the last of them, metres.
+    /// Longest way of a particle in the last of them, metres.
     pub moved: f32,
     /// Whether that was within the tolerance.
     pub settled: bool,
 }
 
 impl Simulation {
-    /// Walks to rest by steps of `dt` seconds, until no particle moves by more than `tolerance` metres in one, or `most` steps are taken. Afterwards
-    /// everything stands still, and time has not passed: what depends on it, such as gusts, has blown as it did at the start. Colliders that the game moves
-    /// are where they are to be when the step ends; sleepers are awake meanwhile.
+    /// Walks to rest by steps of `dt` seconds, until no particle moves by more than `tolerance` metres in one, or `most` steps are taken. Afterwards every
+    /// particle is at rest, and `time` has not advanced: gusts and whatever else depends on it act as they did at the start. Kinematic colliders are at the end
+    /// of their step's motion throughout, and nothing sleeps meanwhile.
     ///
-    /// A longer `dt` walks faster, as its square. Strong springs need a short one: `ω h < 2`, as ever.
+    /// A longer `dt` converges faster, by its square. Stiff springs need a short one: `ω h < 2`, as in any step.
     ///
     /// ```
     /// use sinew::{Simulation, glam::Vec3, recipes::{RopeSpec, rope}};
@@ -48,8 +47,7 @@ impl Simulation {
         self.walk_to_rest(dt, tolerance, most)
     }
 
-    /// The same for some particles alone: all others are held where they are, as if they were pinned, and afterwards have the masses and velocities that
-    /// they had. Rows that are not there do not count.
+    /// Relaxes some particles alone: all others stay where they are, as if pinned, and keep their masses and velocities. Rows that do not exist are ignored.
     ///
     /// # Errors
     /// As [`relax`](Self::relax).
@@ -85,7 +83,7 @@ impl Simulation {
 
     fn walk_to_rest(&mut self, dt: f32, tolerance: f32, most: u32) -> Result<Relaxed, StepFault> {
         let (time, statics) = (self.time, core::mem::replace(&mut self.settings.statics, true));
-        // Nobody falls asleep on the way, and what the game moves stands where it is to be: or it would go there again in every step.
+        // Nothing may fall asleep on the way, and kinematic colliders stay at their end: otherwise each step would move them again.
         let sleep = core::mem::take(&mut self.sleep);
         let starts: Vec<Frame> = self.colliders.iter().map(|collider| collider.start).collect();
         self.colliders.iter_mut().for_each(|collider| collider.start = collider.end);
@@ -110,7 +108,7 @@ impl Simulation {
         Ok(found)
     }
 
-    /// How far particle `i` went in the last step, metres.
+    /// Distance between the positions of particle `i` at the start and at the end of the last step, metres.
     fn moved_in_step(&self, i: usize) -> f32 {
         let began = self.scratch.checkpoint[i].truncate();
         (self.particles.position[i].truncate() - began).length()
@@ -125,7 +123,7 @@ mod tests {
     use crate::recipes::{BoxSpec, RopeSpec, box_3d, rope};
     use crate::rigid::Compound;
 
-    /// A slack rope of 1.5 m between nails 1 m apart, at a height.
+    /// A slack rope of 1.5 m between nails 1 m apart, at height `y`.
     fn hung(world: &mut Simulation, segments: u32, y: f32) {
         let spec = RopeSpec {
             to: Vec3::X,
@@ -176,7 +174,7 @@ mod tests {
         assert_eq!(world.colliders[0].start, from, "it goes its way in the next step");
     }
 
-    /// A rigid body kept its own velocity, and fell through the statics as freely as ever.
+    /// A rigid body kept its own velocity, and so fell freely during statics.
     #[test]
     fn a_rigid_body_walks_as_slowly_as_its_particles() {
         let fallen = |rigid: bool| {

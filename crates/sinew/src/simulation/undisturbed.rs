@@ -1,4 +1,4 @@
-//! Steps in which nothing from outside but gravity acts: all substeps at once. And steps in which nothing moves: the last substep alone.
+//! Steps in which no external force but gravity acts run all substeps at once; steps in which nothing moves run only the last substep.
 
 use glam::{Vec3, Vec4};
 
@@ -10,8 +10,8 @@ use crate::integrate::Integrator;
 use crate::solve;
 
 impl Simulation {
-    /// Whether the phases before integration do the same to all particles in every substep of this step, and nobody else works in between: then
-    /// [`take_substeps`](Self::take_substeps) may be called once, between `begin_step` and `end_step`, instead of the phases.
+    /// Whether the phases before integration do the same to all particles in every substep of this step. If they do, and nothing of the caller's acts between
+    /// the phases, [`take_substeps`](Self::take_substeps) may be called once, between `begin_step` and `end_step`, instead of the phases.
     pub fn is_undisturbed(&self) -> bool {
         let Self { boundaries, settings, .. } = self;
         self.is_quiet()
@@ -24,22 +24,22 @@ impl Simulation {
             && boundaries.planes.iter().all(|plane| plane.drag == PlanarDrag::default())
     }
 
-    /// Whether the forces of all substeps are the same on all particles, wherever those are.
+    /// Whether the forces on all particles are the same in every substep, wherever the particles are.
     fn is_quiet(&self) -> bool {
         let Forces { surfaces, winds, .. } = &self.forces;
-        // Winds press on surfaces alone.
+        // Winds act only on surfaces.
         let is_calm = winds.is_empty() || surfaces.is_empty();
         let quiet = is_calm && self.forces.rows().is_some_and(|mut rows| rows.next().is_none());
         let summary = &self.particles.column_summary;
         quiet && summary.singular.is_empty() && summary.neutral
     }
 
-    /// Whether nothing moves in this step: all sleep, or are single particles that are pinned and stay, and what stands around them goes nowhere. Then each
-    /// substep finds what the one before has found, and leaves it.
+    /// Whether nothing moves in this step: all islands sleep or are single pinned particles at rest, and the geometry around them is static. Then each substep
+    /// has the same input and the same result as the one before.
     pub(super) fn is_at_rest(&self) -> bool {
         let Self { particles, boundaries, colliders, compounds, settings, scratch, .. } = self;
         let islands = &scratch.plan.islands.list;
-        // What sleeps counts as pinned.
+        // Sleeping particles count as pinned.
         let stays = |(position, velocity): (&Vec4, &Vec4)| {
             position.w == 0.0 && velocity.truncate() == Vec3::ZERO
         };
@@ -55,7 +55,7 @@ impl Simulation {
             && particles.position.iter().zip(&particles.velocity).all(stays)
     }
 
-    /// Lets the time pass of all substeps but the last, sum by sum, so that it comes out the same.
+    /// Advances the time by all substeps but the last, one by one, so that it has the same bits as otherwise.
     fn pass_to_last_substep(&mut self) {
         let Substep { length, remaining } = &mut self.scratch.substep;
         while *remaining > 1 {
@@ -64,8 +64,8 @@ impl Simulation {
         }
     }
 
-    /// All phases of all substeps that remain, to the same bits as one by one. To be called where [`is_undisturbed`](Self::is_undisturbed) says so;
-    /// otherwise the phases are to follow, and nobody may look at particles between them.
+    /// Runs all remaining substeps at once, with the same bits as phase by phase, if the step is [undisturbed](Self::is_undisturbed). Otherwise the caller must
+    /// run the phases afterwards, and nothing but these phases may read particles until the step ends.
     pub fn take_substeps(&mut self) {
         self.scratch.unseen = true;
         if self.scratch.at_rest {

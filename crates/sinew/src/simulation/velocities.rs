@@ -1,12 +1,13 @@
-//! Velocities at the instant of positions: of single particles, and of many as if they were rigid.
+//! Velocities at the instant of the positions: of single particles, and of many as one rigid body.
 //!
-//! Verlet's velocity is the mean of the last substep, that is the one at its middle. It is carried half a substep further by the acceleration `a` that
-//! [`accumulate_forces`](Simulation::accumulate_forces) and its followers last summed up. What is held is not accelerated by that: where the mean acceleration `A` of
-//! the last step was less, it is carried by that, so that what lies or hangs still has no velocity, and not that of half a substep's fall. What is in between gets a
-//! part of both: all of `A` up to half of `a`, and none from `a` on, for there it is free, or something has hit it.
+//! Verlet's velocity is the mean over the last substep, so it is true at the middle of it. To be true at the end it is advanced by half a substep with the
+//! acceleration `a` last summed by [`accumulate_forces`](Simulation::accumulate_forces) and the phases after it. Constraints cancel part of that acceleration:
+//! a particle at rest would get the velocity of half a substep's fall. So where the mean acceleration `A` of the last step was smaller, that is used: all of
+//! `A` up to `|A| = |a|/2`, and a blend from there to `a` at `|A| = |a|`. From there on the particle is free, or something has hit it, and `a` is used.
 //!
-//! Under a constant acceleration the mean velocity of a step of `T` seconds, `D/T`, is that at its middle, and `v` that at the middle of the last substep,
-//! `(T - h)/2` later. So `A = (v - D/T) / ((T - h)/2)`. In a step of one substep both are the same; there `v` is compared with the velocity that the step began with.
+//! Under a constant acceleration the mean velocity of a step of `T` seconds, `D/T` for a displacement `D`, is the velocity at its middle, and `v` the velocity
+//! at the middle of the last substep, `(T - h)/2` later. So `A = (v - D/T) / ((T - h)/2)`. In a step of one substep both instants coincide; there `v` is
+//! compared with the velocity at the start of the step.
 
 use glam::{DVec3, Vec3, Vec4};
 
@@ -15,14 +16,15 @@ use crate::lanes::{LANES, LaneArray, Lanes, Number, Vector, kernel};
 use crate::particles::Particles;
 use crate::pose::{MassMoments, MomentSums, Motion, counts, motion};
 
-/// So many eights of particles are summed up at a time.
+/// Number of eights of particles summed at a time: a buffer on the stack.
 const EIGHTS: usize = 32;
 
 impl Simulation {
-    /// Velocity of particle `i` at the instant of its position, m/s: the mean velocity of the last substep, carried half a substep further.
+    /// Velocity of particle `i` at the instant of its position, m/s: the mean velocity of the last substep, advanced by half a substep.
     ///
-    /// It is carried by the acceleration that [`accumulate_forces`](Self::accumulate_forces) and its followers last summed up; or, of what is held and so accelerated
-    /// by less, by the mean acceleration of the last step: what lies or hangs still has no velocity, and not that of half a substep's fall.
+    /// It is advanced by the acceleration last summed by [`accumulate_forces`](Self::accumulate_forces) and the phases after it; or, for a particle that
+    /// constraints hold and so accelerates less, by the mean acceleration of the last step. What lies or hangs at rest has no velocity, and not that of half a
+    /// substep's fall.
     #[inline]
     pub fn velocity_now(&self, i: usize) -> Vec3 {
         let particles = &self.particles;
@@ -30,12 +32,12 @@ impl Simulation {
         carried(velocity, lag, particles.acceleration(i), self.mean_acceleration(i))
     }
 
-    /// What some particles do as if they were rigid, of each its row and the mass in kg that it counts with: [`motion`] of where they are and of their
-    /// [velocities](Self::velocity_now), with as much precision where that is far from the origin of the world. Those of no mass, or of none that is finite, do not
-    /// count, and may be anything; if none counts, all do alike, and `mass` and `inertia` are zero. `None` of none, and where it is not finite.
+    /// Rigid-body motion of some particles, given as rows with the mass in kg that each counts with: [`motion`] of their positions and
+    /// [velocities](Self::velocity_now), without losing precision far from the origin of the world. Particles with zero or non-finite mass do not count, and
+    /// may be in any state; if none counts, all count equally, and `mass` and `inertia` are zero. `None` without particles, and where the result is not finite.
     ///
     /// # Panics
-    /// If a row is not there.
+    /// If a row does not exist.
     pub fn motion(&self, points: impl Iterator<Item = (u32, f32)> + Clone) -> Option<Motion> {
         let weighted = points.clone().filter(|point| counts(point.1));
         let first = weighted.clone().next().or_else(|| points.clone().next())?.0;
@@ -52,7 +54,7 @@ impl Simulation {
         Some(Motion { barycentre: near + found.barycentre, ..found })
     }
 
-    /// Sums over particles as seen from a point; `None` of none, and where it is not known how the last step began.
+    /// Sums over particles, with positions relative to a point; `None` without particles, and where the state at the start of the last step is not known.
     fn moments(&self, points: impl Iterator<Item = (u32, f32)>, near: Vec3) -> Option<MassMoments> {
         let (mut points, particles) = (points.peekable(), &self.particles);
         let &(first, _) = points.peek()?;
@@ -79,7 +81,7 @@ impl Simulation {
         Some(MassMoments::about(about[0], about[1], &sums))
     }
 
-    /// By what particle `i` was accelerated in the mean of the last step, m/s², by all there is; `None` where that is not known.
+    /// Mean acceleration of particle `i` over the last step, m/s², by forces and constraints; `None` where it is not known.
     fn mean_acceleration(&self, i: usize) -> Option<Vec3> {
         let began = self.scratch.checkpoint.get(i)?;
         let of = |v: Vec4| Vector::<f32>::of(v.to_array());
@@ -91,8 +93,8 @@ impl Simulation {
     }
 }
 
-/// The mean velocity of a substep of `lag` seconds, m/s, carried half of it further by the acceleration `a`, m/s², or by the `mean` one of the step, where that is
-/// known and less.
+/// A mean velocity over a substep of `lag` seconds, m/s, advanced by half of it with the acceleration `a`, m/s², or with the `mean` one of the step, where that
+/// is known and smaller.
 #[inline]
 pub(super) fn carried(velocity: Vec3, lag: f32, a: Vec3, mean: Option<Vec3>) -> Vec3 {
     let is_known = f32::same(if mean.is_some() { 0.0 } else { 1.0 }, 0.0);
@@ -100,7 +102,7 @@ pub(super) fn carried(velocity: Vec3, lag: f32, a: Vec3, mean: Option<Vec3>) -> 
     carry(v, lag, a, (mean, is_known)).into()
 }
 
-/// As [`carried`], the mean acceleration with a mask that says where it is known.
+/// [`carried`] in lanes, with a mask where the mean acceleration is known.
 #[inline(always)]
 fn carry<N: Number>(
     v: Vector<N>,
@@ -119,8 +121,8 @@ fn carry<N: Number>(
     (free + (mean - a) * (half * held)).or_else(less, free)
 }
 
-/// The mean acceleration of a step of so many seconds in which something has `gone` so far, as above, and a mask of where it is known; out of the mean velocity of the
-/// last substep, and the length of that, and the same of when the step began, if it is of one substep.
+/// Mean acceleration over a step of `step` seconds in which a particle moved by `gone`, by the formulas above, with a mask where it is known. `(v, h)` is the
+/// mean velocity of the last substep and its length; `first` is the same at the start of the step, in a step of one substep.
 #[inline(always)]
 fn mean_acceleration<N: Number>(
     (v, h): (Vector<N>, N),
@@ -134,26 +136,26 @@ fn mean_acceleration<N: Number>(
         None => (gone / step, half * (step - h)),
     };
     let mean = (v - from) / apart;
-    // Of what is no number, and of what is infinite, nothing times is no zero.
+    // Zero times NaN or infinity is not zero.
     let none = mean * N::zero();
     (mean, N::zero().lt(h).and((none.x + none.y + none.z).same(N::zero())))
 }
 
-/// What the velocities of particles at this instant follow from.
+/// What the velocities of particles at the instant of their positions depend on.
 #[derive(Clone, Copy)]
 struct MotionContext<'a> {
     particles: &'a Particles,
-    /// Where they were when the last step began, and how fast if that was one of one substep.
+    /// Positions at the start of the last step, and velocities if that step had one substep.
     began: &'a [Vec4],
     first: &'a [Vec4],
     /// Length of that step, seconds.
     step: f32,
-    /// Positions are seen from here: far out, points of the world have no digits for how a body is turned.
+    /// Positions are taken relative to this point: far out, world coordinates are too coarse to show how a body is turned.
     near: Vec3,
 }
 
 kernel!(
-    /// Adds particles of these rows and masses, relative to a position and a velocity.
+    /// Adds particles of these rows and masses to sums about a position and a velocity.
     fn add_particles<L: Lanes>(
         eights: &[([u32; LANES], LaneArray)],
         context: MotionContext<'_>,
@@ -197,8 +199,8 @@ mod tests {
     use crate::recipes::{ClothSpec, cloth_grid};
     use crate::{InstructionSet, Wind};
 
-    /// What is summed up in lanes is what the velocities of the particles one by one make, with each instruction set to the same bits: of cloth that hangs in the
-    /// wind, far out, after steps of one substep and of several, of all of it and of a part, with some that do not count.
+    /// Sums in lanes equal those over the velocities of the particles one by one, with the same bits on each instruction set: for cloth that hangs in the wind,
+    /// far out, after steps of one substep and of several, for all of it and for a part, with some particles that do not count.
     #[test]
     fn the_motion_of_many_is_that_of_their_velocities() {
         for substeps in [1, 4] {

@@ -1,8 +1,8 @@
-//! The weight of what a game moves by itself: nothing moves a collider, but it presses on what it stands on all the same.
+//! Weight of kinematic objects: no force moves a collider, but it can press on what it stands on.
 //!
-//! It stands on what is right below it, within reach. Where it touches that in several points, these share its weight as equal springs under a stiff plate
-//! do: each gets `1/N + λ·(x - x̄)`, with the `λ` that puts the resultant under its middle, and none less than nothing. What stands by itself takes
-//! its share and does not notice; on a body it is a force at a point, on single particles a force on each.
+//! It stands on what lies directly below it, within reach. Several points of contact share the weight like equal springs under a stiff plate: each gets `1/N +
+//! λ·(x - x̄)`, with the `λ` that puts the resultant under the collider's centre, and none a negative share. The share of static geometry is dropped; on a body
+//! the share is a force at a point, on single particles a force on each.
 
 use glam::{Mat3, Vec3};
 
@@ -12,31 +12,31 @@ use crate::collide::{
 };
 use crate::forces::Control;
 
-/// Where something stands on something.
+/// A point of support.
 struct Support {
     point: Vec3,
-    /// How far below, metres.
+    /// Distance below the shape, metres.
     gap: f32,
     on: Carrier,
 }
 
-/// What carries a share of a weight.
+/// What carries a share of the weight.
 enum Carrier {
-    /// Something that stands by itself.
+    /// Static geometry.
     Fixed,
-    /// Rows with a share of it for each, in per cent of one.
+    /// Particles: up to three rows, each with its fraction of the share.
     Rows([(u32, f32); 3]),
-    /// A body collider, by its first row.
+    /// A body collider, given by its first row.
     Body(u32),
 }
 
-/// Supports that lie this much lower than the highest one carry nothing, metres.
+/// Points that lie this much lower than the highest one carry nothing, metres.
 const UNEVEN: f32 = 0.02;
 
 impl Simulation {
-    /// Has a collider press on what it stands on, within `reach` metres below it, with the weight that `mass` kg have in the world's gravity: as
-    /// [controls](crate::Forces::controls) without a name, which the caller takes away again. Nothing happens without gravity, where there is nothing
-    /// below, and with numbers that are not finite or not positive.
+    /// Makes a collider press on what it stands on, within `reach` metres below it, with the weight of `mass` kg in the world's gravity. The force is added to
+    /// [controls](crate::Forces::controls) without a name, which the caller removes again. Without gravity, without support, or with arguments that are not
+    /// finite and positive, nothing happens.
     pub fn press(&mut self, collider: u32, mass: f32, reach: f32) {
         let weight = self.forces.gravity * mass;
         let Some(own) = self.colliders.get(collider as usize).filter(|own| own.is_valid()) else {
@@ -79,7 +79,7 @@ impl Simulation {
         }
     }
 
-    /// What a shape stands on.
+    /// The points at which a shape is supported.
     fn supports(
         &self,
         shape: &Shape,
@@ -93,7 +93,7 @@ impl Simulation {
         let around = (low - reach, high + reach);
         let mut scratch = ManifoldScratch::default();
         self.obstacles(around, filter, &mut |participant, row, obstacle| {
-            // From above: what is beside it holds nothing.
+            // Only contacts from above: contacts at the side carry nothing.
             let holds = |normal: Vec3| normal.dot(down) < -0.3;
             if let Obstacle::Shape(other, at) = obstacle {
                 let seen = frame.from_within(at);
@@ -124,7 +124,7 @@ impl Simulation {
                 found.push(Support { point, gap: near.distance, on: Carrier::Rows(rows) });
             }
         });
-        // By how far it would fall onto each.
+        // The smallest gap is the height of the fall onto each support.
         let least = found.iter().map(|support| support.gap).fold(f32::INFINITY, f32::min);
         let start = AtStart::Overlapped;
         let falls =
@@ -136,7 +136,7 @@ impl Simulation {
         found
     }
 
-    /// The rows of a triangle whose first one is given, with the share that each has of a point on it.
+    /// The rows of the triangle whose first row is given, with the barycentric weight of each at a point on it.
     fn corner_shares(
         &self,
         first: u32,
@@ -162,11 +162,11 @@ impl Simulation {
     }
 }
 
-/// How points share a weight whose middle is somewhere above them.
+/// Shares of a weight that acts at `middle`, above the points.
 fn shares(points: &[Vec3], middle: Vec3, down: Vec3) -> Vec<f32> {
     let mut carries = vec![true; points.len()];
     let mut shares = vec![0.0; points.len()];
-    // Each round takes those away that would have to pull; three of them hold, or one.
+    // Each round removes a point that would have to pull; at the latest three points, or one, are left without one.
     for _ in 0..points.len() {
         let list = || points.iter().enumerate().filter(|(i, _)| carries[*i]).map(|(i, p)| (i, *p));
         let count = list().count() as f32;
@@ -180,7 +180,7 @@ fn shares(points: &[Vec3], middle: Vec3, down: Vec3) -> Vec<f32> {
             let arm = level(p - centre);
             spread += Mat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
         }
-        // Regular along gravity, and where they lie in a line or are one.
+        // Regularised along gravity, and for collinear or coincident points.
         let size = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
         let regular = |v: Vec3| Mat3::from_cols(v * v.x, v * v.y, v * v.z);
         spread += regular(down) * size.max(1e-12) + Mat3::IDENTITY * (1e-4 * size).max(1e-12);
@@ -231,7 +231,7 @@ mod tests {
         assert!(shares(&[], Vec3::ZERO, Vec3::NEG_Y).is_empty());
     }
 
-    /// Who is pressed, and by how much.
+    /// The forces by which a collider of this shape and mass presses.
     fn pressed(world: &mut Simulation, shape: Shape, at: Vec3, mass: f32) -> Vec<Control> {
         world.colliders.push(Collider::fixed(shape, Frame::at(at)));
         world.press(world.colliders.len() as u32 - 1, mass, 0.05);

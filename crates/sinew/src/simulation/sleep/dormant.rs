@@ -1,8 +1,8 @@
-//! Sleepers that a step does not look at: the dormant.
+//! Dormant islands: sleepers that a step does not visit.
 //!
-//! Who sleeps for as long as is counted, in a group of such, goes on to sleep unless something is done to him, something that he hangs on changes, or somebody
-//! who is awake comes near. What is done to particles and what changes is noted elsewhere, so that it is a look at a few numbers; and whoever is awake asks a
-//! grid of the boxes about all dormant islands. If there is anything, all islands are looked at, as in a step without any of this, and with the same result.
+//! A group that has slept for as long as is counted sleeps on unless one of its particles is written to, something that it depends on changes, or something
+//! awake comes near. Writes and changes are recorded elsewhere, so checking them takes a few comparisons; and each awake island queries a grid of the bounds of
+//! all dormant ones. If any check fails, all islands are visited, as in a step without dormancy, and with the same result.
 
 use core::ops::Range;
 
@@ -14,60 +14,60 @@ use crate::islands::Islands;
 use crate::particles::Particles;
 use crate::simulation::Simulation;
 
-/// What it depends on whether the dormant sleep on, beside what is done to them and who comes near.
+/// What dormancy depends on, besides writes to particles and what comes near.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SleepInputs {
-    /// Of the step and of a substep, seconds; how far bounds reach depends on it, and what a sleeper's velocity is the mean of.
+    /// Lengths of the step and of a substep, seconds: bounds depend on the first, and the velocity of a sleeper is the mean over the second.
     dt: f32,
     lag: f32,
-    /// m/s².
+    /// Magnitude of gravity, m/s².
     gravity: f32,
-    /// [Edits](crate::Particles::edits), the revision of how bodies touch, and the hashes of what stands and of springs.
+    /// [Edits](crate::Particles::edits), the revision of `contacts`, and the hashes of static geometry and of springs.
     support: [u64; 4],
-    /// Of the list of who sleeps.
+    /// Revision of `sleep`.
     sleep: u64,
-    /// Charges push each other.
+    /// Coulomb constant: charges repel each other.
     electric: f32,
 }
 
 /// Dormant islands.
 #[derive(Default)]
 pub(super) struct Dormant {
-    /// Those of the last step; `None` if there are no dormant islands.
+    /// Inputs of the last step; `None` if no island is dormant.
     inputs: Option<SleepInputs>,
-    /// Pairs that never touch, in that step.
+    /// The pairs that never touch, in that step.
     ignored: Vec<[ContactParticipant; 2]>,
-    /// How often some were found.
+    /// Counts the sets of dormant islands found so far.
     count: u64,
-    /// For each island whether it is dormant, and for each body whether an island of it is.
+    /// For each island whether it is dormant, and for each body whether one of its islands is.
     of: Vec<bool>,
     of_bodies: Vec<bool>,
-    /// Stretches of rows of dormant islands that can move when they are awake, and their inverse masses, one after the other.
+    /// Ranges of rows of dormant islands that can move when awake, and their inverse masses, one after the other.
     rows: Vec<Range<usize>>,
     masses: Vec<f32>,
-    /// The boxes about them, and a search among those.
+    /// Bounds of the dormant islands, and a grid over them.
     bounds: Vec<(Vec3, Vec3)>,
     broad: Broad,
     near: Vec<u32>,
 }
 
 impl Dormant {
-    /// Has all islands be looked at in the next step.
+    /// Makes the next step visit all islands.
     pub(super) fn forget(&mut self) {
         self.inputs = None;
     }
 
-    /// Whether there are none.
+    /// Whether no island is dormant.
     pub(super) fn is_empty(&self) -> bool {
         self.inputs.is_none()
     }
 
-    /// A number that is another one for others; 0 if there are none.
+    /// A number that identifies the present set of dormant islands; 0 if there are none.
     pub(super) fn number(&self) -> u64 {
         if self.is_empty() { 0 } else { self.count }
     }
 
-    /// Lets the rows sleep, with a velocity of none. All else of them is as the step before has left it.
+    /// Pins the rows, with zero velocity. Everything else is as the step before left it.
     pub(super) fn stop(&self, particles: &mut Particles, still: Vec4) {
         for rows in self.rows() {
             particles.position[rows.clone()].iter_mut().for_each(|position| position.w = 0.0);
@@ -75,7 +75,7 @@ impl Dormant {
         }
     }
 
-    /// Gives them their masses back.
+    /// Restores their masses.
     pub(super) fn wake(&self, particles: &mut Particles) {
         let mut masses = self.masses.iter();
         for rows in self.rows() {
@@ -85,7 +85,7 @@ impl Dormant {
         }
     }
 
-    /// Whether an island of a body is dormant: then what is looked at of it, pins by themselves, has no say in how it sleeps.
+    /// Whether an island of this body is dormant: then its visited islands, which are loose pins, do not decide whether the body sleeps.
     pub(super) fn is_of_body(&self, body: u32) -> bool {
         !self.is_empty() && self.of_bodies.get(body as usize).is_some_and(|&own| own)
     }
@@ -94,7 +94,7 @@ impl Dormant {
         if self.is_empty() { &[] } else { &self.rows }
     }
 
-    /// Lists the islands that are not dormant, and stretches of rows in which theirs are.
+    /// Lists the islands that are not dormant, and ranges of rows that contain theirs.
     pub(super) fn others(
         &self,
         islands: &Islands,
@@ -119,7 +119,7 @@ impl Dormant {
         }
     }
 
-    /// Whether one of some islands comes near a dormant one; `bounds` are those of all islands.
+    /// Whether one of these islands comes near a dormant one; `bounds` are those of all islands.
     pub(super) fn is_near(&mut self, these: &[u32], bounds: &[(Vec3, Vec3)]) -> bool {
         let Self { inputs, bounds: own, broad, near, .. } = self;
         near.clear();
@@ -131,7 +131,7 @@ impl Dormant {
     }
 }
 
-/// Adds a row behind all of some stretches.
+/// Appends a row to ascending ranges.
 fn lengthen(rows: &mut Vec<Range<usize>>, row: usize) {
     match rows.last_mut() {
         Some(last) if last.end == row => last.end += 1,
@@ -140,7 +140,7 @@ fn lengthen(rows: &mut Vec<Range<usize>>, row: usize) {
 }
 
 impl Simulation {
-    /// What sleepers in a step of `dt` seconds depend on.
+    /// What sleepers depend on in a step of `dt` seconds.
     pub(super) fn sleep_inputs(&self, dt: f32, support: [u64; 4]) -> SleepInputs {
         SleepInputs {
             dt,
@@ -152,7 +152,7 @@ impl Simulation {
         }
     }
 
-    /// Whether the dormant of the last step need not be looked at in this one, unless somebody is near them.
+    /// Whether the dormant islands of the last step need no visit in this one, unless something comes near them.
     pub(super) fn leaves_dormant(&self, dormant: &Dormant, inputs: &SleepInputs) -> bool {
         let Self { particles, forces, boundaries, settings, .. } = self;
         let islands = &self.scratch.plan.islands.of;
@@ -173,18 +173,18 @@ impl Simulation {
             && !boundaries.pins.iter().any(|pin| is_dormant(pin.particle))
     }
 
-    /// Notes who is dormant from this step on, where all islands were looked at.
+    /// Records which islands are dormant from this step on, if all islands were visited.
     pub(super) fn note_dormant(&mut self, sleepers: &mut SleepScratch, inputs: SleepInputs) {
         let SleepScratch { dormant, masses, activities, groups, bounds, looked, .. } = sleepers;
         let islands = &mut self.scratch.plan.islands;
         let mut lasts = |number: u32| {
             let group = activities[groups.root(number) as usize];
-            // Longer is not counted: the list of who sleeps stays as it is.
+            // At this limit `still` is not counted up any more, so that `sleep` stays unchanged.
             islands.list[number as usize].asleep && group.still >= 2.0 * SECONDS
         };
         let now = SleepInputs { sleep: self.sleep.revision(), ..inputs };
         if !dormant.is_empty() {
-            // When others have slept for as long, all are looked at again.
+            // When others have slept for as long, all are visited again.
             dormant.inputs = (!looked.iter().any(|&number| lasts(number))).then_some(now);
             if dormant.is_empty() {
                 let rows = dormant.rows.iter().flat_map(Clone::clone).map(|row| row as u32);
@@ -241,7 +241,7 @@ mod tests {
     use crate::rigid::Compound;
     use crate::simulation::Sleep;
 
-    /// One box on another, two beside them, a ball that stands, and a box that stays awake.
+    /// One box on another, two beside them, a static ball, and a box that stays awake.
     fn level() -> Simulation {
         let mut world = Simulation::default();
         world.boundaries.planes.push(Plane::ground(0.0));
@@ -280,7 +280,7 @@ mod tests {
         assert!(world.particles.position(24).x < 2.5, "the last one was hit");
     }
 
-    /// Of a door on a post the pins were all that was looked at while the door slept on, and it was said to be awake; a copy said that it slept.
+    /// A door's post of pinned particles was all that was visited while the door slept, and the door was reported awake; in a copy of the world it was asleep.
     #[test]
     fn pins_by_themselves_have_no_say_in_how_their_body_sleeps_until_they_are_led() {
         let mut world = level();
@@ -297,7 +297,7 @@ mod tests {
         assert!(!world.sleep[0].asleep && world.sleep[0].still == 0.0);
     }
 
-    /// The step wrote to their particles as somebody from outside does, and so woke them, once anybody slept.
+    /// The step wrote to the particles of rigid bodies in the way that outside writes do, and so woke them once anything slept.
     #[test]
     fn rigid_bodies_fall_asleep_beside_sleepers() {
         let mut world = Simulation::default();
@@ -319,8 +319,8 @@ mod tests {
         assert!(world.sleep.iter().all(|body| body.asleep), "{:?}", world.sleep);
     }
 
-    /// A spring between two that sleep woke a copy of the world at once, and the world itself only when something else happened: who goes back to a saved state
-    /// was not where he had been.
+    /// A spring between two sleepers woke a copy of the world at once, and the world itself only when something else happened: a rollback to a saved state gave
+    /// another result.
     #[test]
     fn a_spring_wakes_sleepers_of_a_world_and_of_its_copy_in_the_same_step() {
         for (change, wakes) in [("one more", true), ("a stiffer one", true), ("the same", false)] {
@@ -346,8 +346,8 @@ mod tests {
         }
     }
 
-    /// Who goes back by putting earlier particles into a world has to find what a copy of it finds, which knows of nothing before: of sleepers that have been
-    /// elsewhere meanwhile, and of pins.
+    /// A rollback that puts earlier particles into a world must give what a copy of it gives, which has no record of dormant islands: for sleepers that have
+    /// been elsewhere meanwhile, and for pins.
     #[test]
     fn particles_that_are_put_back_are_looked_at_as_in_a_copy() {
         let pin = |world: &mut Simulation, row: usize| {
@@ -392,7 +392,7 @@ mod tests {
         }
     }
 
-    /// What is done to them, changes around them, or comes: all that happens is what happens where all are looked at, to the last bit.
+    /// Writes, changes around them, and things that come near: the result is the same, to the last bit, as where all islands are visited.
     #[test]
     fn nobody_sees_that_they_are_not_looked_at() {
         type Edit = fn(&mut Simulation);

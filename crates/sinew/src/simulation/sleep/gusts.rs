@@ -1,13 +1,13 @@
-//! Whom gusts keep awake. They are others in every step: what fell asleep in a lull would sleep through the next one.
+//! Bodies that gusts keep awake. Gusts change from step to step: a body that fell asleep in a lull would sleep through the next gust.
 
 use super::{Simulation, SleepScratch};
 use crate::forces::Forces;
 
-/// What a gust accelerates by more than this share of gravity is not sure to stay where it lies: hardly anything slides more easily.
+/// Gust force over weight above which a body stays awake: hardly anything slides at less friction.
 const FRICTION: f32 = 0.1;
 
 impl Simulation {
-    /// Has what has a skin, and is light enough to be moved by gusts, stay awake.
+    /// Keeps awake what has surfaces and is light enough to be moved by gusts.
     pub(super) fn stay_awake_in_gusts(&self, sleepers: &mut SleepScratch) {
         let pressure = most_of_gusts(&self.forces);
         if pressure == 0.0 {
@@ -20,7 +20,7 @@ impl Simulation {
         pushes.clear();
         pushes.resize(activities.len(), 0.0);
         for &[a, b, c] in &forces.surfaces {
-            // What moves or may not sleep anyway needs no look.
+            // Islands that move or may not sleep need no check.
             let waits = |&island: &usize| activities[island].allowed && !activities[island].active;
             let Some(island) = of(a).filter(waits) else { continue };
             let last = particles.len();
@@ -42,7 +42,7 @@ impl Simulation {
     }
 }
 
-/// By how much gusts change the pressure on a sheet at the most, Pa: of a wind by its share, of air by that of its speed, twice the standard deviation.
+/// Largest change of pressure on a sheet by gusts, Pa: for a wind its share of gusts, for an air flow twice the standard deviation of its speed.
 pub(super) fn most_of_gusts(forces: &Forces) -> f32 {
     let winds = forces.winds.iter().filter(|wind| wind.is_valid());
     let winds = winds.map(|wind| wind.gusts.abs() * wind.pressure.length());

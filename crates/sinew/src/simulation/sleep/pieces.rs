@@ -1,40 +1,40 @@
-//! What islands touch each other by: the boxes about their pieces.
+//! Bounds of pieces of islands, by which islands touch each other.
 //!
-//! A figure that lies on the floor has a box about it that others reach into who are an arm's length away, and in a crowd all of them would be one group, that
-//! lies awake as long as one of it stirs. So what collides by several shapes, bones or segments, has a box for each, and one for what is left of its particles.
+//! The bounds of a whole figure that lies on the floor contain others an arm's length away, and in a crowd all of them would be one group, awake as long as any
+//! of them moves. So an island with several body colliders (bones, segments) has bounds for each of them, and one for its remaining particles.
 
 use glam::Vec3;
 
 use crate::collide::BodyCollider;
 use crate::islands::Islands;
 
-/// The least and the greatest corner of a box.
+/// Lower and upper corner.
 type Bounds = (Vec3, Vec3);
 
-/// One that nothing is in.
+/// Empty bounds.
 const NOTHING: Bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
 
 /// The pieces of all islands, island after island. Scratch.
 #[derive(Default)]
 pub(super) struct Pieces {
-    /// Where the pieces of each island begin, and where the last one's end. One that is a single piece has none here.
+    /// Start of the pieces of each island, and the end of the last. An island that is a single piece has none here.
     starts: Vec<u32>,
-    /// The pieces of each row, one after the other, and where those of a row begin.
+    /// The pieces of each row, row after row, and the start of those of each row.
     of_rows: Vec<u32>,
     begins: Vec<u32>,
-    /// The box about each piece; less than none about one that has no particles.
+    /// Bounds of each piece; empty for one without particles.
     bounds: Vec<Bounds>,
-    /// Whether nothing of that has changed but the boxes.
+    /// Whether only the bounds can have changed since the pieces were found.
     known: bool,
 }
 
 impl Pieces {
-    /// Has them found anew: islands or body colliders have changed.
+    /// Makes the pieces be found again: islands or body colliders have changed.
     pub(super) fn forget(&mut self) {
         self.known = false;
     }
 
-    /// Begins to look where those of some islands are.
+    /// Clears the bounds of the pieces of these islands.
     pub(super) fn begin(
         &mut self,
         body_colliders: &[BodyCollider],
@@ -65,7 +65,7 @@ impl Pieces {
         starts.clear();
         starts.push(0);
         let mut end = 0;
-        // One for each shape, and a first one for what no shape has.
+        // One for each body collider, and a first one for particles without.
         starts.extend(counts.iter().map(|&count| {
             end += if count < 2 { 0 } else { count + 1 };
             end
@@ -95,12 +95,12 @@ impl Pieces {
         begins.push(of_rows.len() as u32);
     }
 
-    /// Whether an island has more than one.
+    /// Whether an island has more than one piece.
     pub(super) fn are_several(&self, island: usize) -> bool {
         self.starts[island] < self.starts[island + 1]
     }
 
-    /// Adds a row to the boxes about its pieces.
+    /// Enlarges the bounds of the pieces of a row by a box of half size `around` at `at`.
     #[inline]
     pub(super) fn add(&mut self, row: u32, at: Vec3, around: f32) {
         let Self { of_rows, begins, bounds, .. } = self;
@@ -111,7 +111,7 @@ impl Pieces {
         }
     }
 
-    /// Whether a piece of an island touches one of another, of two whose boxes `all` touch.
+    /// Whether a piece of island `a` touches one of `b`; `all` are the bounds of whole islands.
     pub(super) fn touch(&self, [a, b]: [u32; 2], all: &[Bounds]) -> bool {
         let (own, theirs) = (self.of(a, all), self.of(b, all));
         let whole = &all[b as usize];
@@ -119,7 +119,7 @@ impl Pieces {
         own.iter().filter(touches).any(|one| theirs.iter().any(|other| overlap(one, other)))
     }
 
-    /// The boxes about the pieces of an island.
+    /// The bounds of the pieces of an island.
     fn of<'a>(&'a self, island: u32, all: &'a [Bounds]) -> &'a [Bounds] {
         let island = island as usize;
         let own = &self.bounds[self.starts[island] as usize..self.starts[island + 1] as usize];

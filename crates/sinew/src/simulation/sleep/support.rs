@@ -1,4 +1,4 @@
-//! The hash of what a sleeper is made of, lies on and hangs on: where that is another one, something was changed, added or taken away, and it wakes.
+//! Support hash: a hash of what a sleeper is made of, lies on and hangs on. If it changes, something was changed, added or removed, and the sleeper wakes.
 
 use glam::{Vec3, Vec4};
 
@@ -10,7 +10,7 @@ use crate::islands::Island;
 use crate::simulation::Simulation;
 use crate::solve::GroupKind;
 
-/// Parts that are added up, so that their order does not matter, and how each is told from the others.
+/// Tags of the kinds of parts. The hashes of parts are added up, so that their order does not matter.
 const PARTICLE: u32 = 1;
 const DISTANCE: u32 = 2;
 const CONSTRAINT: u32 = 3;
@@ -20,15 +20,15 @@ const PLANE: u32 = 6;
 const BODY: u32 = 7;
 
 impl Simulation {
-    /// The hash of an island: where its particles are and what they weigh, which constraints hold them and how, wherever in the columns they stand. Of a constraint counts
-    /// its value, which says as much of its parameters as matters to what lies still; of colliders, those that reach into its bounds.
+    /// The hash of an island: positions and masses of its particles, and its constraints, independent of where they are in the columns. Of a constraint the
+    /// hash takes the value at rest, which stands for its parameters; of colliders it takes those that reach into `bounds`.
     pub(super) fn support_of(&self, island: &Island, bounds: (Vec3, Vec3)) -> u64 {
         let (particles, plan) = (&self.particles, &self.scratch.plan);
         let members = &plan.islands.members[island.members.clone()];
         let (mut sum, mut last) = (0_u64, None);
         for (rank, &row) in (0..).zip(members) {
             let i = row as usize;
-            // As components have them, whatever the origin.
+            // Position and remainder, which do not depend on the origin.
             let (place, remainder) = (particles.position(i), particles.remainder(i));
             let properties = [
                 place.x,
@@ -45,7 +45,7 @@ impl Simulation {
             ];
             sum = sum.wrapping_add(fnv([PARTICLE, rank].into_iter().chain(bits(properties))));
         }
-        // How its bodies meet others.
+        // How its bodies take part in contacts.
         for &row in members {
             let body = particles.body[row as usize];
             if last.replace(body) == Some(body) {
@@ -94,7 +94,7 @@ impl Simulation {
         near.filter(is_near).fold(sum, |sum, collider| sum.wrapping_add(of_collider(collider)))
     }
 
-    /// Adds to the hashes of all islands the springs that pull at them.
+    /// Adds to the hashes of all islands the springs that act on them.
     pub(super) fn add_springs(&self, hashes: &mut [u64]) {
         let islands = &self.scratch.plan.islands;
         for spring in &self.forces.springs {
@@ -109,7 +109,7 @@ impl Simulation {
     }
 }
 
-/// The hash of all springs, by the rows that they are at.
+/// The hash of all springs, by the rows that they connect.
 pub(super) fn of_springs(springs: &[Spring]) -> u64 {
     let each = springs
         .iter()
@@ -121,7 +121,7 @@ fn numbers_of(spring: &Spring) -> impl Iterator<Item = u32> {
     bits([spring.rest, spring.stiffness, spring.damping])
 }
 
-/// The hash of all that stands. What moves wakes by coming near, and would have all sleepers looked at in every step.
+/// The hash of all static geometry. Moving colliders wake sleepers by coming near; in the hash they would make every step compare all supports.
 pub(super) fn of_surfaces(colliders: &[Collider], boundaries: &Boundaries) -> u64 {
     let planes = boundaries.planes.iter().map(|plane| {
         let n = plane.normal;
@@ -152,7 +152,7 @@ fn of_collider(collider: &Collider) -> u64 {
     fnv(kind.into_iter().chain(bits(surface)).chain(bits(turn)))
 }
 
-/// The particles of a constraint, where they lie.
+/// The particles of a constraint at their present positions.
 fn points<'a>(now: &'a [Vec4], origin: Vec3, island: &Island) -> Points<'a> {
     Points { now, starts: now, origin, gradient_at: island.settings.gradient_at }
 }

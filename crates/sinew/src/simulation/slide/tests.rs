@@ -1,4 +1,4 @@
-//! Walls, corners, slopes, steps, floors with edges in them, all shapes, all speeds, and what rests.
+//! Move and slide: walls, corners, slopes, steps, floors with inner edges, every shape, a range of speeds, and rest.
 
 use glam::Quat;
 
@@ -49,7 +49,7 @@ fn shapes() -> [(&'static str, Shape); 4] {
     ]
 }
 
-/// How far below its origin it ends.
+/// Distance from a shape's origin down to its lowest point.
 fn foot(shape: &Shape) -> f32 {
     -shape.bounds().0.y
 }
@@ -59,7 +59,7 @@ fn go(world: &Simulation, shape: &Shape, at: Vec3, velocity: Vec3, dt: f32) -> S
     world.move_and_slide(shape, &Frame::at(at), velocity, dt, &config, &all)
 }
 
-/// The least distance to anything within a metre.
+/// Least distance to anything within a metre.
 fn clear(world: &Simulation, shape: &Shape, at: Vec3) -> f32 {
     let frame = Frame::at(at);
     let (low, high) = shape.bounds_in(&frame);
@@ -70,7 +70,7 @@ fn clear(world: &Simulation, shape: &Shape, at: Vec3) -> f32 {
     least
 }
 
-/// A character as a game writes it: it keeps the velocity that is left, and falls.
+/// A character as a game writes it: it keeps the remaining velocity, and falls.
 fn fall(
     world: &Simulation,
     shape: &Shape,
@@ -113,7 +113,7 @@ fn what_rests_stays_to_the_last_bit_on_the_level_and_on_slopes() {
     }
 }
 
-/// A short step falls by less than the skin yields; it does not sink bit by bit.
+/// In a short step it falls by less than the skin pushes back, yet must not sink in bit by bit.
 #[test]
 fn what_rests_does_not_sink_in_steps_of_a_tenth_of_a_millisecond() {
     for (name, shape) in shapes() {
@@ -152,7 +152,7 @@ fn what_rests_on_triangles_between_blocks_and_far_out_stays_too() {
     }
 }
 
-/// The same flat floor as a mesh and as a landscape, with squares of a width.
+/// The same flat floor as a mesh and as a heightfield, with squares of a given width.
 fn grids(width: f32) -> (Shape, Shape) {
     let count = 61;
     let at = |i: usize| (i as f32 - 30.0) * width;
@@ -188,7 +188,7 @@ fn no_wall_is_passed_at_any_speed_in_any_step() {
             let reach = shape.bounds().1.x;
             for speed in [0.01_f32, 1.0, 30.0, 1e3, 1e5] {
                 for dt in [1.0 / 240.0, 1.0 / 60.0, 0.1, 1.0] {
-                    // From where it would end a tenth of its way beyond the wall, or a little before.
+                    // Starts where a tenth of the way would lead beyond the wall, or at least 2 cm before it.
                     let start = 100.0 - reach - SKIN - (0.9 * speed * dt).max(0.02);
                     let start = Vec3::new(start, 0.0, 0.0);
                     let meets = 0.9 * speed * dt >= 0.02;
@@ -203,7 +203,7 @@ fn no_wall_is_passed_at_any_speed_in_any_step() {
                     } else {
                         assert!(out.hits.is_empty() && out.velocity == Vec3::X * speed, "{case}");
                     }
-                    // And again, from there.
+                    // The same once more, from the new position.
                     let again = go(&world, &shape, out.translation, Vec3::X * speed, dt);
                     let gap = 100.0 - reach - again.translation.x;
                     assert!(gap > 0.97 * SKIN - grain, "{case} {gap}");
@@ -213,7 +213,7 @@ fn no_wall_is_passed_at_any_speed_in_any_step() {
     }
 }
 
-/// A room with things in it, and velocities by chance, for many ticks: nobody leaves it or is in anything.
+/// A room with obstacles, and random velocities for many ticks: the shape never leaves the room or overlaps anything.
 #[test]
 fn nobody_leaves_a_room_whatever_their_speed() {
     let wall = |axis: Vec3| block(Vec3::splat(10.2) - axis.abs() * 10.15, axis * 5.025);
@@ -277,7 +277,7 @@ fn along_a_wall_it_keeps_what_leads_along() {
     }
 }
 
-/// Two walls that meet at an angle, along y; it goes along x into the edge between them.
+/// Two walls that meet at an angle, along y; the motion is along x into the edge between them.
 fn corner(degrees: f32) -> Simulation {
     let wall = |side: f32| {
         let half = about_y(0.5 * side * degrees);
@@ -306,7 +306,7 @@ fn in_a_corner_of_any_angle_it_stops_and_stays() {
                     places.push(at);
                 }
                 let case = format!("{degrees} {name} {aside} {speed}: {at}");
-                // Across one wall and not against the other it goes on along it, if the corner is blunt.
+                // A velocity that leads into one wall but not into the other continues along the other, if the corner is obtuse.
                 let into = libm::sinf((0.5 * degrees).to_radians()) * aside.abs();
                 let against = libm::cosf((0.5 * degrees).to_radians());
                 if into < 0.9 * against || aside == 0.0 {
@@ -320,7 +320,7 @@ fn in_a_corner_of_any_angle_it_stops_and_stays() {
     }
 }
 
-/// Two posts with too little room in between.
+/// Two posts with too small a gap between them.
 #[test]
 fn between_two_posts_it_stops_and_stays() {
     let post = |z: f32| (Shape::cylinder(0.2, 8.0).unwrap(), Frame::at(Vec3::Z * z));
@@ -334,7 +334,7 @@ fn between_two_posts_it_stops_and_stays() {
         for (name, shape) in shapes() {
             for (aside, speed) in [(0.0, 2.0), (0.1, 2.0), (-0.2, 50.0), (0.05, 0.1)] {
                 if name == "box" && aside != 0.0 {
-                    // A face on a face goes along it and past.
+                    // A flat face in contact with a face slides along it and past it.
                     continue;
                 }
                 let wish = Vec3::new(1.0, 0.0, aside).normalize() * speed;
@@ -378,7 +378,7 @@ fn in_a_corner_of_a_room_it_falls_along_the_edge_and_lands() {
     }
 }
 
-/// Walks by a wish along the level, as a game has it: what falls keeps its fall.
+/// Walks with a given horizontal velocity, as in a game; the vertical velocity carries over from tick to tick.
 fn walk(
     world: &Simulation,
     shape: &Shape,
@@ -421,7 +421,7 @@ fn a_slope_below_the_limit_is_walked_up_and_down() {
                 let gone = down - up;
                 assert!(gone.x < -3.9 && gone.x > -4.1, "{name} {slope} {dt}: {gone}");
                 assert!((gone.y - gone.x * tan).abs() < 0.15, "{name} {slope} {dt}: {gone}");
-                // It turns with the rise that it has, and leaps by that.
+                // It turns round with the upward velocity that it has, and so jumps.
                 assert!((air as f32) < 0.5 / dt, "{name} {slope} {dt}: {air} ticks in the air");
             }
         }
@@ -461,7 +461,7 @@ fn a_ceiling_ends_a_leap_and_nothing_else() {
             (3.0 - shape.bounds().1.y - SKIN - out.translation.y).abs() < 0.03 * SKIN,
             "{name}"
         );
-        // Whoever leaps stands no more, however short the tick.
+        // After a jump it has no ground, however short the tick.
         let out = go(&world, &shape, start, Vec3::Y * 3.0, 1e-4);
         assert!(out.ground.is_none() && out.velocity == Vec3::Y * 3.0, "{name}");
     }
@@ -479,7 +479,7 @@ fn steps_stop_what_is_not_round_enough_to_roll_over_them() {
             let rise = if climbed && round { height } else { 0.0 };
             assert!((at.y - start.y - rise).abs() < 0.05 * SKIN, "{name} {height}: {at}");
             assert!((at.x > 5.0) == (rise > 0.0), "{name} {height}: {at}");
-            // And down from it, without a stop at the edge.
+            // And down again, without a stop at the edge.
             let top = Vec3::new(5.0, height + foot(&shape) + SKIN, 0.0);
             let down = walk(&world, &shape, (top, Vec3::NEG_X * 2.0), 1.0 / 60.0, 3.0, |_| {});
             assert!(
@@ -592,7 +592,7 @@ fn planes_boxes_bodies_cloth_and_particles_are_in_the_way() {
     assert_eq!(met(Vec3::NEG_X * 1e3), Some(ContactParticipant::Body(1)));
     assert!(matches!(met(Vec3::Z * 1e3), Some(ContactParticipant::Particle(_))));
     assert_eq!(met(Vec3::NEG_Z * 1e3), Some(ContactParticipant::Box(0)));
-    // A ray and an overlap find the same.
+    // A ray cast and an overlap query find the same.
     let all = Filter::default();
     let ray = world.cast_ray(start, Vec3::NEG_Y, 9.0, &all).unwrap();
     assert_eq!(ray.participant, ContactParticipant::Plane(0));
@@ -608,7 +608,7 @@ fn planes_boxes_bodies_cloth_and_particles_are_in_the_way() {
     assert_eq!(past.participant, ContactParticipant::Box(0));
 }
 
-/// A crate that is thrown at it pushes it aside, tick by tick; it never ends up inside.
+/// A crate thrown at the character pushes it aside, tick by tick; it never ends up inside the crate.
 #[test]
 fn what_comes_at_it_pushes_it_away() {
     for (name, shape) in shapes() {
@@ -660,7 +660,7 @@ fn broken_numbers_move_nothing_and_settings_are_clamped() {
     for dents in [Shape::half_space(), grids(0.5).0] {
         assert_eq!(ask(&dents, at, Vec3::X, 0.1, &config), still, "{dents:?}");
     }
-    // Found by fuzzing: out of something larger than numbers go it was pushed to NaN.
+    // Found by fuzzing: it was pushed out of something too large for `f32`, to NaN.
     let huge = Frame::at(Vec3::new(1e38, -3e38, 2e38));
     let out = world.move_and_slide(&shape, &huge, Vec3::ONE, 1.0, &config, &all);
     assert!(out.translation.is_finite(), "{out:?}");
