@@ -157,7 +157,7 @@ impl Simulation {
     /// Advances by `dt` seconds and reports how it went.
     ///
     /// # Errors
-    /// A `dt` that is not positive and finite is refused and nothing changes.
+    /// A `dt` that is not positive and finite, or so short that 1/h² overflows for a substep `h`, is refused and nothing changes.
     pub fn step(&mut self, dt: f32) -> Result<&SolverReport, StepFault> {
         if self.step_at_rest(dt) {
             return Ok(&self.report);
@@ -180,7 +180,7 @@ impl Simulation {
     /// Begins a step of `dt` seconds: updates the plan if constraints changed, runs the broad phase, and returns the number of substeps to take.
     ///
     /// # Errors
-    /// A `dt` that is not positive and finite is refused and nothing changes.
+    /// A `dt` that is not positive and finite, or so short that 1/h² overflows for a substep `h`, is refused and nothing changes.
     pub fn begin_step(&mut self, dt: f32) -> Result<u32, StepFault> {
         // Reports of the last step do not apply to this one, whether it is taken or refused.
         self.report.frozen.clear();

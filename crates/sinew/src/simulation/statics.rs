@@ -42,7 +42,7 @@ impl Simulation {
     /// ```
     ///
     /// # Errors
-    /// A `dt` that is not positive and finite is refused and nothing changes.
+    /// A `dt` that is not positive and finite, or so short that 1/h² overflows for a substep `h`, is refused and nothing changes.
     pub fn relax(&mut self, dt: f32, tolerance: f32, most: u32) -> Result<Relaxed, StepFault> {
         self.walk_to_rest(dt, tolerance, most)
     }
