@@ -33,7 +33,7 @@ pub enum ConvexHullFault {
 }
 
 /// Most points of a hull. The work is proportional to their number times that of the faces; 65 536 points on a sphere take some tens of seconds.
-const MOST: usize = 1 << 16;
+const MAX_POINTS: usize = 1 << 16;
 
 /// Grid steps from the centre of the points' bounding box to its farthest side: half of the 2³⁰ steps along the extent.
 const STEPS: f64 = (1_u64 << 29) as f64;
@@ -52,21 +52,22 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Vec<[u32; 3]>, ConvexHullFault> {
     if points.len() < 4 {
         return Err(ConvexHullFault::TooFew);
     }
-    if points.len() > MOST {
+    if points.len() > MAX_POINTS {
         return Err(ConvexHullFault::TooMany);
     }
     let grid = on_grid(points);
     let mut faces = first_four(&grid).ok_or(ConvexHullFault::Flat)?;
     for p in 0..grid.len() as u32 {
         let at = grid[p as usize];
-        if !faces.iter().any(|face| face.sees(at)) {
+        if !faces.iter().any(|face| face.is_visible_from(at)) {
             continue;
         }
-        let (seen, kept): (Vec<HullTriangle>, Vec<HullTriangle>) =
-            faces.iter().partition(|face| face.sees(at));
+        let (visible, kept): (Vec<HullTriangle>, Vec<HullTriangle>) =
+            faces.iter().partition(|face| face.is_visible_from(at));
         faces = kept;
         let sides = |t: [u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
-        let all: BTreeSet<(u32, u32)> = seen.iter().flat_map(|face| sides(face.corners)).collect();
+        let all: BTreeSet<(u32, u32)> =
+            visible.iter().flat_map(|face| sides(face.corners)).collect();
         // A directed edge whose reverse is not visible is on the rim.
         for &(a, b) in all.iter().filter(|&&(a, b)| !all.contains(&(b, a))) {
             faces.push(HullTriangle::new(&grid, [a, b, p]));
@@ -93,7 +94,7 @@ impl HullTriangle {
         Self { corners, at: a, normal: cross(minus(b, a), minus(c, a)) }
     }
 
-    fn sees(&self, p: GridPoint) -> bool {
+    fn is_visible_from(&self, p: GridPoint) -> bool {
         dot(self.normal, minus(p, self.at)) > 0
     }
 }

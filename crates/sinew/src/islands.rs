@@ -37,7 +37,7 @@ pub(crate) struct Singles {
 const NONE: u32 = u32::MAX;
 
 /// Shortest run that is kept as one: handling a run costs as much as visiting some islands one by one.
-const STRETCH: usize = 16;
+const MIN_RUN: usize = 16;
 
 impl Singles {
     /// The part of this run within a range of islands.
@@ -138,7 +138,7 @@ impl Islands {
         singles.clear();
         let mut stretch = Singles::default();
         let mut keep = |stretch: &Singles| {
-            if stretch.islands.len() >= STRETCH {
+            if stretch.islands.len() >= MIN_RUN {
                 singles.push(stretch.clone());
             }
         };

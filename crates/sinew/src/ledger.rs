@@ -32,7 +32,7 @@ impl Ledger {
 
 /// Sums up the ledger. The accelerations of the particles must be those of their present positions; `soft` is the energy stored in soft distances and
 /// constraints, J.
-pub(crate) fn take(particles: &Particles, forces: &Forces, soft: f64) -> Ledger {
+pub(crate) fn sum(particles: &Particles, forces: &Forces, soft: f64) -> Ledger {
     let mut ledger = Ledger::default();
     for i in 0..particles.len() {
         let w = particles.inverse_mass(i);

@@ -23,10 +23,10 @@ pub struct Tracked<T> {
 }
 
 /// The next revision, shared by all values of the process, so that values of different origin never have the same one.
-static NEXT: AtomicU64 = AtomicU64::new(0);
+static NEXT_REVISION: AtomicU64 = AtomicU64::new(0);
 
-fn next() -> u64 {
-    NEXT.fetch_add(1, Ordering::Relaxed)
+fn next_revision() -> u64 {
+    NEXT_REVISION.fetch_add(1, Ordering::Relaxed)
 }
 
 /// A revision number for state that is changed in many places, each of which must call [`advance`](Self::advance). A clone gets a number of its own: it may
@@ -40,13 +40,13 @@ impl Revision {
     }
 
     pub(crate) fn advance(&mut self) {
-        self.0 = next();
+        self.0 = next_revision();
     }
 }
 
 impl Default for Revision {
     fn default() -> Self {
-        Self(next())
+        Self(next_revision())
     }
 }
 
@@ -65,7 +65,7 @@ impl<T> Tracked<T> {
 
 impl<T> From<T> for Tracked<T> {
     fn from(value: T) -> Self {
-        Self { value, revision: next() }
+        Self { value, revision: next_revision() }
     }
 }
 
@@ -87,7 +87,7 @@ impl<T> Deref for Tracked<T> {
 impl<T> DerefMut for Tracked<T> {
     #[inline]
     fn deref_mut(&mut self) -> &mut T {
-        self.revision = next();
+        self.revision = next_revision();
         &mut self.value
     }
 }

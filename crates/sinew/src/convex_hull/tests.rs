@@ -123,7 +123,7 @@ fn points_without_a_hull_are_refused() {
     );
     let spoilt = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z * f32::NAN];
     assert_eq!(convex_hull(&spoilt), Err(ConvexHullFault::NotFinite(3)));
-    assert_eq!(convex_hull(&vec![Vec3::ONE; MOST + 1]), Err(ConvexHullFault::TooMany));
+    assert_eq!(convex_hull(&vec![Vec3::ONE; MAX_POINTS + 1]), Err(ConvexHullFault::TooMany));
     // Extreme magnitudes of `f32` are valid points.
     for scale in [1e-38, 3e38] {
         let points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p * scale);

@@ -29,7 +29,7 @@ impl ParticleState {
 }
 
 /// Positions beyond this, metres, take the slow path: their sum with [`ROUNDER`] may exceed 2²⁴, from where `f32` has even numbers only.
-const NEAR: f32 = 4_194_304.0;
+const FAST_RANGE: f32 = 4_194_304.0;
 /// Adding and then subtracting this, 1.5 · 2²³, rounds to whole numbers, because from 2²³ on every `f32` is whole. The factor 1.5 keeps negative numbers in
 /// that range.
 const ROUNDER: f32 = 12_582_912.0;
@@ -57,7 +57,7 @@ impl Particles {
             let local = (p - whole) + r;
             // The fast path applies if the remainder does not reach into the next metre. Non-finite values fail each comparison.
             let within = local + 0.5;
-            let ordinary = p.abs().cmplt(Vec4::splat(NEAR))
+            let ordinary = p.abs().cmplt(Vec4::splat(FAST_RANGE))
                 & within.cmpge(Vec4::ZERO)
                 & within.cmplt(Vec4::ONE)
                 & v.cmpge(lowest)

@@ -105,7 +105,7 @@ pub struct Particles {
 }
 
 /// Most written rows that are listed: a game may add a force to every particle in each substep.
-const TOUCHED: usize = 4096;
+const MAX_TOUCHED: usize = 4096;
 
 /// Body of a particle that belongs to none.
 pub(crate) const NO_BODY: u32 = u32::MAX;
@@ -314,7 +314,7 @@ impl Particles {
     /// Rows that the caller wrote to, as counted by [`writes`](Self::writes), since [`note_sleepers`](Self::note_sleepers) was last called; recorded only while
     /// something sleeps. `None` if there are more than are listed.
     pub(crate) fn touched(&self) -> Option<&[u32]> {
-        (self.touched.len() < TOUCHED).then_some(&self.touched)
+        (self.touched.len() < MAX_TOUCHED).then_some(&self.touched)
     }
 
     /// Notes whether any body sleeps in this step, and clears the rows to wake and the rows written to.
@@ -333,7 +333,8 @@ impl Particles {
     #[inline]
     fn note_write(&mut self, i: usize) {
         self.writes = self.writes.wrapping_add(1);
-        let is_listed = self.touched.last() == Some(&(i as u32)) || self.touched.len() == TOUCHED;
+        let is_listed =
+            self.touched.last() == Some(&(i as u32)) || self.touched.len() == MAX_TOUCHED;
         if self.sleepers && !is_listed {
             self.touched.push(i as u32);
         }

@@ -17,7 +17,7 @@ pub(crate) struct ColumnSummary {
     /// The damping of all particles, 1/s, if it is the same.
     pub(crate) damping: Option<f32>,
     /// [Edits](Particles::edits) of the particles when the columns were last read.
-    seen: Option<u64>,
+    as_of: Option<u64>,
 }
 
 impl Particles {
@@ -40,12 +40,12 @@ impl Particles {
             let singular = summary.singular.partition_point(|&row| (row as usize) < rows);
             summary.singular.truncate(singular);
         }
-        (summary.neutral, summary.damping, summary.seen) = (false, None, None);
+        (summary.neutral, summary.damping, summary.as_of) = (false, None, None);
     }
 
     /// Reads the columns that are mostly uniform again, if one was written to since. To be called when a step begins; later writes discard the summary.
     pub(crate) fn revalidate(&mut self) {
-        if self.column_summary.seen == Some(self.edits()) {
+        if self.column_summary.as_of == Some(self.edits()) {
             return;
         }
         // Without an early exit the compiler vectorises the loop.
@@ -57,8 +57,8 @@ impl Particles {
             |&i: &usize| self.gravity_scale[i] != 1.0 || self.external[i] != Vec3::ZERO;
         singular.extend((0..self.len()).filter(is_singular).map(|row| row as u32));
         let neutral = self.charge.iter().fold(true, |neutral, &charge| neutral & (charge == 0.0));
-        let (damping, seen) = (even.then_some(first), Some(self.edits()));
-        self.column_summary = ColumnSummary { singular, neutral, damping, seen };
+        let (damping, as_of) = (even.then_some(first), Some(self.edits()));
+        self.column_summary = ColumnSummary { singular, neutral, damping, as_of };
     }
 
     /// Clears the sums: no acceleration, and the damping `air` (1/s) of all particles.

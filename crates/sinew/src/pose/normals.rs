@@ -8,7 +8,7 @@ use glam::{Vec3, Vec4, Vec4Swizzles};
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 
 /// Least squared length of a sum of area vectors that has a direction, m⁴: far above the underflow of `f32`, and the square for a triangle with edges of 50 nm.
-const LEAST: f32 = 1e-30;
+const MIN_SQUARE: f32 = 1e-30;
 
 kernel!(
     /// Writes the unit normal of each vertex to `normals`, `[x y z 0]`; as many as there are `points`.
@@ -45,7 +45,8 @@ kernel!(
         for eight in eights.iter_mut().chain([&mut last]) {
             let (sum, _) = Vector::<L>::of(L::run(eight, 0));
             let squared = sum.length_squared();
-            let directed = L::splat(LEAST).lt(squared).and(squared.lt(L::splat(f32::INFINITY)));
+            let directed =
+                L::splat(MIN_SQUARE).lt(squared).and(squared.lt(L::splat(f32::INFINITY)));
             let unit = sum * (L::splat(1.0) / squared.sqrt());
             let normal = unit.or_else(directed, Vector::splat(fallback));
             L::put_run(eight, 0, normal.with(L::zero()));

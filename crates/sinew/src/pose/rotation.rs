@@ -41,13 +41,13 @@ use glam::{DMat3, DQuat, DVec3};
 
 /// After this many steps the eigenproblem is cheaper. Two are normal: one that moves, one that confirms convergence.
 const STEPS: u32 = 8;
-/// Newton has converged when the error that a step of this angle leaves, `θ³ κ/4`, is below `DONE / κ`. The second `κ` is for optimality: it keeps `‖g‖ /
+/// Newton has converged when the error that a step of this angle leaves, `θ³ κ/4`, is below `CONVERGED / κ`. The second `κ` is for optimality: it keeps `‖g‖ /
 /// λ_min(K)` of (1) small as well.
-const DONE: f64 = 1e-8;
+const CONVERGED: f64 = 1e-8;
 /// Eigenvalues within this of the greatest one, relative to `‖M‖`, count as equal to it.
-const EQUAL: f64 = 2e-9;
+const EQUAL_WITHIN: f64 = 2e-9;
 /// Squared length below which a projection is only round-off.
-const NOTHING: f64 = 1e-24;
+const ROUND_OFF: f64 = 1e-24;
 
 /// The rotation nearest to `m` (of any scale), and among equally near ones the nearest to `previous`, a unit quaternion.
 pub(crate) fn nearest(m: DMat3, previous: DQuat) -> DQuat {
@@ -74,7 +74,7 @@ pub(super) fn newton(m: DMat3, start: DQuat) -> Option<(DQuat, u32)> {
         let square = w.length_squared();
         q = (q * DQuat::from_xyzw(w.x, w.y, w.z, 1.0 + (1.0 + square).sqrt())).normalize();
         let left = square * kappa;
-        if left * left * left * kappa < DONE * DONE {
+        if left * left * left * kappa < CONVERGED * CONVERGED {
             return Some((q, step));
         }
     }
@@ -100,7 +100,7 @@ pub(super) fn davenport(m: DMat3, previous: DQuat) -> DQuat {
     let project = |axis: usize| {
         let mut sum = [0.0; 4];
         for (value, v) in values.iter().zip(&vectors) {
-            if top - value <= EQUAL {
+            if top - value <= EQUAL_WITHIN {
                 for (to, from) in sum.iter_mut().zip(v) {
                     *to += v[axis] * from;
                 }
@@ -109,7 +109,7 @@ pub(super) fn davenport(m: DMat3, previous: DQuat) -> DQuat {
         (sum, sum[axis])
     };
     let mut best = project(0);
-    if best.1 < NOTHING {
+    if best.1 < ROUND_OFF {
         // The whole eigenspace is a half turn away: take the axis with the longest projection.
         for axis in 1..4 {
             let other = project(axis);

@@ -28,7 +28,7 @@ pub struct Compound {
 
 /// The rigid bodies of a step. Scratch.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Moving {
+pub(crate) struct CompoundBodies {
     /// The body of each compound; `None` where there cannot be one (a particle is pinned, or none has mass). Those stay particles.
     bodies: Vec<Option<RigidBody>>,
     /// Positions of the particles as the bodies placed them in this substep, compound after compound.
@@ -48,7 +48,7 @@ impl Compound {
     }
 }
 
-impl Moving {
+impl CompoundBodies {
     /// Reads the bodies from their particles, at the start of a step.
     pub(crate) fn read(&mut self, particles: &Particles, compounds: &[Compound]) {
         self.bodies.clear();
@@ -56,7 +56,7 @@ impl Moving {
     }
 
     /// Sets all velocities to zero.
-    pub(crate) fn forget_velocities(&mut self) {
+    pub(crate) fn stop(&mut self) {
         for body in self.bodies.iter_mut().flatten() {
             (body.velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
         }

@@ -23,7 +23,7 @@ use super::principal::{Principal, Spin, by_vector};
 /// The spin after `h` seconds under a torque (N·m, world).
 pub(super) fn turn(spin: Spin, principal: &Principal, torque: DVec3, h: f64) -> Spin {
     let kick = torque * (0.5 * h);
-    let kicked = |spin: Spin| Spin { momentum: spin.momentum + kick, ..spin }.possible(principal);
+    let kicked = |spin: Spin| Spin { momentum: spin.momentum + kick, ..spin }.projected(principal);
     kicked(free(kicked(spin), principal, h))
 }
 
@@ -33,11 +33,11 @@ pub(super) fn free(spin: Spin, principal: &Principal, h: f64) -> Spin {
     let [i, j, k] = roles(inverse);
     let about = |spin: Spin, axis: usize, h: f64| {
         let e = principal.axes.col(axis);
-        let rate = spin.inside().dot(e) * (inverse[axis] - inverse[j]);
+        let rate = spin.body_momentum().dot(e) * (inverse[axis] - inverse[j]);
         spin.turned(by_vector(e * (rate * h)))
     };
     let spin = about(spin, i, 0.5 * h);
-    let spin = spin.turned(by_vector(spin.inside() * (inverse[j] * h)));
+    let spin = spin.turned(by_vector(spin.body_momentum() * (inverse[j] * h)));
     about(about(spin, k, h), i, 0.5 * h)
 }
 

@@ -40,7 +40,7 @@ mod tests;
 mod verlet;
 
 pub use compound::Compound;
-pub(crate) use compound::Moving;
+pub(crate) use compound::CompoundBodies;
 pub use step::RigidIntegrator;
 
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};

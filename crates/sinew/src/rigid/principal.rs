@@ -6,7 +6,7 @@ use crate::pose::symmetric;
 
 /// Moments below this fraction of the greatest count as zero. An `f32` matrix has no information on smaller ones: its elements are rounded to 6e-8 of
 /// themselves, and so the least eigenvalue to about 1e-7 of the greatest.
-const NOTHING: f64 = 1e-6;
+const NEGLIGIBLE: f64 = 1e-6;
 
 /// Principal moments and axes of a body.
 #[derive(Clone, Copy, Debug)]
@@ -26,17 +26,17 @@ impl Principal {
         let across = m - m.transpose();
         let size = m.to_cols_array().into_iter().fold(0.0, |size: f64, x| size.max(x.abs()));
         let skew = across.to_cols_array().into_iter().fold(0.0, |skew: f64, x| skew.max(x.abs()));
-        if !m.is_finite() || skew > NOTHING * size {
+        if !m.is_finite() || skew > NEGLIGIBLE * size {
             return None;
         }
         let even = (m + m.transpose()) * 0.5;
         let (values, vectors) = symmetric::eigen(even.to_cols_array_2d());
         let top = values.iter().fold(0.0_f64, |top, &value| top.max(value));
-        if values.iter().any(|&value| value < -NOTHING * size) {
+        if values.iter().any(|&value| value < -NEGLIGIBLE * size) {
             return None;
         }
         let stand_in = if top > 0.0 { top } else { 1.0 };
-        let there = |value: &f64| *value > NOTHING * top;
+        let there = |value: &f64| *value > NEGLIGIBLE * top;
         let axes = DMat3::from_cols_array_2d(&vectors);
         let handed = if axes.determinant() < 0.0 { -1.0 } else { 1.0 };
         Some(Self {
@@ -73,13 +73,13 @@ pub(super) struct Spin {
 
 impl Spin {
     /// The angular momentum in the body's frame.
-    pub(super) fn inside(&self) -> DVec3 {
+    pub(super) fn body_momentum(&self) -> DVec3 {
         self.rotation.conjugate() * self.momentum
     }
 
     /// Angular velocity in the axes of the world, rad/s.
     pub(super) fn rate(&self, principal: &Principal) -> DVec3 {
-        self.rotation * principal.rate(self.inside())
+        self.rotation * principal.rate(self.body_momentum())
     }
 
     /// The rotation followed by `turn`, which is in the body's frame.
@@ -88,11 +88,11 @@ impl Spin {
     }
 
     /// Without the components of angular momentum about axes that have no inertia, which a torque may have added.
-    pub(super) fn possible(self, principal: &Principal) -> Self {
+    pub(super) fn projected(self, principal: &Principal) -> Self {
         if principal.is_full() {
             return self;
         }
-        let inside = principal.momentum(principal.rate(self.inside()));
+        let inside = principal.momentum(principal.rate(self.body_momentum()));
         Self { momentum: self.rotation * inside, ..self }
     }
 }

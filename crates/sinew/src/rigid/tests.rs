@@ -59,10 +59,10 @@ fn it_is_the_rounding_to_f32_that_moves_the_flips_by_a_thousandth() {
         let body = tumbling();
         let principal = body.principal().unwrap();
         let mut spin = Spin { rotation: DQuat::IDENTITY, momentum: body.angular_momentum() };
-        let (mut times, mut before, h) = (Vec::new(), spin.inside().y, 1.0 / 240.0);
+        let (mut times, mut before, h) = (Vec::new(), spin.body_momentum().y, 1.0 / 240.0);
         for step in 1..7200 {
             spin = way(spin, &principal, DVec3::ZERO, h);
-            let now = spin.inside().y;
+            let now = spin.body_momentum().y;
             if now * before < 0.0 {
                 times.push(h * (f64::from(step) - now / (now - before)));
             }

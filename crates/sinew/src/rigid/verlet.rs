@@ -28,29 +28,29 @@ use super::leapfrog;
 use super::principal::{Principal, Spin};
 
 /// Largest turn in one part of a step, rad: half of where (1) has no solution.
-const FURTHEST: f64 = 0.5;
+const MAX_TURN: f64 = 0.5;
 /// Most parts of one step.
-const MOST: f64 = 64.0;
+const MAX_PARTS: f64 = 64.0;
 /// Newton doubles the number of digits each time: from 1 to 16 takes 4 or 5 iterations. The bound is for cases that do not converge.
 const ITERATIONS: u32 = 12;
 
 /// The spin after `h` seconds under a torque (N·m, world).
 pub(super) fn turn(spin: Spin, principal: &Principal, torque: DVec3, h: f64) -> Spin {
     let kick = torque * (0.5 * h);
-    let kicked = |spin: Spin| Spin { momentum: spin.momentum + kick, ..spin }.possible(principal);
+    let kicked = |spin: Spin| Spin { momentum: spin.momentum + kick, ..spin }.projected(principal);
     kicked(free(kicked(spin), principal, h))
 }
 
 fn free(spin: Spin, principal: &Principal, h: f64) -> Spin {
-    let pieces = (spin.rate(principal).length() * h.abs() / FURTHEST).ceil().max(1.0);
-    if pieces > MOST {
+    let parts = (spin.rate(principal).length() * h.abs() / MAX_TURN).ceil().max(1.0);
+    if parts > MAX_PARTS {
         return leapfrog::free(spin, principal, h);
     }
-    let piece = h / pieces;
+    let part = h / parts;
     let mut next = spin;
-    for _ in 0..pieces as u32 {
-        let inside = principal.axes.transpose() * next.inside();
-        let Some(xi) = solve(principal.moments, inside * (0.5 * piece)) else {
+    for _ in 0..parts as u32 {
+        let inside = principal.axes.transpose() * next.body_momentum();
+        let Some(xi) = solve(principal.moments, inside * (0.5 * part)) else {
             return leapfrog::free(spin, principal, h);
         };
         let xi = principal.axes * xi;
@@ -65,7 +65,7 @@ fn solve(moments: DVec3, a: DVec3) -> Option<DVec3> {
     let mut xi = a / moments;
     for _ in 0..ITERATIONS {
         let i_xi = moments * xi;
-        let miss = i_xi + xi.cross(i_xi) - a * (1.0 + xi.length_squared());
+        let residual = i_xi + xi.cross(i_xi) - a * (1.0 + xi.length_squared());
         // Its derivative by ξ: I + [ξ] I - [I ξ] - 2 a ξᵀ.
         let [x, y, z] = xi.to_array();
         let slope = inertia + cross(xi) * inertia
@@ -75,7 +75,7 @@ fn solve(moments: DVec3, a: DVec3) -> Option<DVec3> {
         if determinant == 0.0 || !determinant.is_finite() {
             return None;
         }
-        let change = slope.inverse() * miss;
+        let change = slope.inverse() * residual;
         xi -= change;
         // A change of 1e-10 leaves an error of its square, below the precision of `f64`.
         if change.length_squared() <= 1e-20 * xi.length_squared() {

@@ -41,7 +41,7 @@ impl Simulation {
     pub fn measure_strains(&mut self, distances: impl IntoIterator<Item = usize>) {
         self.scratch.measured_strains.clear();
         self.scratch.measured_strains.extend(distances);
-        self.scratch.settled = None;
+        self.scratch.settings_inputs = None;
     }
 
     /// Tension of a distance, N, averaged over the last step; negative where it pushes its ends apart. `None` if it was not [measured](Self::measure_loads), or
@@ -71,7 +71,7 @@ impl Simulation {
             let numbers = if none { Default::default() } else { self.scratch.plan.numbers() };
             let [mut distances, mut constraints] = numbers;
             if !none && !self.compounds.is_empty() {
-                let [outer, others] = self.numbers_beside_compounds();
+                let [outer, others] = self.numbers_outside_compounds();
                 let given = |all: &[u32], i: u32| all.get(i as usize).copied().unwrap_or(u32::MAX);
                 distances.iter_mut().for_each(|i| *i = given(&outer, *i));
                 // Behind these are the shapes of compounds, which have no index in the list.

@@ -33,7 +33,7 @@ use crate::islands::Islands;
 use crate::kept::Kept;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
-use crate::rigid::{Compound, Moving};
+use crate::rigid::{Compound, CompoundBodies};
 use crate::settings::{BodySettings, SolverSettings};
 use crate::solve::{self, Changes, IslandReport, Plan, SolverReport};
 use crate::threads::{ExecutionContext, Workers};
@@ -91,7 +91,7 @@ struct Scratch {
     changes: Changes,
     /// Inputs from which the islands' settings were merged in the last step: the world's settings, the length of a substep in seconds, and the revisions of
     /// `bodies` and of the particles' [edits](Particles::edits). `None` if they depended on more than these.
-    settled: Option<(SolverSettings, f32, u64, u64)>,
+    settings_inputs: Option<(SolverSettings, f32, u64, u64)>,
     /// Indices of the distances whose strains are measured.
     measured_strains: Vec<usize>,
     substep: Substep,
@@ -105,7 +105,7 @@ struct Scratch {
     /// For measuring the errors left.
     sweep_scratch: solve::SweepScratch,
     lane_particles: Vec<solve::LaneParticles>,
-    moving: Moving,
+    moving: CompoundBodies,
     sleep_scratch: Kept<sleep::SleepScratch>,
     /// Pinned particles that were given another origin for this step.
     anchors: Vec<prepare::PinnedOrigin>,
@@ -129,7 +129,7 @@ struct Scratch {
     awake_rows: Vec<Range<usize>>,
     /// Whether nothing but the crate's own forces reads particles until the step ends. Particles of rigid states without forces on single particles then need
     /// to be written only at the end.
-    unseen: bool,
+    unobserved: bool,
     /// Triangles to which wind pressure is applied corner by corner: those that are not part of a rigid state.
     separate_surfaces: Vec<Range<usize>>,
     /// Whether nothing moves in this step.
@@ -196,7 +196,7 @@ impl Simulation {
         self.scratch.substep = Substep { length: h, remaining: settings.substeps };
         self.share_origins();
         self.find_loads();
-        self.settle_islands(settings);
+        self.merge_settings(settings);
         self.set_checkpoint();
         self.scratch.length = dt;
         self.scratch.first_velocity.clear();
@@ -210,7 +210,7 @@ impl Simulation {
         self.scratch.moving.read(&self.particles, &self.compounds);
         self.begin_contacts();
         self.begin_rigid_states();
-        self.feel_winds();
+        self.sample_winds();
         self.note_forces();
         self.pack_surfaces();
         self.report.substeps = settings.substeps;
@@ -250,9 +250,9 @@ impl Simulation {
     /// Phase 2: adds the pressure of the winds on the surfaces, and the drag and the lift of the air.
     pub fn apply_wind(&mut self) {
         let Self { particles, instructions, scratch, .. } = self;
-        let Scratch { surfaces, pressures, air, substep, unseen, .. } = scratch;
+        let Scratch { surfaces, pressures, air, substep, unobserved, .. } = scratch;
         // In the last substep all, because accelerations are read between steps.
-        let separate = *unseen && substep.remaining > 1;
+        let separate = *unobserved && substep.remaining > 1;
         forces::apply_wind(particles, surfaces, pressures, separate, *instructions);
         forces::apply_air(particles, surfaces, air, substep.length, *instructions);
     }
@@ -277,7 +277,7 @@ impl Simulation {
         let Substep { length, remaining } = self.scratch.substep;
         if self.settings.statics {
             self.particles.velocity.fill(Vec4::ZERO);
-            self.scratch.moving.forget_velocities();
+            self.scratch.moving.stop();
         }
         self.release_moved();
         self.scratch.contacts.particle_contacts.drag(&mut self.particles, length);
@@ -345,7 +345,7 @@ impl Simulation {
 
     /// Ends a step: resets rows that turned non-finite to where the step began, at rest, limits speeds, and measures the errors left.
     pub fn end_step(&mut self) {
-        if core::mem::take(&mut self.scratch.unseen) {
+        if core::mem::take(&mut self.scratch.unobserved) {
             self.write_all_rigid_states();
         }
         self.wake();
@@ -391,7 +391,7 @@ impl Simulation {
         report.impacts.clear();
         report.impacts.extend_from_slice(impacts);
         self.restore_anchors();
-        self.note_rest();
+        self.record_rest();
     }
 
     /// Where particle `i` was when the last step began, metres: for interpolation between two steps.
@@ -481,7 +481,7 @@ impl Simulation {
     pub fn ledger(&mut self) -> ledger::Ledger {
         self.compile();
         self.share_origins();
-        self.feel_winds();
+        self.sample_winds();
         self.pack_surfaces();
         self.begin_substep();
         self.accumulate_forces();
@@ -489,7 +489,7 @@ impl Simulation {
         self.apply_buoyancy();
         self.apply_electric();
         let soft = self.soft_energy();
-        let ledger = ledger::take(&self.particles, &self.forces, soft);
+        let ledger = ledger::sum(&self.particles, &self.forces, soft);
         self.restore_anchors();
         ledger
     }

@@ -23,7 +23,7 @@ impl Simulation {
         }
         let given = Given { distances, constraints, particles: particles.len() };
         if !compounds.is_empty() {
-            self.compile_beside_compounds();
+            self.compile_with_compounds();
         } else if changes.are_few() && !particles_came_or_went {
             plan.keep_up(given, changes);
         } else {
@@ -51,7 +51,7 @@ impl Simulation {
             }
         }
         changes.clear();
-        scratch.settled = None;
+        scratch.settings_inputs = None;
         // They were of the old islands, which may have other numbers now.
         self.report.islands.clear();
         scratch.loads.expire();
@@ -59,8 +59,8 @@ impl Simulation {
     }
 
     /// Compiles the plan with explicit rigid bodies: each is one shape constraint.
-    fn compile_beside_compounds(&mut self) {
-        let (distances, constraints) = self.beside_compounds();
+    fn compile_with_compounds(&mut self) {
+        let (distances, constraints) = self.outside_compounds();
         let particles = self.particles.len();
         let plan = &mut self.scratch.plan;
         plan.compile(Given { distances: &distances, constraints: &constraints, particles });
@@ -72,15 +72,15 @@ impl Simulation {
     }
 
     /// The lists without constraints among the particles of one compound, which its shape replaces, and with the shapes.
-    fn beside_compounds(&self) -> (Vec<Distance>, Vec<Constraint>) {
-        let [distances, constraints] = self.numbers_beside_compounds();
+    fn outside_compounds(&self) -> (Vec<Distance>, Vec<Constraint>) {
+        let [distances, constraints] = self.numbers_outside_compounds();
         let distances = distances.iter().map(|&i| self.distances[i as usize]).collect();
         let constraints = constraints.iter().map(|&i| self.constraints[i as usize].clone());
         (distances, constraints.chain(self.compounds.iter().map(Compound::shape)).collect())
     }
 
     /// The indices of the distances and of the constraints that are not among the particles of one compound.
-    pub(super) fn numbers_beside_compounds(&self) -> [Vec<u32>; 2] {
+    pub(super) fn numbers_outside_compounds(&self) -> [Vec<u32>; 2] {
         let mut compound_of = vec![usize::MAX; self.particles.len()];
         for (number, compound) in self.compounds.iter().enumerate() {
             for &row in &compound.rows {
@@ -161,17 +161,17 @@ impl Simulation {
     }
 
     /// Merges the settings of the bodies in each island.
-    pub(super) fn settle_islands(&mut self, world: SolverSettings) {
+    pub(super) fn merge_settings(&mut self, world: SolverSettings) {
         let Self { particles, bodies, forces, distances, scratch, .. } = self;
-        let Scratch { plan, substep, settled, loads, measured_strains, .. } = scratch;
+        let Scratch { plan, substep, settings_inputs, loads, measured_strains, .. } = scratch;
         let h = substep.length;
         // Springs, loads and statics change the result from step to step, so it is reused only without them.
         let is_plain = forces.springs.is_empty() && loads.is_empty() && !world.statics;
         let inputs = (world, h, bodies.revision(), particles.edits());
-        if is_plain && *settled == Some(inputs) {
+        if is_plain && *settings_inputs == Some(inputs) {
             return plan.tether(particles);
         }
-        *settled = is_plain.then_some(inputs);
+        *settings_inputs = is_plain.then_some(inputs);
         for island in &mut plan.islands.list {
             (island.has_springs, island.strain_measured) = (false, false);
         }
@@ -240,7 +240,7 @@ impl Simulation {
 
     /// Runs the broad phase.
     pub(super) fn begin_contacts(&mut self) {
-        let listens = self.hears_of_contacts();
+        let reports = self.reports_contacts();
         let Self {
             particles,
             forces,
@@ -253,7 +253,7 @@ impl Simulation {
         } = self;
         let links = (&self.distances[..], &self.constraints[..]);
         let scratch = &mut self.scratch;
-        let at_rest = scratch.at_rest && !listens;
+        let at_rest = scratch.at_rest && !reports;
         let Substep { length, remaining: substeps } = scratch.substep;
         let (plan, filter) = (&scratch.plan, &mut scratch.filter);
         filter.update(particles, contacts, &self.ignored, &plan.islands, links);
@@ -284,7 +284,7 @@ impl Simulation {
     }
 
     /// Samples winds and air at every triangle.
-    pub(super) fn feel_winds(&mut self) {
+    pub(super) fn sample_winds(&mut self) {
         let Self { particles, forces, scratch, instructions, .. } = self;
         let flows = &forces.air_flows;
         forces::sample_air(

@@ -64,7 +64,8 @@ impl Simulation {
     /// ```
     pub fn step_at_rest(&mut self, dt: f32) -> bool {
         let rest = &self.scratch.rest.0;
-        let same = rest.settled && rest.inputs.as_ref().is_some_and(|inputs| self.has(inputs, dt));
+        let same =
+            rest.settled && rest.inputs.as_ref().is_some_and(|inputs| self.has_inputs(inputs, dt));
         if !same {
             return false;
         }
@@ -85,20 +86,20 @@ impl Simulation {
     }
 
     /// Records, when a step ends, whether everything slept in it, and its inputs.
-    pub(super) fn note_rest(&mut self) {
+    pub(super) fn record_rest(&mut self) {
         let scratch = &self.scratch;
         let slept = scratch.at_rest
             && scratch.loads.is_empty()
             && scratch.plan.islands.list.iter().all(|island| island.asleep)
             && !self.report.frozen.iter().chain(&self.report.too_fast).any(|_| true)
-            && !self.hears_of_contacts();
+            && !self.reports_contacts();
         let dt = self.scratch.length;
         let before = self.scratch.rest.0.inputs.take();
         self.scratch.rest.0.settled = false;
         if !slept {
             return;
         }
-        if let Some(inputs) = before.filter(|inputs| self.has(inputs, dt)) {
+        if let Some(inputs) = before.filter(|inputs| self.has_inputs(inputs, dt)) {
             self.scratch.rest.0 = Rest { inputs: Some(inputs), settled: true };
             return;
         }
@@ -118,7 +119,7 @@ impl Simulation {
     }
 
     /// Whether these are the inputs of a step of `dt` seconds now.
-    fn has(&self, inputs: &Inputs, dt: f32) -> bool {
+    fn has_inputs(&self, inputs: &Inputs, dt: f32) -> bool {
         let Inputs { writes, settings, forces, boundaries, colliders, .. } = inputs;
         let Inputs { bodies, contacts, ignored, sleep, .. } = inputs;
         self.scratch.changes.is_empty()
@@ -135,7 +136,7 @@ impl Simulation {
     }
 
     /// Whether contact events are reported anywhere, contacts at rest included.
-    pub(super) fn hears_of_contacts(&self) -> bool {
+    pub(super) fn reports_contacts(&self) -> bool {
         self.colliders.iter().any(|collider| collider.events)
             || self.contacts.iter().any(|body| body.events)
     }

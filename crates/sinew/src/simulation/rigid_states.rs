@@ -14,7 +14,7 @@ impl Simulation {
         let Scratch { plan, contacts, substep: Substep { length: h, .. }, .. } = scratch;
         let step = RigidStep { bodies, pins: &boundaries.pins, h: *h };
         contacts.begin_rigid_states(particles, &mut plan.islands, step);
-        self.scratch.unseen = false;
+        self.scratch.unobserved = false;
         self.list_single_rows();
     }
 
@@ -78,10 +78,10 @@ impl Simulation {
             contacts.rigid_states().advance_idle_states(particles, substep.length, which);
             if !contacts.rigid_states().is_idle() {
                 // No particle has been written yet, so the states can be read again.
-                let unseen = self.scratch.unseen;
+                let unobserved = self.scratch.unobserved;
                 self.begin_rigid_states();
                 self.scratch.contacts.rigid_states().set_not_idle();
-                self.scratch.unseen = unseen;
+                self.scratch.unobserved = unobserved;
                 return false;
             }
         }
@@ -113,11 +113,11 @@ impl Simulation {
 
     /// Writes the particles of those rigid states whose particles are read within the step: after prediction, and at the end of a substep (`ends`).
     pub(super) fn write_rigid_states(&mut self, ends: bool) {
-        let Self { particles, scratch: Scratch { contacts, unseen, substep, .. }, .. } = self;
+        let Self { particles, scratch: Scratch { contacts, unobserved, substep, .. }, .. } = self;
         if !contacts.has_rigid_states() {
             return;
         }
-        let which = match (*unseen, ends, substep.remaining) {
+        let which = match (*unobserved, ends, substep.remaining) {
             (false, ..) => Written::All,
             // Their positions are needed when the wind in the last substep is summed.
             (true, true, 2) => Written::ForcedAndWindy,

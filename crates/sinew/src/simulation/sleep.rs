@@ -1,7 +1,7 @@
 //! Sleep: bodies that lie still, with everything that they touch, are left out of the steps until something wakes them.
 //!
 //! Bodies sleep and wake in groups: islands joined where bounds of their pieces touch (`pieces`), where a spring connects them, and all islands of a body. When
-//! all of a group have been still for [`SECONDS`], it falls asleep: its particles stop and count as pinned, so that whatever comes near collides with them, and
+//! all of a group have been still for [`TIME_TO_SLEEP`], it falls asleep: its particles stop and count as pinned, so that whatever comes near collides with them, and
 //! its constraints are not solved. A group wakes
 //!
 //! - when one of its particles was given a velocity, a force or a control, or was [marked to wake](crate::Particles::wake);
@@ -50,10 +50,10 @@ pub struct Sleep {
 }
 
 /// How long a group must be still before it falls asleep, seconds: longer than an object thrown upwards stays slow at the top of its path.
-const SECONDS: f32 = 0.5;
+const TIME_TO_SLEEP: f32 = 0.5;
 
 /// Gap up to which bounds count as touching, metres, in addition to the way of their particles in a step.
-const NEAR: f32 = 0.01;
+const TOUCH_MARGIN: f32 = 0.01;
 
 impl Default for Sleep {
     fn default() -> Self {
@@ -79,9 +79,9 @@ impl Sleep {
 #[derive(Default)]
 pub(super) struct SleepScratch {
     /// Islands that are visited in this step, ascending, and ranges of rows that contain theirs: all but dormant ones.
-    looked: Vec<u32>,
-    looked_rows: Vec<Range<usize>>,
-    looked_bounds: Vec<(Vec3, Vec3)>,
+    visited: Vec<u32>,
+    visited_rows: Vec<Range<usize>>,
+    visited_bounds: Vec<(Vec3, Vec3)>,
     dormant: Dormant,
     /// Bounds that each island may reach in the step.
     bounds: Vec<(Vec3, Vec3)>,
@@ -105,13 +105,13 @@ pub(super) struct SleepScratch {
     hashes: Vec<u64>,
     /// [Edits](crate::Particles::edits) of the particles, the revision of `contacts`, and the hashes of [static geometry](support::of_surfaces) and of
     /// [springs](support::of_springs) when supports were last compared; `None` if constraints or particles were added or removed since.
-    seen: Option<[u64; 4]>,
+    compared: Option<[u64; 4]>,
 }
 
 impl SleepScratch {
     /// Makes the next step compare the supports of all sleepers.
     pub(super) fn forget_support(&mut self) {
-        self.seen = None;
+        self.compared = None;
         self.bounding_radius.clear();
         self.pieces.forget();
         self.dormant.forget();
@@ -137,7 +137,7 @@ impl IslandActivity {
 }
 
 /// Whether a particle of a body is still. A NaN velocity is not.
-fn is_quiet(body: &Sleep, velocity: Vec4) -> bool {
+fn is_still(body: &Sleep, velocity: Vec4) -> bool {
     let speed = velocity.truncate().length();
     if body.asleep { speed == 0.0 } else { speed <= body.speed }
 }
@@ -168,24 +168,24 @@ impl Simulation {
             let standing = support::of_surfaces(&self.colliders, &self.boundaries);
             let springs = support::of_springs(&self.forces.springs);
             let now = [self.particles.edits(), self.contacts.revision(), standing, springs];
-            let changed = sleepers.seen.replace(now) != Some(now);
+            let changed = sleepers.compared.replace(now) != Some(now);
             let inputs = self.sleep_inputs(dt, now);
-            if !self.leaves_dormant(&sleepers.dormant, &inputs) {
+            if !self.stays_dormant(&sleepers.dormant, &inputs) {
                 sleepers.dormant.forget();
             }
-            self.look_at_islands(&mut sleepers, dt);
-            if sleepers.dormant.is_near(&sleepers.looked, &sleepers.bounds)
+            self.visit_islands(&mut sleepers, dt);
+            if sleepers.dormant.is_near(&sleepers.visited, &sleepers.bounds)
                 || self.wakes_dormant(&sleepers)
             {
                 sleepers.dormant.forget();
-                self.look_at_islands(&mut sleepers, dt);
+                self.visit_islands(&mut sleepers, dt);
             }
             // Groups that fall asleep store their support hash.
-            let falls = |&number: &u32| {
+            let falls_asleep = |&number: &u32| {
                 let island = sleepers.activities[number as usize];
-                island.allowed && !island.asleep && !island.active && island.still >= SECONDS
+                island.allowed && !island.asleep && !island.active && island.still >= TIME_TO_SLEEP
             };
-            let compare = changed || sleepers.looked.iter().any(falls);
+            let compare = changed || sleepers.visited.iter().any(falls_asleep);
             self.group(&mut sleepers, compare);
             self.decide(&mut sleepers, dt, compare);
             let number = sleepers.dormant.number();
@@ -203,10 +203,10 @@ impl Simulation {
 
     /// Whether a visited island moves that belongs to the same body as a dormant one.
     fn wakes_dormant(&self, sleepers: &SleepScratch) -> bool {
-        let SleepScratch { dormant, activities, looked_rows, .. } = sleepers;
+        let SleepScratch { dormant, activities, visited_rows, .. } = sleepers;
         let islands = &self.scratch.plan.islands.of;
         !dormant.is_empty()
-            && looked_rows.iter().flat_map(Clone::clone).any(|row| {
+            && visited_rows.iter().flat_map(Clone::clone).any(|row| {
                 dormant.is_of_body(self.particles.body[row])
                     && activities[islands[row] as usize].active
             })
@@ -223,11 +223,11 @@ impl Simulation {
     }
 
     /// Measures the activity and the bounds of each island that is not dormant.
-    fn look_at_islands(&mut self, sleepers: &mut SleepScratch, dt: f32) {
+    fn visit_islands(&mut self, sleepers: &mut SleepScratch, dt: f32) {
         let islands = &mut self.scratch.plan.islands;
-        let SleepScratch { looked, looked_rows, dormant, .. } = &mut *sleepers;
-        dormant.others(islands, looked, looked_rows);
-        for &number in looked.iter() {
+        let SleepScratch { visited, visited_rows, dormant, .. } = &mut *sleepers;
+        dormant.others(islands, visited, visited_rows);
+        for &number in visited.iter() {
             islands.list[number as usize].asleep = false;
         }
         self.measure_islands(sleepers, dt);
@@ -253,21 +253,21 @@ impl Simulation {
         let count = plan.islands.list.len();
         sleepers.bounds.resize(count, (Vec3::INFINITY, Vec3::NEG_INFINITY));
         sleepers.activities.resize(count, IslandActivity::MOVING);
-        let (mut any_lie, looked) = (false, core::mem::take(&mut sleepers.looked));
-        for &number in &looked {
+        let (mut any_lie, visited) = (false, core::mem::take(&mut sleepers.visited));
+        for &number in &visited {
             let activity = self.activity_of(&plan.islands.list[number as usize]);
             any_lie |= !activity.active;
             sleepers.activities[number as usize] = activity;
         }
         // Where all move, no bounds are needed, except to find what comes near dormant islands.
         if any_lie || !sleepers.dormant.is_empty() {
-            self.enclose_islands(sleepers, &looked, dt);
+            self.enclose_islands(sleepers, &visited, dt);
         } else {
-            for &number in &looked {
+            for &number in &visited {
                 sleepers.bounds[number as usize] = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             }
         }
-        sleepers.looked = looked;
+        sleepers.visited = visited;
         self.stay_awake_in_gusts(sleepers);
         let controls =
             forces.controls.iter().filter(|control| control.is_valid() && !control.is_idle());
@@ -302,7 +302,7 @@ impl Simulation {
             IslandActivity { active: false, allowed: true, asleep: true, still: f32::INFINITY };
         for (i, body) in self.loose_members(island) {
             let pushed = particles.external[i] != Vec3::ZERO;
-            if !is_quiet(&body, particles.velocity[i]) || pushed || body.keeps_awake {
+            if !is_still(&body, particles.velocity[i]) || pushed || body.keeps_awake {
                 return IslandActivity { active: true, ..activity };
             }
             // Forces between charges change when any of them moves.
@@ -332,10 +332,11 @@ impl Simulation {
             for (i, body) in self.loose_members(island) {
                 let velocity = particles.velocity[i];
                 // The same margin for all that is still, so that the pairs do not change when a group falls asleep.
-                let quiet = is_quiet(&body, velocity);
+                let quiet = is_still(&body, velocity);
                 let fastest = if quiet { body.speed } else { velocity.truncate().length() };
                 let reach = (fastest + fall) * dt;
-                let around = particles.radius[i] + sleepers.bounding_radius[i] + NEAR + reach;
+                let around =
+                    particles.radius[i] + sleepers.bounding_radius[i] + TOUCH_MARGIN + reach;
                 let at = particles.origin[i] + particles.position[i].truncate();
                 (low, high) = (low.min(at - around), high.max(at + around));
                 if in_pieces {
@@ -369,9 +370,9 @@ impl Simulation {
     fn group(&self, sleepers: &mut SleepScratch, compare: bool) {
         let Self { particles, scratch, .. } = self;
         let SleepScratch {
-            looked,
-            looked_rows,
-            looked_bounds,
+            visited,
+            visited_rows,
+            visited_bounds,
             bounds,
             pieces,
             activities,
@@ -383,38 +384,38 @@ impl Simulation {
             ..
         } = sleepers;
         pairs.clear();
-        let each = || looked.iter().map(|&number| &activities[number as usize]);
+        let each = || visited.iter().map(|&number| &activities[number as usize]);
         // If all have been still for long enough, every group sleeps, whatever the grouping; if all move, none does.
         let (still, moving) = (
-            each().all(|island| !island.active && island.still >= SECONDS),
+            each().all(|island| !island.active && island.still >= TIME_TO_SLEEP),
             each().all(|island| island.active),
         );
-        let moves = |place: u32| activities[looked[place as usize] as usize].active;
-        let lying = || (0..looked.len() as u32).filter(|&place| !moves(place));
+        let moves = |place: u32| activities[visited[place as usize] as usize].active;
+        let lying = || (0..visited.len() as u32).filter(|&place| !moves(place));
         if (compare || !still) && !moving {
-            looked_bounds.clear();
-            looked_bounds.extend(looked.iter().map(|&number| bounds[number as usize]));
-            if 2 * lying().count() > looked.len() {
-                broad.pairs(looked_bounds, pairs);
+            visited_bounds.clear();
+            visited_bounds.extend(visited.iter().map(|&number| bounds[number as usize]));
+            if 2 * lying().count() > visited.len() {
+                broad.pairs(visited_bounds, pairs);
                 pairs.retain(|&[a, b]| !(moves(a) && moves(b)));
             } else {
-                broad.fill(looked_bounds);
+                broad.fill(visited_bounds);
                 for place in lying() {
                     near.clear();
-                    broad.around(&looked_bounds[place as usize], looked_bounds, near);
+                    broad.around(&visited_bounds[place as usize], visited_bounds, near);
                     // A pair of still islands was found by the first of them.
                     let others = near.iter().filter(|&&other| other > place || moves(other));
                     pairs.extend(others.map(|&other| [place, other]));
                 }
             }
         }
-        if looked.len() == bounds.len() {
+        if visited.len() == bounds.len() {
             groups.reset(bounds.len());
         } else {
-            groups.part(looked);
+            groups.part(visited);
         }
         for &[a, b] in pairs.iter() {
-            let [a, b] = [looked[a as usize], looked[b as usize]];
+            let [a, b] = [visited[a as usize], visited[b as usize]];
             if groups.root(a) != groups.root(b) && pieces.touch([a, b], bounds) {
                 groups.unite(a, b);
             }
@@ -429,7 +430,7 @@ impl Simulation {
         first_of.resize(self.sleep.len(), u32::MAX);
         // Neighbours mostly share their body and their island.
         let mut last = None;
-        for i in looked_rows.iter().flat_map(Clone::clone) {
+        for i in visited_rows.iter().flat_map(Clone::clone) {
             let (island, body) = (scratch.plan.islands.of[i], particles.body[i]);
             if last.replace((island, body)) == Some((island, body)) {
                 continue;
@@ -445,32 +446,32 @@ impl Simulation {
 
     /// Sums up each group, and puts it to sleep or advances its time.
     fn decide(&mut self, sleepers: &mut SleepScratch, dt: f32, compare: bool) {
-        let SleepScratch { activities, groups, looked, bounds, .. } = &mut *sleepers;
-        for &island in looked.iter() {
+        let SleepScratch { activities, groups, visited, bounds, .. } = &mut *sleepers;
+        for &island in visited.iter() {
             let root = groups.root(island) as usize;
             let own = activities[island as usize];
             let group = &mut activities[root];
             group.active |= own.active;
             group.still = group.still.min(own.still);
         }
-        for &number in looked.iter() {
+        for &number in visited.iter() {
             let group = activities[groups.root(number) as usize];
             let number = number as usize;
             let may = activities[number].allowed && bounds[number].0.is_finite();
             self.scratch.plan.islands.list[number].asleep =
-                may && !group.active && group.still >= SECONDS;
+                may && !group.active && group.still >= TIME_TO_SLEEP;
         }
         if compare {
             self.compare_support(sleepers);
         }
-        let SleepScratch { activities, groups, masses, hashes, looked, dormant, .. } = sleepers;
+        let SleepScratch { activities, groups, masses, hashes, visited, dormant, .. } = sleepers;
         let Self { particles, sleep, scratch, .. } = self;
         // Borrowed once, because each mutable borrow of `sleep` counts as a change.
         let (sleep, plan) = (&mut **sleep, &mut scratch.plan);
         // The velocity and lag that a step leaves for a particle at rest.
         let still = Vec3::ZERO.extend(self.settings.integrator.lag(scratch.substep.length));
         dormant.stop(particles, still);
-        for &number in looked.iter() {
+        for &number in visited.iter() {
             let root = groups.root(number) as usize;
             let group = activities[root];
             let number = number as usize;
@@ -484,11 +485,11 @@ impl Simulation {
                 }
                 let Some(body) = sleep.get_mut(particles.body[i] as usize) else { continue };
                 // The first particle of a body in its first island updates the body.
-                let tells = sleepers.first_of[particles.body[i] as usize] == number as u32;
-                if tells && !dormant.is_of_body(particles.body[i]) {
+                let is_first = sleepers.first_of[particles.body[i] as usize] == number as u32;
+                if is_first && !dormant.is_of_body(particles.body[i]) {
                     sleepers.first_of[particles.body[i] as usize] = u32::MAX;
                     body.still =
-                        if group.active { 0.0 } else { (body.still + dt).min(2.0 * SECONDS) };
+                        if group.active { 0.0 } else { (body.still + dt).min(2.0 * TIME_TO_SLEEP) };
                     body.asleep = island.asleep;
                     body.support_hash = match (island.asleep, compare) {
                         (true, true) => hashes[root],
@@ -509,12 +510,12 @@ impl Simulation {
 
     /// Sums up the support hashes of the sleeping islands of each group, and marks a group as active where a body's stored hash is another one.
     fn compare_support(&self, sleepers: &mut SleepScratch) {
-        let SleepScratch { activities, groups, hashes, bounds, looked, .. } = sleepers;
+        let SleepScratch { activities, groups, hashes, bounds, visited, .. } = sleepers;
         let islands = &self.scratch.plan.islands;
         hashes.clear();
         hashes.resize(islands.list.len(), 0);
         self.add_springs(hashes);
-        for number in looked.iter().map(|&number| number as usize) {
+        for number in visited.iter().map(|&number| number as usize) {
             let (island, hash) = (&islands.list[number], &mut hashes[number]);
             *hash = if island.asleep {
                 hash.wrapping_add(self.support_of(island, bounds[number]))
@@ -522,13 +523,13 @@ impl Simulation {
                 0
             };
         }
-        for &number in looked.iter() {
+        for &number in visited.iter() {
             let root = groups.root(number) as usize;
             if root != number as usize {
                 hashes[root] = hashes[root].wrapping_add(hashes[number as usize]);
             }
         }
-        for &number in looked.iter().filter(|&&number| islands.list[number as usize].asleep) {
+        for &number in visited.iter().filter(|&&number| islands.list[number as usize].asleep) {
             let island = &islands.list[number as usize];
             let root = groups.root(number) as usize;
             let bodies = islands.members[island.members.clone()].iter();

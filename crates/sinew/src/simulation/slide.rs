@@ -103,11 +103,11 @@ impl Simulation {
             config,
             velocity,
             planes: Vec::new(),
-            came: velocity,
+            arrival: velocity,
             hits: Vec::new(),
         };
         slide.push_out();
-        slide.go(delta);
+        slide.advance(delta);
         let ground = slide.ground();
         let Slide { frame, velocity, hits, .. } = slide;
         SlideOutput { translation: frame.translation, velocity, ground, hits }
@@ -144,22 +144,22 @@ struct Slide<'a> {
     /// The planes that it touches, and the velocity with which it came there. Velocities along several planes are projected from that one velocity; projected
     /// one after the other, they could turn back against it.
     planes: Vec<SweepHit>,
-    came: Vec3,
+    arrival: Vec3,
     hits: Vec<Hit>,
 }
 
 /// Longest way without a change of direction, metres: as far as a cast reaches.
 const FARTHEST: f32 = 1e6;
 /// Obstacles nearer than this fraction of the skin push. A shape at rest on something is no nearer than 98 %, so it stays at rest.
-const PUSHES: f32 = 0.95;
+const PUSH_BELOW: f32 = 0.95;
 /// Pushes smaller than this fraction of the skin end the loop: between two walls that both push it ends there.
 const SETTLED: f32 = 1e-3;
 /// Regularisation of the pushes: where there is too little room, they have one solution in the middle.
-const YIELDS: f32 = 0.1;
+const REGULARISATION: f32 = 0.1;
 /// Gauss–Seidel rounds over the pushes.
-const SHARES: usize = 48;
+const PUSH_ROUNDS: usize = 48;
 /// A velocity that leads into a plane by less than this fraction of the speed counts as along it.
-const ALONG: f32 = 1e-5;
+const PARALLEL: f32 = 1e-5;
 
 impl Slide<'_> {
     fn cast(&self, direction: Vec3, length: f32, along: &[SweepHit]) -> Option<SweptHit> {
@@ -175,11 +175,11 @@ impl Slide<'_> {
             let (low, high) = self.shape.bounds_in(&self.frame);
             let mut near: Vec<(Vec3, f32)> = Vec::new();
             self.world.obstacles((low - skin, high + skin), self.filter, &mut |_, _, obstacle| {
-                self.shape.contacts(&self.frame, PUSHES * skin, obstacle, &mut |hit| {
+                self.shape.contacts(&self.frame, PUSH_BELOW * skin, obstacle, &mut |hit| {
                     near.push((hit.normal.as_vec3(), skin - hit.distance));
                 });
             });
-            let push = shared(&near);
+            let push = smallest_push(&near);
             let length = push.length();
             // Out of something so large that the push overflows there is no way, either.
             if !length.is_finite() || length <= SETTLED * skin {
@@ -195,7 +195,7 @@ impl Slide<'_> {
     }
 
     /// Moves for `delta` seconds.
-    fn go(&mut self, delta: f32) {
+    fn advance(&mut self, delta: f32) {
         let mut left = delta;
         for _ in 0..self.config.iterations {
             let speed = self.velocity.length();
@@ -212,43 +212,43 @@ impl Slide<'_> {
             if met.at.distance > 0.0 {
                 self.frame.translation += direction * met.at.distance;
                 left *= 1.0 - met.at.distance / length;
-                self.leave_planes();
+                self.drop_planes();
             }
             self.planes.push(met.at);
             self.hits.push(met.hit());
-            self.velocity = self.along_planes();
+            self.velocity = self.clip_to_planes();
         }
     }
 
     /// Drops the planes that it no longer touches.
-    fn leave_planes(&mut self) {
+    fn drop_planes(&mut self) {
         let (planes, skin) = (core::mem::take(&mut self.planes), self.config.skin);
         let touched =
             |plane: &SweepHit| self.cast(-plane.normal.as_vec3(), 0.1 * skin, &[]).is_some();
         let before = planes.len();
         let planes: Vec<SweepHit> = planes.into_iter().filter(touched).collect();
         if planes.len() < before {
-            self.came = self.velocity;
+            self.arrival = self.velocity;
         }
         self.planes = planes;
     }
 
     /// The part of the velocity that leads into none of the touched planes: along the last plane, or an earlier one, or the edge between two of them.
-    fn along_planes(&self) -> Vec3 {
-        let velocity = self.came;
+    fn clip_to_planes(&self) -> Vec3 {
+        let velocity = self.arrival;
         let planes: Vec<Vec3> = self.planes.iter().map(|plane| plane.normal.as_vec3()).collect();
-        let grain = ALONG * velocity.length();
+        let grain = PARALLEL * velocity.length();
         let free = |v: Vec3| planes.iter().all(|plane| v.dot(*plane) >= -grain);
         // Below rounding it is zero, so that a shape at rest stays at rest.
         let kept = |v: Vec3| if v.length() <= 1e-6 * velocity.length() { Vec3::ZERO } else { v };
         let single = planes.iter().rev().map(|plane| {
-            let v = self.config.off(velocity, *plane);
+            let v = self.config.clip(velocity, *plane);
             v - *plane * v.dot(*plane).min(0.0)
         });
         let pairs = (0..planes.len()).rev().flat_map(|i| (0..i).map(move |j| (i, j)));
         let edges = pairs.filter_map(|(i, j)| {
             let edge = planes[i].cross(planes[j]).try_normalize()?;
-            let v = self.config.off(self.config.off(velocity, planes[i]), planes[j]);
+            let v = self.config.clip(self.config.clip(velocity, planes[i]), planes[j]);
             Some(edge * edge.dot(v))
         });
         single.chain(edges).map(kept).find(|v| free(*v)).unwrap_or(Vec3::ZERO)
@@ -274,7 +274,7 @@ impl Clamped {
 
     /// Removes from a velocity what a slope blocks before the rest is projected onto it. A floor removes as much of a downward velocity as leads into it, so
     /// that weight does not become motion downhill; a steep slope removes the horizontal velocity against it, so that it cannot be climbed.
-    fn off(&self, velocity: Vec3, normal: Vec3) -> Vec3 {
+    fn clip(&self, velocity: Vec3, normal: Vec3) -> Vec3 {
         let up = self.up;
         match self.slope(normal) {
             Slope::Floor => {
@@ -291,13 +291,13 @@ impl Clamped {
 }
 
 /// The smallest push that satisfies each requirement, `(normal, metres along it)`, or comes nearest to that: projected Gauss–Seidel with regularisation.
-fn shared(near: &[(Vec3, f32)]) -> Vec3 {
+fn smallest_push(near: &[(Vec3, f32)]) -> Vec3 {
     let mut push = Vec3::ZERO;
     let mut shares = vec![0.0_f32; near.len()];
-    for _ in 0..SHARES {
-        for (share, (normal, asked)) in shares.iter_mut().zip(near) {
-            let lacks = asked - normal.dot(push) - YIELDS * *share;
-            let more = (*share + lacks / (1.0 + YIELDS)).max(0.0) - *share;
+    for _ in 0..PUSH_ROUNDS {
+        for (share, (normal, required)) in shares.iter_mut().zip(near) {
+            let missing = required - normal.dot(push) - REGULARISATION * *share;
+            let more = (*share + missing / (1.0 + REGULARISATION)).max(0.0) - *share;
             *share += more;
             push += *normal * more;
         }

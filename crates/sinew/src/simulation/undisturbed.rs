@@ -14,7 +14,7 @@ impl Simulation {
     /// the phases, [`take_substeps`](Self::take_substeps) may be called once, between `begin_step` and `end_step`, instead of the phases.
     pub fn is_undisturbed(&self) -> bool {
         let Self { boundaries, settings, .. } = self;
-        self.is_quiet()
+        self.has_constant_forces()
             && self.scratch.loads.is_empty()
             && !self.scratch.contacts.is_active()
             && settings.integrator == Integrator::Verlet
@@ -25,7 +25,7 @@ impl Simulation {
     }
 
     /// Whether the forces on all particles are the same in every substep, wherever the particles are.
-    fn is_quiet(&self) -> bool {
+    fn has_constant_forces(&self) -> bool {
         let Forces { surfaces, winds, .. } = &self.forces;
         // Winds act only on surfaces.
         let is_calm = winds.is_empty() || surfaces.is_empty();
@@ -67,7 +67,7 @@ impl Simulation {
     /// Runs all remaining substeps at once, with the same bits as phase by phase, if the step is [undisturbed](Self::is_undisturbed). Otherwise the caller must
     /// run the phases afterwards, and nothing but these phases may read particles until the step ends.
     pub fn take_substeps(&mut self) {
-        self.scratch.unseen = true;
+        self.scratch.unobserved = true;
         if self.scratch.at_rest {
             self.pass_to_last_substep();
         }

@@ -143,14 +143,14 @@ impl Simulation {
         corners: &[Vec3; 3],
         point: Vec3,
     ) -> Option<[(u32, f32); 3]> {
-        let is_it = |rows: &&[u32; 3]| {
+        let matches = |rows: &&[u32; 3]| {
             let same = |(row, corner): (&u32, &Vec3)| {
                 self.particles.body.get(*row as usize).is_some()
                     && self.particles.position(*row as usize) == *corner
             };
             rows[0] == first && rows.iter().zip(corners).all(same)
         };
-        let rows = self.forces.surfaces.iter().find(is_it)?;
+        let rows = self.forces.surfaces.iter().find(matches)?;
         let [a, b, c] = *corners;
         let across = (b - a).cross(c - a);
         let area = across.length_squared();

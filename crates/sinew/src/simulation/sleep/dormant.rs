@@ -8,7 +8,7 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
-use super::{SECONDS, SleepScratch, gusts};
+use super::{SleepScratch, TIME_TO_SLEEP, gusts};
 use crate::collide::{Broad, ContactParticipant};
 use crate::islands::Islands;
 use crate::particles::Particles;
@@ -153,7 +153,7 @@ impl Simulation {
     }
 
     /// Whether the dormant islands of the last step need no visit in this one, unless something comes near them.
-    pub(super) fn leaves_dormant(&self, dormant: &Dormant, inputs: &SleepInputs) -> bool {
+    pub(super) fn stays_dormant(&self, dormant: &Dormant, inputs: &SleepInputs) -> bool {
         let Self { particles, forces, boundaries, settings, .. } = self;
         let islands = &self.scratch.plan.islands.of;
         let is_dormant = |row: u32| {
@@ -166,7 +166,7 @@ impl Simulation {
             && !settings.statics
             && self.compounds.is_empty()
             && forces.springs.is_empty()
-            && gusts::most_of_gusts(forces) == 0.0
+            && gusts::max_gust_pressure(forces) == 0.0
             && self.colliders.iter().all(|collider| collider.start == collider.end)
             && particles.touched().is_some_and(|rows| !rows.iter().any(|&row| is_dormant(row)))
             && !controls.flat_map(|control| &control.rows).any(|&row| is_dormant(row))
@@ -175,17 +175,17 @@ impl Simulation {
 
     /// Records which islands are dormant from this step on, if all islands were visited.
     pub(super) fn note_dormant(&mut self, sleepers: &mut SleepScratch, inputs: SleepInputs) {
-        let SleepScratch { dormant, masses, activities, groups, bounds, looked, .. } = sleepers;
+        let SleepScratch { dormant, masses, activities, groups, bounds, visited, .. } = sleepers;
         let islands = &mut self.scratch.plan.islands;
-        let mut lasts = |number: u32| {
+        let mut is_long_asleep = |number: u32| {
             let group = activities[groups.root(number) as usize];
             // At this limit `still` is not counted up any more, so that `sleep` stays unchanged.
-            islands.list[number as usize].asleep && group.still >= 2.0 * SECONDS
+            islands.list[number as usize].asleep && group.still >= 2.0 * TIME_TO_SLEEP
         };
         let now = SleepInputs { sleep: self.sleep.revision(), ..inputs };
         if !dormant.is_empty() {
             // When others have slept for as long, all are visited again.
-            dormant.inputs = (!looked.iter().any(|&number| lasts(number))).then_some(now);
+            dormant.inputs = (!visited.iter().any(|&number| is_long_asleep(number))).then_some(now);
             if dormant.is_empty() {
                 let rows = dormant.rows.iter().flat_map(Clone::clone).map(|row| row as u32);
                 masses.extend(rows.zip(dormant.masses.iter().copied()));
@@ -196,7 +196,7 @@ impl Simulation {
             ignored, count, of, of_bodies, rows, masses: own, bounds: boxes, broad, ..
         } = dormant;
         of.clear();
-        of.extend((0..islands.list.len() as u32).map(lasts));
+        of.extend((0..islands.list.len() as u32).map(is_long_asleep));
         if !of.contains(&true) {
             return;
         }
@@ -267,22 +267,22 @@ mod tests {
     }
 
     #[test]
-    fn long_sleepers_are_dormant_until_somebody_comes_near() {
+    fn long_sleepers_are_dormant_until_something_comes_near() {
         let mut world = level();
         assert_eq!(count(&world), 4);
         (32..40).for_each(|row| world.particles.set_velocity(row, Vec3::X * -14.0));
-        let mut looked_again = false;
+        let mut visited_again = false;
         for _ in 0..90 {
             world.step(1.0 / 60.0).unwrap();
-            looked_again |= count(&world) == 0;
+            visited_again |= count(&world) == 0;
         }
-        assert!(looked_again);
+        assert!(visited_again);
         assert!(world.particles.position(24).x < 2.5, "the last one was hit");
     }
 
     /// A door's post of pinned particles was all that was visited while the door slept, and the door was reported awake; in a copy of the world it was asleep.
     #[test]
-    fn pins_by_themselves_have_no_say_in_how_their_body_sleeps_until_they_are_led() {
+    fn pins_alone_do_not_decide_how_their_body_sleeps_until_they_are_moved() {
         let mut world = level();
         let at = Vec3::new(0.0, 3.0, 4.0);
         let post = world.particles.push(ParticleSeed::at(at).pinned()).unwrap();
@@ -349,7 +349,7 @@ mod tests {
     /// A rollback that puts earlier particles into a world must give what a copy of it gives, which has no record of dormant islands: for sleepers that have
     /// been elsewhere meanwhile, and for pins.
     #[test]
-    fn particles_that_are_put_back_are_looked_at_as_in_a_copy() {
+    fn particles_that_are_restored_sleep_as_in_a_copy() {
         let pin = |world: &mut Simulation, row: usize| {
             let body = world.particles.body(row);
             world.particles.set(row, world.particles.seed(row).pinned()).unwrap();
@@ -374,7 +374,7 @@ mod tests {
                 world.particles.set_velocity(33, Vec3::new(-3.0, 1.0, 0.0));
             }
             let mut copy = world.clone();
-            copy.scratch.settled = None;
+            copy.scratch.settings_inputs = None;
             for tick in 0..60 {
                 step(&mut world);
                 step(&mut copy);
@@ -394,7 +394,7 @@ mod tests {
 
     /// Writes, changes around them, and things that come near: the result is the same, to the last bit, as where all islands are visited.
     #[test]
-    fn nobody_sees_that_they_are_not_looked_at() {
+    fn dormancy_changes_no_bit() {
         type Edit = fn(&mut Simulation);
         let edits: [(&str, Edit); 25] = [
             ("nothing", |_| {}),
@@ -444,10 +444,10 @@ mod tests {
             ("a lost cache", |world| world.contact_cache.clear()),
             ("one who wakes", |world| world.sleep[2].still = 0.0),
             ("other substeps", |world| world.settings.substeps = 7),
-            ("somebody who comes", |world| {
+            ("a box that comes near", |world| {
                 (32..40).for_each(|row| world.particles.set_velocity(row, Vec3::X * -14.0));
             }),
-            ("somebody who falls on them", |world| {
+            ("a box that falls on them", |world| {
                 let rows: Vec<u32> = (32..40).collect();
                 let by = Vec3::new(-9.4, 2.5, 0.1);
                 world.particles.teleport(&rows, by, Quat::from_rotation_z(0.3));
@@ -459,23 +459,23 @@ mod tests {
         };
         let (level, mut moved) = (level(), 0);
         for (what, edit) in edits {
-            let (mut world, mut looked_at) = (level.clone(), level.clone());
+            let (mut world, mut all_visited) = (level.clone(), level.clone());
             let mut before = Vec::new();
             for tick in 0..100 {
                 if tick == 5 {
-                    assert_eq!((count(&world), count(&looked_at)), (4, 0), "{what}");
+                    assert_eq!((count(&world), count(&all_visited)), (4, 0), "{what}");
                     before = bits(&world);
                     edit(&mut world);
-                    edit(&mut looked_at);
+                    edit(&mut all_visited);
                 }
                 world.step(1.0 / 60.0).unwrap();
-                looked_at.step(1.0 / 60.0).unwrap();
-                assert_eq!(bits(&world), bits(&looked_at), "{what}, tick {tick}");
-                assert!(world.sleep == looked_at.sleep, "{what}, tick {tick}");
-                assert!(world.contact_cache == looked_at.contact_cache, "{what}, tick {tick}");
+                all_visited.step(1.0 / 60.0).unwrap();
+                assert_eq!(bits(&world), bits(&all_visited), "{what}, tick {tick}");
+                assert!(world.sleep == all_visited.sleep, "{what}, tick {tick}");
+                assert!(world.contact_cache == all_visited.contact_cache, "{what}, tick {tick}");
                 let error = |world: &Simulation| world.report().error.to_bits();
-                assert_eq!(error(&world), error(&looked_at), "{what}, tick {tick}");
-                looked_at.scratch.sleep_scratch.0.dormant.forget();
+                assert_eq!(error(&world), error(&all_visited), "{what}, tick {tick}");
+                all_visited.scratch.sleep_scratch.0.dormant.forget();
             }
             moved += usize::from(bits(&world) != before);
         }

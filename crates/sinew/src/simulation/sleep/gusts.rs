@@ -9,7 +9,7 @@ const FRICTION: f32 = 0.1;
 impl Simulation {
     /// Keeps awake what has surfaces and is light enough to be moved by gusts.
     pub(super) fn stay_awake_in_gusts(&self, sleepers: &mut SleepScratch) {
-        let pressure = most_of_gusts(&self.forces);
+        let pressure = max_gust_pressure(&self.forces);
         if pressure == 0.0 {
             return;
         }
@@ -21,8 +21,9 @@ impl Simulation {
         pushes.resize(activities.len(), 0.0);
         for &[a, b, c] in &forces.surfaces {
             // Islands that move or may not sleep need no check.
-            let waits = |&island: &usize| activities[island].allowed && !activities[island].active;
-            let Some(island) = of(a).filter(waits) else { continue };
+            let may_fall_asleep =
+                |&island: &usize| activities[island].allowed && !activities[island].active;
+            let Some(island) = of(a).filter(may_fall_asleep) else { continue };
             let last = particles.len();
             if [a, b, c].into_iter().all(|row| (row as usize) < last) {
                 let corner = particles.position(a as usize);
@@ -43,7 +44,7 @@ impl Simulation {
 }
 
 /// Largest change of pressure on a sheet by gusts, Pa: for a wind its share of gusts, for an air flow twice the standard deviation of its speed.
-pub(super) fn most_of_gusts(forces: &Forces) -> f32 {
+pub(super) fn max_gust_pressure(forces: &Forces) -> f32 {
     let winds = forces.winds.iter().filter(|wind| wind.is_valid());
     let winds = winds.map(|wind| wind.gusts.abs() * wind.pressure.length());
     let flows = forces.air_flows.iter().filter(|flow| flow.is_valid());

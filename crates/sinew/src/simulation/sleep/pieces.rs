@@ -12,7 +12,7 @@ use crate::islands::Islands;
 type Bounds = (Vec3, Vec3);
 
 /// Empty bounds.
-const NOTHING: Bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+const EMPTY: Bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
 
 /// The pieces of all islands, island after island. Scratch.
 #[derive(Default)]
@@ -44,11 +44,11 @@ impl Pieces {
         if !self.known || self.starts.len() != islands.list.len() + 1 {
             self.find(body_colliders, islands);
             let count = self.starts.last().map_or(0, |&end| end as usize);
-            self.bounds.resize(count, NOTHING);
+            self.bounds.resize(count, EMPTY);
         }
         for &island in these {
             let (from, to) = (self.starts[island as usize], self.starts[island as usize + 1]);
-            self.bounds[from as usize..to as usize].fill(NOTHING);
+            self.bounds[from as usize..to as usize].fill(EMPTY);
         }
     }
 

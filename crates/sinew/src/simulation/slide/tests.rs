@@ -215,7 +215,7 @@ fn no_wall_is_passed_at_any_speed_in_any_step() {
 
 /// A room with obstacles, and random velocities for many ticks: the shape never leaves the room or overlaps anything.
 #[test]
-fn nobody_leaves_a_room_whatever_their_speed() {
+fn nothing_leaves_a_room_at_any_speed() {
     let wall = |axis: Vec3| block(Vec3::splat(10.2) - axis.abs() * 10.15, axis * 5.025);
     let mut solids: Vec<(Shape, Frame)> =
         Vec3::AXES.iter().flat_map(|&axis| [wall(axis), wall(-axis)]).collect();
