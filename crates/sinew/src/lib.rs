@@ -20,7 +20,7 @@
 //!
 //! # Terms
 //!
-//! | term | meaning, for readers of Box2D, Jolt or rapier |
+//! | term | meaning, in the words of other engines |
 //! |---|---|
 //! | [`Simulation`] | the world |
 //! | particle, row | a point mass with a position and a velocity, without an orientation; its row is its index in [`Particles`] |
