@@ -46,7 +46,7 @@ pub struct SolverSettings {
     /// Whether islands that nothing outside holds keep their angular momentum, default true. Corrections along the current gradients lose spin, and a skin
     /// under pressure even gains some; with this, what was lost or gained is restored. Without it the loop is the lectures'. Linear momentum is always kept.
     pub keep_spin: bool,
-    /// Whether hard distances are also enforced over long ranges before each is swept, default true. A sweep carries a pull only a few rods far; these act
+    /// Whether hard distances are also enforced over long ranges before they are swept, default true. A sweep carries a pull only a few rods far; these act
     /// across many rods at once, so that cloth and ropes keep their length with few sweeps. The converged solution is the same without. There are three kinds:
     ///
     /// - **long range attachments** (tethers): a particle that hangs on a pin through many rods is no farther from the pin than the sum of their lengths;
