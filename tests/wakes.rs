@@ -158,6 +158,12 @@ fn what_fills_the_world_wakes_all_when_it_comes_changes_and_goes() {
         ("air", |all| {
             all.app.world_mut().spawn(AirFlow { velocity: Vec3::Y * 30.0, ..default() });
         }),
+        ("larger eddies in air that is there", |all| {
+            let air = all.app.world_mut().spawn(AirFlow::default()).id();
+            tick(&mut all.app, 240);
+            assert!(all.sleeps(all.upper));
+            all.app.world_mut().get_mut::<AirFlow>(air).unwrap().gust_length = 9.0;
+        }),
         ("water", |all| {
             all.app.world_mut().spawn((Fluid::default(), Transform::from_xyz(0.0, 3.0, 0.0)));
         }),

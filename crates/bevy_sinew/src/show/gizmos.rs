@@ -62,15 +62,18 @@ fn shows(
     }
 }
 
-/// Enables the listing of all contacts while they are drawn.
+/// Enables the listing of all contacts while they are drawn, and restores the game's own setting after that.
 fn watch(
     store: Res<GizmoConfigStore>,
     mut watched: ResMut<WatchedContacts>,
-    mut asked: Local<bool>,
+    mut before: Local<Option<bool>>,
 ) {
     let wanted = shows(|layers| layers.contacts)(store);
-    if wanted != *asked {
-        (*asked, watched.all) = (wanted, wanted);
+    if wanted && before.is_none() {
+        *before = Some(watched.all);
+        watched.all = true;
+    } else if !wanted && let Some(before) = before.take() {
+        watched.all = before;
     }
 }
 

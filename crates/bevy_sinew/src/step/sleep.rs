@@ -50,8 +50,19 @@ impl Surroundings<'_, '_> {
             add(5, entity, region, &[density, drag, c.x, c.y, c.z]);
         }
         for (entity, air, region) in &self.air {
-            let AirFlow { velocity: v, density, drag, lift, gusts, .. } = *air;
-            add(6, entity, region, &[v.x, v.y, v.z, density, drag, lift, gusts]);
+            let AirFlow {
+                velocity: v,
+                density,
+                drag,
+                lift,
+                gusts,
+                gust_length,
+                gust_period,
+                on_particles,
+            } = *air;
+            let turbulence = [gusts, gust_length, gust_period, f32::from(u8::from(on_particles))];
+            add(6, entity, region, &[v.x, v.y, v.z, density, drag, lift]);
+            add(9, entity, None, &turbulence);
         }
         for (entity, ElectricField { field: f }, region) in &self.fields {
             add(7, entity, region, &[f.x, f.y, f.z]);

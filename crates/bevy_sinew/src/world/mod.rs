@@ -147,13 +147,17 @@ impl ParticlesMut<'_> {
 
     /// Adds damping with the rate `rate`, 1/s, 0 or more, towards a velocity, m/s, to particle `i` in this substep.
     pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {
-        self.0.wake(i);
+        if rate != 0.0 {
+            self.0.wake(i);
+        }
         self.0.drag_towards(i, rate, velocity);
     }
 
     /// Scales the gravity on particle `i`, for the rest of this tick.
     pub fn scale_gravity(&mut self, i: usize, factor: f32) {
-        self.0.wake(i);
+        if factor != 1.0 {
+            self.0.wake(i);
+        }
         self.0.scale_gravity(i, factor);
     }
 

@@ -233,8 +233,8 @@ mod tests {
     use glam::Quat;
 
     use super::*;
-    use crate::collide::{BodyContacts, Collider, Frame, Shape};
-    use crate::constraints::{Distance, Pin, Plane};
+    use crate::collide::{BodyContacts, Collider, Combine, Frame, Shape};
+    use crate::constraints::{Distance, InsideBox, Pin, Plane};
     use crate::forces::{Control, Spring, Wind};
     use crate::particles::ParticleSeed;
     use crate::recipes::{BoxSpec, box_3d};
@@ -317,6 +317,34 @@ mod tests {
         }
         assert!(first.is_some(), "one slept while the other fell");
         assert!(world.sleep.iter().all(|body| body.asleep), "{:?}", world.sleep);
+    }
+
+    /// Planes and boxes, the rules by which materials combine, and drags were missing in the support hash: sleepers stayed in the air when the ground was gone.
+    #[test]
+    fn a_change_of_bounds_or_of_materials_wakes_sleepers() {
+        type Change = fn(&mut Simulation);
+        let changes: [(&str, Change, bool); 9] = [
+            ("nothing", |_| {}, false),
+            ("no ground", |world| world.boundaries.planes.clear(), true),
+            ("lower ground", |world| world.boundaries.planes[0].offset = -1.0, true),
+            ("a plane far below", |world| world.boundaries.planes.push(Plane::ground(-9.0)), false),
+            ("a smaller box", |world| world.boundaries.boxes[0].max.y = 0.5, true),
+            ("a smoother wall far away", |world| world.boundaries.boxes[0].friction = 0.1, false),
+            ("a sticky ground", |world| world.boundaries.planes[0].drag.along = 0.9, true),
+            ("a rule", |world| world.contacts[0].material.friction_rule = Combine::Max, true),
+            ("a drag", |world| world.contacts[0].material.drag.across = 0.5, true),
+        ];
+        for (name, change, wakes) in changes {
+            let mut world = level();
+            world.boundaries.boxes.push(InsideBox::new(Vec3::splat(-90.0), Vec3::splat(90.0)));
+            for _ in 0..150 {
+                world.step(1.0 / 60.0).unwrap();
+            }
+            assert!(world.sleep[0].asleep, "{name}");
+            change(&mut world);
+            world.step(1.0 / 60.0).unwrap();
+            assert_eq!(world.sleep[0].asleep, !wakes, "{name}");
+        }
     }
 
     /// A spring between two sleepers woke a copy of the world at once, and the world itself only when something else happened: a rollback to a saved state gave

@@ -2,8 +2,8 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::collide::{BodyContacts, Collider, Frame};
-use crate::constraints::{Boundaries, Points, Softness};
+use crate::collide::{BodyContacts, Collider, Frame, Material};
+use crate::constraints::{Boundaries, InsideBox, Plane, Points, Softness};
 use crate::forces::Spring;
 use crate::hash::fnv;
 use crate::islands::Island;
@@ -18,10 +18,11 @@ const SPRING: u32 = 4;
 const COLLIDER: u32 = 5;
 const PLANE: u32 = 6;
 const BODY: u32 = 7;
+const BOX: u32 = 8;
 
 impl Simulation {
     /// The hash of an island: positions and masses of its particles, and its constraints, independent of where they are in the columns. Of a constraint the
-    /// hash takes the value at rest, which stands for its parameters; of colliders it takes those that reach into `bounds`.
+    /// hash takes the value at rest, which stands for its parameters; of colliders, planes and boxes it takes those that reach into `bounds`.
     pub(super) fn support_of(&self, island: &Island, bounds: (Vec3, Vec3)) -> u64 {
         let (particles, plan) = (&self.particles, &self.scratch.plan);
         let members = &plan.islands.members[island.members.clone()];
@@ -52,12 +53,11 @@ impl Simulation {
                 continue;
             }
             let Some(contacts) = self.contacts.get(body as usize) else { continue };
-            let BodyContacts { material, layers, with_bodies, disabled, .. } = contacts;
+            let BodyContacts { material, layers, with_bodies, disabled, events, .. } = contacts;
             let kind = [BODY, layers.memberships, layers.filters];
-            let switches = [u32::from(*with_bodies), u32::from(*disabled)];
-            let numbers = bits([material.friction, material.restitution]);
-            let own = fnv(kind.into_iter().chain(switches).chain(numbers));
-            sum = sum.wrapping_add(own);
+            let switches = [u32::from(*with_bodies), u32::from(*disabled), u32::from(*events)];
+            let own = kind.into_iter().chain(switches).chain(numbers_of_material(material));
+            sum = sum.wrapping_add(fnv(own));
         }
         let rank = |row: u32| members.partition_point(|&member| member < row) as u32;
         let (mut now, mut gradients) = (Vec::new(), Vec::new());
@@ -90,8 +90,12 @@ impl Simulation {
             let (low, high) = collider.shape.bounds_in(&collider.end);
             bounds.0.cmple(high).all() && bounds.1.cmpge(low).all()
         };
-        let near = self.colliders.iter().filter(|one| !one.sensor && one.is_valid());
-        near.filter(is_near).fold(sum, |sum, collider| sum.wrapping_add(of_collider(collider)))
+        let colliders = self.colliders.iter().filter(|one| !one.sensor && one.is_valid());
+        let Boundaries { planes, boxes, .. } = &self.boundaries;
+        let planes = planes.iter().filter(|plane| plane.is_valid() && reaches(plane, bounds));
+        let boxes = boxes.iter().filter(|one| one.is_valid() && is_at_wall(one, bounds));
+        let near = colliders.filter(is_near).map(of_collider);
+        near.chain(planes.map(of_plane)).chain(boxes.map(of_box)).fold(sum, u64::wrapping_add)
     }
 
     /// Adds to the hashes of all islands the springs that act on them.
@@ -121,15 +125,38 @@ fn numbers_of(spring: &Spring) -> impl Iterator<Item = u32> {
     bits([spring.rest, spring.stiffness, spring.damping])
 }
 
+/// Whether bounds touch a plane or are behind it.
+fn reaches(plane: &Plane, (low, high): (Vec3, Vec3)) -> bool {
+    let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+    plane.normal.dot(centre) - plane.normal.abs().dot(half) <= plane.offset
+}
+
+/// Whether bounds touch a wall of a box or are outside.
+fn is_at_wall(inside: &InsideBox, (low, high): (Vec3, Vec3)) -> bool {
+    !(inside.min.cmplt(low) & high.cmplt(inside.max)).all()
+}
+
+fn of_plane(plane: &Plane) -> u64 {
+    let numbers = [plane.offset, plane.friction, plane.restitution];
+    let drag = [plane.drag.along, plane.drag.across];
+    fnv([PLANE]
+        .into_iter()
+        .chain(bits(plane.normal.to_array()))
+        .chain(bits(numbers))
+        .chain(bits(drag)))
+}
+
+fn of_box(inside: &InsideBox) -> u64 {
+    let corners = bits(inside.min.to_array()).chain(bits(inside.max.to_array()));
+    fnv([BOX].into_iter().chain(corners).chain(bits([inside.friction, inside.restitution])))
+}
+
 /// The hash of all static geometry. Moving colliders wake sleepers by coming near; in the hash they would make every step compare all supports.
 pub(super) fn of_surfaces(colliders: &[Collider], boundaries: &Boundaries) -> u64 {
-    let planes = boundaries.planes.iter().map(|plane| {
-        let n = plane.normal;
-        let numbers = [n.x, n.y, n.z, plane.offset, plane.friction, plane.restitution];
-        fnv([PLANE].into_iter().chain(bits(numbers)))
-    });
+    let planes = boundaries.planes.iter().map(of_plane);
+    let boxes = boundaries.boxes.iter().map(of_box);
     let standing = colliders.iter().filter(|one| !one.sensor && one.start == one.end);
-    planes.chain(standing.map(of_collider)).fold(0, u64::wrapping_add)
+    planes.chain(boxes).chain(standing.map(of_collider)).fold(0, u64::wrapping_add)
 }
 
 fn of_collider(collider: &Collider) -> u64 {
@@ -139,17 +166,14 @@ fn of_collider(collider: &Collider) -> u64 {
     let asks = u32::from(collider.events);
     let kind =
         [COLLIDER, asks, hash as u32, (hash >> 32) as u32, layers.memberships, layers.filters];
-    let surface = [
-        material.friction,
-        material.restitution,
-        material.drag.along,
-        material.drag.across,
-        at.x,
-        at.y,
-        at.z,
-    ];
-    let turn = rotation.to_cols_array();
-    fnv(kind.into_iter().chain(bits(surface)).chain(bits(turn)))
+    let (place, turn) = (bits(at.to_array()), bits(rotation.to_cols_array()));
+    fnv(kind.into_iter().chain(numbers_of_material(material)).chain(place).chain(turn))
+}
+
+fn numbers_of_material(material: &Material) -> impl Iterator<Item = u32> {
+    let Material { friction, restitution, friction_rule, restitution_rule, drag } = *material;
+    let rules = [friction_rule as u32, restitution_rule as u32];
+    rules.into_iter().chain(bits([friction, restitution, drag.along, drag.across]))
 }
 
 /// The particles of a constraint at their present positions.
