@@ -1,10 +1,10 @@
-//! A chain of iron links holds a bucket that is filled until one of its joints breaks.
+//! A chain of iron links carries a bucket that is filled until a joint breaks.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyAttachments, SinewClock};
 
-/// What each joint holds, N.
+/// The force at which a joint breaks, N.
 const STRENGTH: f32 = 300.0;
 
 #[derive(Component)]
@@ -24,7 +24,7 @@ fn main() -> AppExit {
 fn setup(mut commands: Commands) {
     let mut above = commands.spawn(Transform::from_xyz(0.0, 4.0, 0.0)).id();
     let mut at = Anchor::Whole;
-    // Each link hangs by the middle of its upper face at the middle of the lower face of the one above: by an attachment of its own, which breaks.
+    // Each link hangs with the middle of its top face on the middle of the bottom face above, by an attachment of its own that can break.
     let hang = |above: Entity, at: Anchor| {
         let hangs = AttachTo::new(above).part(Anchor::Corner(Vec3::Y)).at(at).snapped();
         related!(BodyAttachments[(hangs, BreakAt::force(STRENGTH))])
@@ -39,13 +39,13 @@ fn setup(mut commands: Commands) {
     commands.spawn((bucket, hang(above, at), Transform::from_xyz(0.0, 2.6, 0.0)));
 }
 
-/// A joint broke: the one that bears most, at the top.
+/// Records the first joint that breaks. It is the topmost, which carries the most.
 fn snap(broke: On<Broke>, buckets: Query<&Mass, With<Bucket>>, mut broken: ResMut<Broken>) {
     let filled = buckets.single().map_or(0.0, |mass| mass.0);
     broken.0.get_or_insert((broke.force, filled));
 }
 
-/// Three kilograms of water a second.
+/// Adds three kilograms of water a second.
 fn fill(mut buckets: Query<&mut Mass, With<Bucket>>, time: Res<Time>) {
     for mut mass in &mut buckets {
         mass.0 += 3.0 * time.delta_secs();

@@ -1,4 +1,4 @@
-//! A cape, pinned by its collar to a hero that walks in a circle. It says where it is, and ends.
+//! A cape, attached by its collar to a hero that walks in a circle. The example prints where the cape is, and exits.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -11,7 +11,7 @@ struct Hero;
 struct Cape;
 
 fn main() -> AppExit {
-    // It runs without a window, as fast as it goes. To see it, take `DefaultPlugins` instead, and add a camera and a light.
+    // Runs without a window, as fast as possible. To see it, use `DefaultPlugins` and add a camera and a light.
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
@@ -22,7 +22,7 @@ fn setup(mut commands: Commands) {
     let hero =
         commands.spawn((Hero, Transform::from_xyz(2.0, 0.0, 0.0), Collider::capsule(0.25, 1.0)));
     let hero = hero.id();
-    // The collar is the upper edge of the cloth, wherever its particles are: no number has to be guessed.
+    // The collar is every particle in a thin box around the upper edge of the cloth: no particle index is needed.
     let collar = Anchor::InBox { center: Vec3::Y * 0.6, half_size: Vec3::new(1.0, 0.01, 0.1) };
     commands.spawn((
         Cape,
@@ -33,7 +33,7 @@ fn setup(mut commands: Commands) {
     commands.spawn(Wind { pressure: Vec3::X * 0.5, gusts: 0.5, ..default() });
 }
 
-/// The hero goes round once in six seconds, looking where it goes.
+/// The hero walks once around the circle in six seconds, facing forward.
 fn walk(mut heroes: Query<&mut Transform, With<Hero>>, clock: Res<SinewClock>) {
     let turn = Quat::from_rotation_y(clock.seconds as f32 * core::f32::consts::TAU / 6.0);
     for mut hero in &mut heroes {
@@ -41,7 +41,7 @@ fn walk(mut heroes: Query<&mut Transform, With<Hero>>, clock: Res<SinewClock>) {
     }
 }
 
-/// After five seconds the cape has followed, and hangs behind.
+/// After five seconds the cape has followed and hangs behind the hero.
 fn finish(
     clock: Res<SinewClock>,
     heroes: Query<&Transform, With<Hero>>,

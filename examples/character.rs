@@ -1,10 +1,10 @@
-//! A character of a game's own by `move_and_slide`: it walks up a ramp and over a kerb, slides along a wall, leaps and lands.
+//! A character controller with `move_and_slide`: it walks up a ramp and over a kerb, slides along a wall, jumps and lands.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{MoveAndSlideConfig, QueryFilter, SinewClock};
 
-/// Its velocity, m/s; whether it stands; how high it has been, metres.
+/// Velocity, m/s; whether it stands on the ground; the greatest height so far, metres.
 #[derive(Component, Default)]
 struct Character {
     velocity: Vec3,
@@ -22,7 +22,7 @@ fn main() -> AppExit {
 fn setup(mut commands: Commands) {
     commands.spawn(Ground);
     let mut block = |size: Vec3, at: Transform| commands.spawn((Collider::cuboid(size), at)).id();
-    // A ramp of 20 degrees up to a floor at 1 m, a kerb of 5 cm, and a wall aslant.
+    // A ramp of 20 degrees up to a floor at 1 m, a kerb of 5 cm, and a slanted wall.
     let ramp = Transform::from_xyz(3.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(0.35));
     block(Vec3::new(6.0, 0.2, 4.0), ramp);
     block(Vec3::new(10.0, 1.0, 12.0), Transform::from_xyz(10.4, 0.5, 0.0));
@@ -63,7 +63,7 @@ fn finish(
     if clock.seconds > 10.0 {
         let (Character { velocity, stands, highest }, at) = *one;
         println!("it came to {:.2?}, from {highest:.2} m; stands: {stands}", at.translation);
-        // On the kerb, along the wall, at rest; and it has leapt.
+        // It stands on the kerb, has slid along the wall, is at rest, and has jumped.
         let (top, Vec3 { y, z, .. }) = (1.05 + 0.9 + 0.01, at.translation);
         assert!(*stands && (y - top).abs() < 0.01 && z < -1.0 && *velocity == Vec3::ZERO);
         assert!(*highest > top + 0.7);

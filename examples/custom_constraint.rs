@@ -1,5 +1,5 @@
-//! A constraint of a game's own: marbles that cannot leave the surface of a doughnut, not even where it overhangs. What holds each of them is a
-//! component of this program; the simulation learns of it in one line, and solves it like its own.
+//! A custom constraint: marbles that stay on the surface of a doughnut, even where it overhangs. The constraint is a component of this program; one line
+//! registers it, and the solver treats it like a built-in one.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -7,7 +7,7 @@ use bevy_sinew::sinew::{ConstraintKind, Equation, Points};
 use bevy_sinew::{Charge, SinewClock};
 use bevy_sinew::{ParticleConstraint, RegisterParticleConstraint};
 
-/// Keeps a particle on a torus around the z axis: plain data, to add, change or despawn while the game runs.
+/// Keeps a particle on a torus around the z axis. It is plain data: add, change or despawn it while the game runs.
 #[derive(Component, Clone)]
 struct OnTorus {
     #[entities]
@@ -15,7 +15,7 @@ struct OnTorus {
     torus: Torus,
 }
 
-/// From the middle of the doughnut to that of its tube, and from there to its surface, metres.
+/// Major and minor radius, metres: from the centre to the middle of the tube, and from there to the surface.
 #[derive(Clone, Copy, Debug)]
 struct Torus(f32, f32);
 
@@ -29,11 +29,11 @@ impl ParticleConstraint for OnTorus {
     }
 }
 
-/// The same as an equation: how far the particle is from the surface, metres.
+/// The constraint function: the signed distance of the particle from the surface, metres.
 impl Equation for Torus {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let place = points.relative_to(0, Vec3::ZERO);
-        // The nearest point in the middle of the tube; from there, straight out of it, the distance grows by a metre per metre.
+        // The nearest point on the circle in the middle of the tube. Straight away from it, the distance grows by one metre per metre: a unit gradient.
         let around = place.with_z(0.0).normalize_or(Vec3::X);
         let from_middle = place - around * self.0;
         gradients[0] = from_middle.normalize_or(around);
@@ -49,11 +49,11 @@ fn main() -> AppExit {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
-    app.register_particle_constraint::<OnTorus>(); // That is all.
+    app.register_particle_constraint::<OnTorus>(); // All the registration it needs.
     app.add_systems(Startup, setup).add_systems(FixedUpdate, finish).run()
 }
 
-/// Near the top, in a row across the tube, each with a push of its own: they slide down and swing, and shy away from each other.
+/// A row of marbles across the top of the tube, each with its own velocity. They slide down and swing; their charges repel each other.
 fn setup(mut commands: Commands) {
     for side in (0..24).map(|i| (i as f32 - 11.5) / 11.5) {
         let marble = Particle::at(Vec3::new(0.2 * side, 1.4, 0.25 * side))
@@ -63,7 +63,7 @@ fn setup(mut commands: Commands) {
     }
 }
 
-/// After five seconds most of them are below, as far from each other as they get, and all of them still on it.
+/// After five seconds all marbles are still on the surface, and repulsion has left most of them on the lower half.
 fn finish(clock: Res<SinewClock>, all: Query<&Particle>, mut exit: MessageWriter<AppExit>) {
     if clock.seconds < 5.0 {
         return;

@@ -1,4 +1,4 @@
-//! A force of a game's own: rockets that push along their own axis, as a system between the phases of the simulation.
+//! A custom force: rockets that push along their own axis, as a system that runs between the phases of a substep.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -13,7 +13,7 @@ fn main() -> AppExit {
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
     app.insert_resource(AirDrag(0.0));
-    // In every substep, with gravity and the springs: in whatever order, forces add up.
+    // In every substep, beside gravity and springs. Forces add up, so their order does not matter.
     app.add_systems(SubstepSchedule, thrust.in_set(PhaseSystems::AccumulateForces));
     app.add_systems(Startup, setup).add_systems(FixedUpdate, finish).run()
 }
@@ -25,7 +25,7 @@ fn setup(mut commands: Commands) {
     }
 }
 
-/// Shares the thrust out onto the particles of each rocket, along its axis as it is in this substep.
+/// Distributes the thrust over the particles of each rocket, along its axis in this substep.
 fn thrust(
     mut world: ResMut<SinewWorld>,
     rockets: Query<(&Rocket, &RigidPose)>,

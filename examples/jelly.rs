@@ -1,4 +1,4 @@
-//! A jelly: a soft cube falls on the floor, is squashed, swings and comes back to its shape.
+//! A soft body: a cube of jelly falls on the floor, is squashed, wobbles and regains its shape.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -20,7 +20,7 @@ fn setup(mut commands: Commands) {
     commands.spawn((Jelly, jelly, Transform::from_xyz(0.0, 2.0, 0.0)));
 }
 
-/// From its lowest particle to its highest, metres.
+/// Tracks the smallest height of the cube, metres, and checks it and the height at rest after five seconds.
 fn watch(
     clock: Res<SinewClock>,
     jellies: Query<&BodyParticles, With<Jelly>>,

@@ -1,10 +1,10 @@
-//! What the examples share.
+//! Code shared by the examples.
 
-/// The project's `assets` folder, for [`AssetPlugin::file_path`](bevy::asset::AssetPlugin::file_path): the examples are a package of their own,
-/// beside the assets and not above them.
+/// The path of the repository's `assets` folder, for [`AssetPlugin::file_path`](bevy::asset::AssetPlugin::file_path): the examples are a package of their own
+/// beside that folder, so Bevy's default path does not find it.
 pub fn assets_folder() -> String {
-    // As cargo says when it runs us, which holds where a target folder is shared by clones; and as it was when this was compiled, for whoever
-    // starts the binary by hand.
+    // Cargo sets the variable at run time, which is right even where clones share one target folder. A binary started by hand falls back to the path at compile
+    // time.
     let package = std::env::var("CARGO_MANIFEST_DIR");
     let package = package.unwrap_or_else(|_| env!("CARGO_MANIFEST_DIR").to_owned());
     format!("{package}/../assets")

@@ -1,35 +1,36 @@
-//! A connection between two programs in one process, with lag and loss.
+//! A connection between two players in one process, with lag and packet loss.
 
 use std::sync::{Arc, Mutex};
 
 use bevy_ggrs::ggrs::{Message, NonBlockingSocket};
 
-/// What is under way between all ends.
+/// The packets in flight, shared by both ends.
 #[derive(Clone, Default)]
 pub(crate) struct Net(Arc<Mutex<Packets>>);
 
 #[derive(Default)]
 struct Packets {
     frame: u32,
-    /// Draws lots.
+    /// State of the random number generator.
     lot: u32,
-    /// When they arrive, from whom, and to whom.
+    /// Frame of arrival, sender, receiver and message.
     under_way: Vec<(u32, usize, usize, Message)>,
 }
 
 impl Net {
-    /// Time passes, and from now on packets take time and are lost: a session is begun over a good connection.
+    /// Advances the clock by a frame. From the first call on, packets are delayed and lost; before it the connection is perfect, so that the session can be set
+    /// up.
     pub(crate) fn next_frame(&self) {
         self.0.lock().unwrap().frame += 1;
     }
 
-    /// One end of it.
+    /// The end of one player.
     pub(crate) fn end(&self, me: usize) -> End {
         End(me, self.clone())
     }
 }
 
-/// One end: packets take 2 to 5 frames, overtake each other, and one in eight is lost.
+/// One end of the connection. Packets take 2 to 5 frames, may overtake each other, and one in eight is lost.
 pub(crate) struct End(usize, Net);
 
 impl NonBlockingSocket<usize> for End {

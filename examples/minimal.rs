@@ -1,4 +1,4 @@
-//! The program of the README, as it stands there: a ball on a rod swings into a wall of crates, beside a flag in the wind.
+//! The first program of the README, word for word: a ball on a rod swings into a wall of crates, beside a flag in the wind.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;

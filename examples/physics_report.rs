@@ -1,4 +1,5 @@
-//! The page of results: every check of the physics, run, measured and judged, with pictures. The cases are those of `sinew_report`'s tests.
+//! The physics report: runs every check of the physics, compares what was measured with what was expected, and draws plots. The cases are those of
+//! `sinew_report`'s tests.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -10,16 +11,16 @@ use clap::Parser;
 use sinew_report::plots::plots;
 use sinew_report::{CHAPTERS, Case, Row, cases, json, table};
 
-/// Runs every check of the physics and prints what was expected and what was measured; a wrong verdict exits with 1.
+/// Runs every check of the physics and prints expected and measured values. Exits with 1 if one is out of tolerance.
 #[derive(Parser)]
 struct Arguments {
-    /// Writes the rows as JSON, too: an array with an object for each.
+    /// Also writes the rows as JSON: an array with one object each.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// The folder for the pictures: energy, spin, flips, catenary.
+    /// The folder for the plots: energy, spin, flips, catenary.
     #[arg(long, value_name = "DIR", default_value = "target/physics_report")]
     plots: PathBuf,
-    /// Only cases whose number or title contains this; no pictures then.
+    /// Only cases whose number or title contains this; draws no plots.
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
 }
@@ -58,8 +59,8 @@ fn judge(only: Option<&str>) -> Vec<Row> {
     all
 }
 
-/// The rows of each case, in the order of the cases, whichever is ready first. The last ones, contacts, take the longest: they come first, so that no core
-/// waits for one of them at the end.
+/// The rows of each case, in the order of the cases, whichever finishes first. The last cases, contacts, take longest and are started first, so that no core
+/// idles at the end.
 fn measure(cases: &[&Case]) -> Vec<Vec<Row>> {
     let (start, next) = (Instant::now(), AtomicUsize::new(0));
     let work = || {
@@ -81,7 +82,7 @@ fn measure(cases: &[&Case]) -> Vec<Vec<Row>> {
     rows.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// Writes what was asked for beside the table.
+/// Writes the files that the arguments name.
 fn write(arguments: &Arguments, rows: &[Row]) -> Result<(), String> {
     if let Some(file) = &arguments.json {
         make_folder(file.parent())?;

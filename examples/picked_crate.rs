@@ -1,4 +1,4 @@
-//! A crate that is picked with the pointer, dragged up and let go. The pointer is played by the program: in a game, `DefaultPlugins` and a mouse do it.
+//! A crate is picked with the pointer, dragged up and released. This program plays the pointer; in a game, `DefaultPlugins` and a mouse provide it.
 
 use bevy::camera::NormalizedRenderTarget;
 use bevy::picking::backend::ray::{RayId, RayMap};
@@ -8,14 +8,14 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{MouseDrag, MouseDragPlugin, SinewClock};
 
-/// Where the pointer points to, in the plane of the crate.
+/// Where the pointer is, in the plane of the crate, metres.
 #[derive(Resource, Default)]
 struct Aim(Vec2);
 
 fn main() -> AppExit {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, PickingPlugin, InteractionPlugin));
-    // That is all that a game adds to have things dragged.
+    // A game needs only these to let bodies be dragged.
     app.add_plugins((SinewPlugins, MouseDragPlugin));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1)).init_resource::<Aim>();
     app.world_mut().register_component::<Window>();
@@ -32,13 +32,13 @@ fn setup(mut commands: Commands) {
     commands.spawn((Camera::default(), eye, GlobalTransform::from(eye)));
 }
 
-/// The ray that a window would make of the pointer's place.
+/// The ray that a window would cast from the position of the pointer.
 fn point(aim: Res<Aim>, cameras: Query<Entity, With<Camera>>, mut rays: ResMut<RayMap>) {
     let ray = Ray3d::new(aim.0.extend(10.0), Dir3::NEG_Z);
     rays.map.extend(cameras.iter().map(|camera| (RayId::new(camera, PointerId::Mouse), ray)));
 }
 
-/// Presses on the crate after half a second, goes up 2 m, lets go after three seconds, and looks at what has become of it.
+/// Presses on the crate after half a second, moves up by 2 m, releases after three seconds, and checks where the crate ended up.
 fn play(
     clock: Res<SinewClock>,
     drag: Res<MouseDrag>,
@@ -64,7 +64,7 @@ fn play(
         300.. => {
             let lies = crates.single()?.translation.y;
             println!("the crate was lifted to {:.2} m, and lies at {lies:.2} m", *lifted);
-            // It hangs by the place on its face where it was picked, half a metre above its middle then.
+            // The crate hangs by the point on its face that was picked, which is then half a metre above its centre.
             let right = (*lifted - 2.0).abs() < 0.1 && (lies - 0.5).abs() < 0.02;
             exit.write(if right { AppExit::Success } else { AppExit::error() });
         }

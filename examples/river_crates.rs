@@ -1,10 +1,10 @@
-//! Crates in a river: a current takes those that float along, and a heavy one lies on the bed.
+//! Crates in a river: the light ones float and drift with the current, a heavy one lies on the bed.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Region, SinewClock};
 
-/// A crate, by its density in kg/m³.
+/// A crate and its density, kg/m³.
 #[derive(Component)]
 struct Crate(f32);
 
@@ -16,7 +16,7 @@ fn main() -> AppExit {
 }
 
 fn setup(mut commands: Commands) {
-    // The bed, and 2 m of water above it that flows along x within its banks.
+    // The river bed, and 2 m of water above it that flows along x between its banks.
     commands.spawn((Ground, Transform::from_xyz(0.0, -2.0, 0.0)));
     let river = Region::boxed(Vec3::new(200.0, 20.0, 6.0));
     commands.spawn((Fluid::flowing(Vec3::X * 1.5), river));
@@ -41,7 +41,7 @@ fn finish(
     for (Crate(density), at, velocity) in &crates {
         let (height, speed) = (at.translation.y, velocity.0.x);
         print!("{density} kg/m³: {height:.2} m at {speed:.2} m/s; ");
-        // A box that floats level is in the water by its density over that of water.
+        // A floating box that lies level is submerged by the share of its density in that of water.
         let floats = (height - 0.5 * (0.5 - density / 1000.0)).abs() < 0.1 && speed > 1.0;
         right &= if *density < 1000.0 { floats } else { height < -1.6 };
     }

@@ -1,6 +1,6 @@
-//! Rollback netcode: two players push their boxes about over a connection with lag and loss, and both see the same to the last bit.
+//! Rollback netcode: two players push their boxes over a connection with lag and loss, and both simulations agree bit for bit.
 //!
-//! `cargo run --example rollback` needs no window and ends by itself.
+//! `cargo run --example rollback` needs no window and exits by itself.
 
 mod loopback;
 
@@ -19,7 +19,7 @@ type Game = GgrsConfig<u8, usize>;
 #[derive(Component, Reflect, Clone)]
 struct Player(usize);
 
-/// The whole game: in every frame each player pushes a box.
+/// The whole game: in each frame every player pushes a box.
 fn push(inputs: Res<PlayerInputs<Game>>, mut boxes: Query<(&Player, &mut ExternalImpulse)>) {
     for (player, mut push) in &mut boxes {
         push.impulse = Vec3::new(f32::from(inputs[player.0].0) - 1.5, 0.0, 0.3) * 0.1;
@@ -64,7 +64,7 @@ fn main() {
         }
         for (app, seen) in &mut players {
             app.update();
-            // The last frame of which a player has all inputs: no rollback goes behind it.
+            // The last frame for which the inputs of both players are known: it is never rolled back.
             let sure = app.world().resource::<ConfirmedFrameCount>().0;
             let state = app.world().resource::<RollbackHistory>().at(sure);
             seen.extend(state.map(|state| (sure, state.hash())));

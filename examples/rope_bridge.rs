@@ -1,10 +1,10 @@
-//! A rope bridge with planks, tied between two cliffs; a player walks over it by `move_and_slide`, and it swings and sags under his weight.
+//! A rope bridge of planks between two cliffs. A player walks over it with `move_and_slide`, and the bridge swings and sags under the weight.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{MoveAndSlideConfig, QueryFilter, SinewClock, Weighs};
 
-/// Someone whom the game moves: how fast he falls, m/s, and for how many ticks he stood on a plank.
+/// A character moved by the game: its vertical velocity, m/s, and the number of ticks it stood on a plank.
 #[derive(Component, Default)]
 struct Player(f32, u32);
 
@@ -25,7 +25,7 @@ fn setup(mut commands: Commands) {
         let wood = RigidBox::new(Vec3::new(0.4, 0.06, 1.2)).with_mass(4.0);
         commands.spawn((wood, Transform::from_xyz(-2.5 + 0.5 * i as f32, 0.0, 0.0))).id()
     });
-    // A rope on either side from plank to plank, and to the edges of the cliffs.
+    // On either side, ropes from plank to plank, and from the outer planks to the edges of the cliffs.
     for side in [-1.0, 1.0] {
         let end = |plank, x: f32| (plank, Anchor::Corner(Vec3::new(x, 0.0, side)));
         let edge = |i: usize, x: f32| (cliffs[i], Anchor::Point(Vec3::new(x, 0.97, 0.6 * side)));
@@ -41,7 +41,7 @@ fn setup(mut commands: Commands) {
     commands.spawn((player, Transform::from_xyz(-4.3, 0.9, 0.0)));
 }
 
-/// After two seconds he walks to the right, on whatever is there.
+/// Moves the player: from two seconds on to the right, over whatever is below.
 fn walk(
     player: Single<(Entity, &mut Player, &mut Transform, &Collider)>,
     query: SinewQuery,
@@ -58,7 +58,7 @@ fn walk(
     player.1 += u32::from(out.ground.is_some_and(|hit| planks.contains(hit.entity)));
 }
 
-/// How deep the lowest plank is, and has been while he was on them.
+/// Measures how far the lowest plank sags, under the player and afterwards.
 fn watch(
     clock: Res<SinewClock>,
     planks: Query<&Transform, With<RigidBox>>,

@@ -1,25 +1,25 @@
-//! Save and load: a scene is saved to a file in the middle of things, loaded into another app, and goes on there to the last bit.
+//! Save and load: a running scene is saved to a file, loaded into another app, and continues there bit for bit.
 //!
-//! `cargo run --example save_load` needs no window and ends by itself.
+//! `cargo run --example save_load` needs no window and exits by itself.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{RegisterState, SinewSnapshot};
 
-/// State of the game's own, on a body: it is saved along.
+/// State of the game itself, on a body: registered state is saved along.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 struct Health(u32);
 
 fn game() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, SinewPlugins)).register_state::<Health>();
-    // A frame is a tick, however long it takes.
+    // One tick a frame, however long the frame takes.
     let step = core::time::Duration::from_secs(1) / 60;
     app.insert_resource(Time::<Fixed>::from_duration(step))
         .insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(step));
     app.finish();
     app.cleanup();
-    // The first frame takes no time.
+    // In the first frame no time passes.
     app.update();
     app
 }
@@ -36,7 +36,7 @@ fn spawn(world: &mut World) {
     world.spawn((Ragdoll::default(), Transform::from_xyz(-2.0, 1.5, 0.0)));
 }
 
-/// A hash of all there is: of every component and resource that is state.
+/// A hash of the whole state: every component and resource that is registered as state.
 fn hash(app: &App) -> u64 {
     SinewSnapshot::capture(app.world()).hash()
 }
@@ -46,14 +46,14 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     spawn(old.world_mut());
     (0..100).for_each(|_| old.update());
 
-    // Save: as text, to be read, or as bytes, to be small.
+    // Save: as text, which is readable, or as bytes, which are small.
     let saved = SinewSnapshot::capture(old.world());
     let (text, bytes) = (saved.to_ron(old.world())?, saved.to_bytes(old.world())?);
     let path = std::env::temp_dir().join(format!("sinew-{}.save", std::process::id()));
     std::fs::write(&path, &bytes)?;
     println!("{saved:?}: {} kB as text, {} kB as bytes", text.len() / 1000, bytes.len() / 1000);
 
-    // Load: what is broken is refused here, before anything changes.
+    // Load: a broken file is rejected here, before anything changes.
     let file = std::fs::read(&path)?;
     std::fs::remove_file(&path)?;
     let mut new = game();

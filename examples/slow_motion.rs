@@ -1,11 +1,11 @@
-//! Slow motion: crates tumble at full speed, then at a quarter of it, then stand still and are stepped by hand, while the game's own clock goes on.
+//! Slow motion: crates tumble at full speed, then at a quarter of it, then are paused and stepped one tick at a time, while the game's own clock runs on.
 
 use bevy::prelude::*;
 use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
 
 fn main() -> AppExit {
-    // In a game: `DefaultPlugins`, a camera and meshes. Here nothing is drawn, a frame is a tick, and it ends by itself.
+    // A game uses `DefaultPlugins`, a camera and meshes. This example draws nothing, takes one tick a frame, and exits by itself.
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
@@ -17,12 +17,12 @@ fn setup(mut commands: Commands) {
     for i in 0..6 {
         let wood = RigidBox::new(Vec3::splat(0.5));
         let at = Transform::from_xyz(0.1 * i as f32, 2.0 + 0.6 * i as f32, 0.0);
-        // Interpolated bodies glide at any speed.
+        // Interpolated bodies move smoothly at any speed.
         commands.spawn((wood, AngularVelocity(Vec3::Z * i as f32), Interpolate, at));
     }
 }
 
-/// A second of each: full speed, a quarter, a pause with ten single steps.
+/// One second each: full speed, a quarter, and a pause with ten single steps.
 fn direct(
     time: Res<Time>,
     clock: Res<SinewClock>,

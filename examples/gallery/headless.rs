@@ -1,4 +1,4 @@
-//! The gallery without a window: every scene under `MinimalPlugins`, a contact sheet and a GIF each, and a table of how it went.
+//! The gallery without a window: runs every scene under `MinimalPlugins`, and writes a contact sheet and a GIF for each, and a summary table.
 
 use std::fs;
 use std::path::Path;
@@ -30,10 +30,10 @@ const SHEET_FRAME: (usize, usize) = (480, 300);
 const FILM_FRAME: (usize, usize) = (400, 250);
 /// Frames on a contact sheet.
 const SHEET_FRAMES: usize = 6;
-/// Wall-clock time after which an asset that has not arrived is given up on.
+/// Wall-clock time after which waiting for an asset ends with an error.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Runs the scenes and leaves the pictures. Succeeds only if everything stayed finite and every picture was written.
+/// Runs the scenes and writes the pictures. Succeeds only if all state stayed finite, every lesson agreed with its formula, and every file was written.
 pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
     if let Err(error) = fs::create_dir_all(&options.out) {
         eprintln!("gallery: cannot make {}: {error}", options.out.display());
@@ -46,7 +46,7 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
             .unwrap_or_else(|_| ProgressStyle::default_bar())
             .progress_chars("=> "),
     );
-    // A scene is a world of its own and has its own pictures, so each core plays another one; the table has them in their order.
+    // A scene is a world of its own and writes its own pictures, so the scenes run in parallel, one on each core. The table lists them in order.
     let next = AtomicUsize::new(0);
     let played = Mutex::new(Vec::new());
     let players = std::thread::available_parallelism().map_or(1, usize::from).min(scenes.len());
@@ -55,7 +55,7 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
             scope.spawn(|| {
                 while let Some(&scene) = scenes.get(next.fetch_add(1, Ordering::Relaxed)) {
                     bar.set_message(scene.name);
-                    // Where nobody watches, as in a log, the bar hides, and a line for each scene says that work goes on.
+                    // Without a terminal, as in a log, the bar is hidden, and a line for each scene shows progress.
                     if bar.is_hidden() {
                         println!("playing {} ...", scene.name);
                     }
@@ -96,28 +96,28 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
     }
 }
 
-/// How a scene went.
+/// The results of a scene.
 struct Row {
     name: &'static str,
     particles: usize,
     constraints: usize,
     ticks: u64,
-    /// Wall time of a tick's substeps, while other scenes are played beside it.
+    /// Mean wall time of a tick's substeps, milliseconds, while other scenes run in parallel.
     milliseconds: f64,
-    /// Processor time of the frame that took the most, with all that the plugin does in it, milliseconds. It is that of the whole program, and so says something
-    /// only where no other scene is played beside it.
+    /// Processor time of the longest frame, the whole plugin included, milliseconds. It counts the whole process, so it is meaningful only where no other scene
+    /// runs in parallel.
     longest: f64,
-    /// Largest error of a hard constraint that any tick left, metres, and as a share of its length.
+    /// Largest error of a hard constraint after any tick, metres, and largest strain, relative to the length.
     error: f32,
     strain: f32,
     /// Energy at the start and at the end, joules.
     energy: [f64; 2],
-    /// The number of its lesson and what the formula says, when it was due; `None` before that and for a scene without.
+    /// The measured and the predicted number of its lesson when it was due; `None` before that and for a scene without a lesson.
     lesson: Option<[f64; 2]>,
     finite: bool,
 }
 
-/// Plays one scene and writes its pictures.
+/// Runs one scene and writes its pictures.
 fn perform(
     scene: &'static Scene,
     seconds: f32,
@@ -166,7 +166,7 @@ fn perform(
     Ok(row)
 }
 
-/// The number of a scene's lesson beside that of its formula, and whether they agree; nothing where it was not due.
+/// The measured and the predicted number of a scene's lesson, and whether they agree; empty if it was not due.
 fn verdict(row: &Row) -> String {
     let lesson = sinew_scenes::find(row.name).and_then(|scene| scene.lesson);
     let Some((lesson, [measured, expected])) = lesson.zip(row.lesson) else { return String::new() };
@@ -186,9 +186,9 @@ fn theatre() -> App {
         MeshPlugin,
         WorldSerializationPlugin,
     ));
-    // Nothing here can show compressed textures; saying so keeps the loader from warning about it.
+    // Compressed textures are not supported here; the resource keeps the loader from warning about that.
     app.insert_resource(CompressedImageFormatSupport(CompressedImageFormats::NONE));
-    // The renderer registers this one otherwise, because it knows which formats the GPU takes.
+    // Usually the renderer registers this loader, for the formats that the GPU supports.
     app.register_asset_loader(ImageLoader::new(CompressedImageFormats::NONE));
     app.add_plugins((GltfPlugin::default(), SinewPlugins, ScenesPlugin));
     let step = app.world().resource::<Time<Fixed>>().timestep();
@@ -200,7 +200,7 @@ fn theatre() -> App {
     app
 }
 
-/// Waits for meshes and textures while time stands still, so that every run starts from the same moment.
+/// Waits for meshes and textures while the simulation is paused, so that every run starts from the same state.
 fn raise_curtain(app: &mut App) -> Result<(), String> {
     let began = std::time::Instant::now();
     app.world_mut().resource_mut::<SinewControl>().paused = true;
@@ -218,13 +218,13 @@ fn raise_curtain(app: &mut App) -> Result<(), String> {
         }
         std::thread::sleep(Duration::from_millis(2));
     }
-    // Once more, for what was built from a mesh that has just arrived to be drawn.
+    // One more update, so that meshes built from assets that have just arrived are drawn.
     app.update();
     app.world_mut().resource_mut::<SinewControl>().paused = false;
     Ok(())
 }
 
-/// One tick, and what it adds to the row.
+/// Runs one tick and adds its measurements to the row.
 fn tick(app: &mut App, row: &mut Row) {
     let began = ProcessTime::now();
     app.update();
@@ -258,7 +258,7 @@ fn tick(app: &mut App, row: &mut Row) {
     }
 }
 
-/// Whether all particles, transforms and meshes hold numbers.
+/// Whether all particles, transforms and meshes are finite.
 fn all_finite(world: &mut World) -> bool {
     let mut particles = world.query::<&Particle>();
     let mut transforms = world.query::<&Transform>();

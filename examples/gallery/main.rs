@@ -1,7 +1,7 @@
-//! The gallery: every scene of Sinew, in a window to play with, or headless as pictures.
+//! The gallery: every scene of Sinew, interactive in a window, or rendered headless.
 //!
-//! `cargo run --example gallery` opens a window; where none can be opened it does what `--headless` does: it runs every scene without a
-//! GPU and leaves a contact sheet, an animated GIF and a table.
+//! `cargo run --example gallery` opens a window. Where that is not possible it acts as with `--headless`: it runs every scene without a GPU and writes a
+//! contact sheet, an animated GIF and a summary table.
 
 mod headless;
 mod stage;
@@ -20,16 +20,16 @@ use sinew_scenes::Scene;
 #[derive(Parser, Debug)]
 #[command(name = "gallery", version, about)]
 struct Options {
-    /// Run without a window and leave pictures and a table.
+    /// Run without a window, and write pictures and a table.
     #[arg(long)]
     headless: bool,
-    /// Where the pictures go.
+    /// The folder for the pictures.
     #[arg(long, value_name = "DIR", default_value = "gallery_out")]
     out: PathBuf,
     /// Only this scene (the window opens with it).
     #[arg(long, value_name = "NAME")]
     scene: Option<String>,
-    /// How long to run each scene, seconds; default: as long as it is worth watching.
+    /// How long to run each scene, seconds; by default a time that suits the scene.
     #[arg(long, value_name = "S")]
     seconds: Option<f32>,
     /// Frames a second of the animations.
@@ -41,17 +41,17 @@ struct Options {
     /// Open a window, record every scene (--seconds, --fps) as an animated GIF into this folder, and quit.
     #[arg(long, value_name = "DIR", conflicts_with = "screenshots")]
     films: Option<PathBuf>,
-    /// Open a window, draw every scene alone, without the panel, into this folder (640 × 400), and quit.
+    /// Open a window, draw every scene without the panel into this folder (640 × 400), and quit.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["screenshots", "films"])]
     stills: Option<PathBuf>,
-    /// Open a window, draw the small pictures of the list of scenes on this sheet (PNG, the names beside it as .txt), and quit; with --scene only that one is drawn anew.
+    /// Open a window, draw the thumbnails of the list of scenes on this sheet (PNG, the names beside it as .txt), and quit; with --scene only that one is
+    /// redrawn.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["screenshots", "films", "stills"])]
     thumbnails: Option<PathBuf>,
-    /// Open a window, do what a visitor does by real events of a pointer and of keys (X11), leave pictures in this folder, and quit; fails where anything
-    /// else comes of it than should.
+    /// Open a window, operate it with real pointer and key events (X11), write pictures to this folder, and quit; fails if a result is not the expected one.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["screenshots", "films", "stills", "thumbnails"])]
     drive: Option<PathBuf>,
-    /// In a window: begin with these layers of lines shown, by their names in `SinewGizmoConfigGroup` (`contacts,forces`), instead of none.
+    /// In a window: show these debug lines at the start, by their names in `SinewGizmoConfigGroup` (`contacts,forces`), instead of none.
     #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
     lines: Vec<String>,
     /// List the scenes and quit.
@@ -60,7 +60,7 @@ struct Options {
 }
 
 impl Options {
-    /// Whether pictures are asked for that only Bevy draws.
+    /// Whether an option needs pictures that only Bevy's renderer draws.
     fn draws_in_a_window(&self) -> bool {
         self.screenshots.is_some()
             || self.films.is_some()
@@ -98,7 +98,7 @@ fn main() -> ExitCode {
     headless::run(&options, &scenes)
 }
 
-/// The scenes asked for, after checking the numbers that go with them.
+/// The scenes that the options select, after checking their numbers.
 fn chosen(options: &Options) -> Result<Vec<&'static Scene>, String> {
     if options.seconds.is_some_and(|s| !(s > 0.0 && s <= 3600.0)) {
         return Err("--seconds must be more than 0 and at most 3600".into());
@@ -121,7 +121,7 @@ fn chosen(options: &Options) -> Result<Vec<&'static Scene>, String> {
     }
 }
 
-/// The layers of lines with those names alone; `None` where one is of no layer.
+/// The debug lines of these names, all others off; `None` if a name is unknown.
 fn layers_of<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<SinewGizmoConfigGroup> {
     let mut layers = SinewGizmoConfigGroup::default();
     for i in 0..layers.field_len() {

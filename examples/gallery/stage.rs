@@ -1,4 +1,4 @@
-//! From the world to the software renderer: what stands on the stage, as triangles.
+//! Converts the world into triangles for the software renderer.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use bevy::transform::helper::TransformHelper;
 use sinew_draw as draw;
 use sinew_scenes::{Look, Scene};
 
-/// Textures as the software renderer wants them, kept from frame to frame.
+/// Textures in the format of the software renderer, kept from frame to frame.
 #[derive(Resource, Default)]
 pub(crate) struct Textures {
     loaded: BTreeMap<String, (Handle<Image>, Option<Arc<draw::Texture>>)>,
 }
 
-/// Starts loading the textures that the scene names. Call it until [`Textures::ready`] and the meshes are there.
+/// Starts loading the textures that the scene uses. Runs until [`Textures::ready`] and all meshes are loaded.
 pub(crate) fn request_textures(
     looks: Query<&Look>,
     server: Res<AssetServer>,
@@ -37,13 +37,13 @@ pub(crate) fn request_textures(
 }
 
 impl Textures {
-    /// Whether every texture asked for is there.
+    /// Whether every requested texture is loaded.
     pub(crate) fn ready(&self) -> bool {
         self.loaded.values().all(|(_, texture)| texture.is_some())
     }
 }
 
-/// A picture of the world as it is, seen from where the scene wants to be seen.
+/// A picture of the current world from the camera of the scene.
 pub(crate) fn photograph(
     world: &mut World,
     scene: &Scene,
@@ -106,7 +106,7 @@ fn float3(mesh: &Mesh, attribute: bevy::mesh::MeshVertexAttribute) -> Option<Vec
     }
 }
 
-/// Eight bits a channel, whatever the file had; `None` for a format that the CPU cannot read.
+/// Converts an image to eight bits a channel; `None` for a format that the CPU cannot read.
 fn decode(image: &Image) -> Option<draw::Texture> {
     debug_assert!(image.asset_usage.contains(RenderAssetUsages::MAIN_WORLD));
     let dynamic = image.clone().try_into_dynamic().ok()?;

@@ -1,5 +1,5 @@
-//! A small picture of each scene, for the list of the gallery: one sheet of them, which the gallery itself draws (`--thumbnails`), and the names of who has which
-//! place on it.
+//! Thumbnails of the scenes for the list of the gallery: one sheet, which the gallery itself draws (`--thumbnails`), and a file with the scene's name for each
+//! tile.
 
 use std::path::Path;
 
@@ -13,12 +13,12 @@ const COLUMNS: usize = 10;
 const SHEET: &[u8] = include_bytes!("thumbnails.png");
 const NAMES: &str = include_str!("thumbnails.txt");
 
-/// The sheet as it is kept in the repository.
+/// The sheet stored in the repository.
 pub(crate) fn sheet() -> Option<Image> {
     read_png(SHEET).ok()
 }
 
-/// Where a scene's tile begins on the sheet, column and row in pixels; `None` for a scene that has none yet.
+/// The top left corner of a scene's tile on the sheet, column and row in pixels; `None` for a scene without one.
 pub(crate) fn place_of(name: &str) -> Option<[usize; 2]> {
     NAMES.lines().position(|line| line == name).map(corner)
 }
@@ -27,7 +27,7 @@ fn corner(i: usize) -> [usize; 2] {
     [i % COLUMNS * TILE[0], i / COLUMNS * TILE[1]]
 }
 
-/// Writes a sheet with the tiles that are given, and the names beside it, as `.txt`. Scenes of which no tile is given keep the one that the file had.
+/// Writes a sheet with the given tiles, and their names beside it as `.txt`. Scenes without a given tile keep the tile of the existing file.
 pub(crate) fn write(file: &Path, tiles: &[(&str, Image)]) -> std::io::Result<()> {
     let names = file.with_extension("txt");
     let old = std::fs::read(file).ok().and_then(|bytes| read_png(&bytes).ok());
@@ -59,7 +59,7 @@ pub(crate) fn write(file: &Path, tiles: &[(&str, Image)]) -> std::io::Result<()>
 mod tests {
     use super::*;
 
-    /// A scene that is added without one is seen in the list as a grey tile: `gallery --thumbnails examples/gallery/thumbnails.png --scene NAME` draws it.
+    /// A scene without a thumbnail is a grey tile in the list: `gallery --thumbnails examples/gallery/thumbnails.png --scene NAME` draws it.
     #[test]
     fn every_scene_has_its_place_on_the_sheet() {
         let sheet = sheet().expect("a PNG");
@@ -67,7 +67,7 @@ mod tests {
         for scene in sinew_scenes::ALL {
             let drawn = place_of(scene.name).is_some_and(|[left, top]| {
                 let fits = left + TILE[0] <= sheet.width && top + TILE[1] <= sheet.height;
-                // More than one colour: something is to be seen there.
+                // More than one colour: the tile is not empty.
                 fits && {
                     let tile = sheet.part([left, top], TILE[0], TILE[1]);
                     tile.pixels.iter().any(|pixel| *pixel != tile.pixels[0])

@@ -1,4 +1,4 @@
-//! The README's first program is this example, word for word, and does what it says.
+//! The README's first program is this example, word for word, and behaves as described.
 
 use bevy::asset::AssetPlugin;
 use bevy::time::TimeUpdateStrategy;
@@ -6,7 +6,7 @@ use bevy_sinew::Refused;
 
 use super::*;
 
-/// The program as the README has it.
+/// The program as it is printed in the README.
 fn in_readme() -> &'static str {
     let readme = include_str!("../../README.md");
     let from = readme.find("```rust").expect("the README has a program");
@@ -23,7 +23,7 @@ fn the_program_of_the_readme_is_the_one_that_is_compiled_here() {
     assert_eq!(in_readme(), example[from..to].trim());
 }
 
-/// The app of `main`, without a window.
+/// The app that `main` builds, without a window.
 fn app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
@@ -66,7 +66,7 @@ fn the_tower_stands_until_the_ball_meets_it() {
     let moved = built.iter().zip(&fallen).filter(|(was, is)| was.distance(**is) > 0.3).count();
     assert!(moved >= 2, "it is knocked over: {fallen:?}");
     assert!(fallen.iter().all(|at| at.y > 0.25), "and nothing is in the floor: {fallen:?}");
-    // Nothing is in anything else, either: balls within cubes do not overlap.
+    // No two crates overlap: the balls inscribed in the 0.6 m cubes stay apart, within 3 cm.
     for (i, a) in fallen.iter().enumerate() {
         assert!(fallen[..i].iter().all(|b| a.distance(*b) > 0.57), "{fallen:?}");
     }

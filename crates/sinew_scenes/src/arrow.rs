@@ -1,4 +1,4 @@
-//! Arrows of meshes, which every renderer shows: displacements, velocities, forces.
+//! Arrows made of meshes, which every renderer draws: displacements, velocities, forces.
 
 use bevy::prelude::*;
 
@@ -11,15 +11,15 @@ use crate::shapes::cylinder;
 pub(crate) struct Arrow {
     shaft: Entity,
     head: Entity,
-    /// Length of the head, metres. A shorter arrow is all head, and smaller.
+    /// Length of the head, metres. A shorter arrow is only a head, scaled down.
     tip: f32,
 }
 
-/// Scale of what is not to be seen: not zero, so that every transform can be inverted.
+/// Scale of a hidden part. Not zero, so that every transform can be inverted.
 const HIDDEN: Vec3 = Vec3::splat(1e-4);
 
 impl Arrow {
-    /// An arrow with a shaft of this radius, metres, that is not yet to be seen.
+    /// An arrow with a shaft of this radius, metres, hidden at first.
     pub(crate) fn spawn(world: &mut World, radius: f32, look: Look) -> Self {
         let tip = 9.0 * radius;
         let mut meshes = world.resource_mut::<Assets<Mesh>>();
@@ -32,7 +32,7 @@ impl Arrow {
         Self { shaft, head, tip }
     }
 
-    /// Draws it from one point to another, metres; hides it where there is no way between them.
+    /// Draws it from one point to another, metres; hides it if `ends` is `None` or the two points coincide.
     pub(crate) fn point(self, drawn: &mut Query<&mut Transform>, ends: Option<[Vec3; 2]>) {
         let [shaft, head] = self.transforms(ends);
         for (entity, placed) in [(self.shaft, shaft), (self.head, head)] {

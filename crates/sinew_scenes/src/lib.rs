@@ -1,25 +1,25 @@
-//! Named scenes that the gallery, the tests and the benchmarks share: one place where "the flag" is defined.
+//! Named scenes shared by the gallery, the tests and the benchmarks, so that each is defined once.
 //!
-//! A scene spawns entities and nothing else; it says how things look with [`Look`], which every renderer, with or without a GPU,
-//! turns into what it draws. [`load`] swaps scenes in a running app.
+//! A scene only spawns entities and sets a few resources. Surfaces are described by [`Look`], which every renderer, with or without a GPU, translates into its
+//! own materials. [`load`] swaps scenes in a running app.
 //!
 //! | scene | what it shows |
 //! |---|---|
 //! | `flag` | cloth on a grid, wind pressure, gusts, a texture |
 //! | `crate` | boxes of 8 particles and 28 distances landing and tumbling |
-//! | `square` | the lectures' 2D box: 4 particles and 6 distances |
-//! | `ragdoll` | figures that nobody holds up |
-//! | `ropes` | ropes, slack and swinging, one led by a moving hand |
+//! | `square` | a 2D box of 4 particles and 6 distances |
+//! | `ragdoll` | ragdolls that collapse |
+//! | `ropes` | ropes: slack, swinging with a lantern, and attached to a moving hand |
 //! | `banner` | cloth made from a mesh with a seam in its texture |
 //! | `jelly` | a block of springs that lands and wobbles |
 //! | `pendulums` | rods of different lengths that drift in and out of step |
 //! | `charges` | electric forces in a box |
-//! | `buoys` | loose particles that float as deep as their density says |
-//! | `boats` | boxes that float by their shape, in a current |
-//! | `bricks` | three ways to compute a spin, and what each does to it |
-//! | `soft` | balls kept full by their volume, cubes of tetrahedra |
+//! | `buoys` | loose particles that float as deep as their density requires |
+//! | `boats` | boxes with buoyancy by their shape, in a current |
+//! | `bricks` | three ways to compute a spin, and their effect on it |
+//! | `soft` | balls that keep their volume, cubes of tetrahedra |
 //! | `swap` | boxes that become rigid bodies and particles again in flight |
-//! | `hinges` | limits of angles: flaps, elbows, a tail of cones |
+//! | `hinges` | angle limits: flaps, elbows, a tail of cone joints |
 //! | `feathers` | drag by area and speed: sheets at their terminal speed, and a fan |
 //! | `orbits` | an attractor and Kepler's ellipses |
 //! | `flatland` | a world in 2D |
@@ -29,42 +29,42 @@
 //! | `catch` | a crate caught by a sheet |
 //! | `curtain` | a soft ball thrown against a curtain |
 //! | `net` | marbles in two coarse sheets, of which one collides by its triangles |
-//! | `slopes` | stacks on slopes: held where friction holds them |
-//! | `race` | what rolls down a slope, beside what slides |
+//! | `slopes` | stacks on slopes that stick or slide by friction |
+//! | `race` | rolling and sliding bodies on one slope |
 //! | `billiards` | balls that bounce without loss |
 //! | `bin` | 200 cubes of jelly in a bin |
 //! | `chain` | loops of rope that hang in each other by contact |
 //! | `rails` | coarse ropes across rails and each other, by particles and by segments |
-//! | `belt` | what lies on something that moves is carried; bounces |
+//! | `belt` | friction on a moving kinematic collider; restitution |
 //! | `loads` | rod, spring and compliant rod under one load |
 //! | `catenary` | a hanging rope at rest on its catenary |
 //! | `repose` | blocks on a slope: the angle of repose |
 //! | `capacitor` | a charged pendulum between two plates |
 //! | `integrators` | one spring by four integrators, and their energies |
-//! | `reversal` | balls that are turned back in time |
-//! | `timestep` | a step that changes in flight, and Verlet's previous position |
-//! | `orders` | contradictory constraints by three orders of solving |
+//! | `reversal` | balls whose motion is reversed in time |
+//! | `timestep` | a time step that changes in flight, and Verlet's previous position |
+//! | `orders` | contradictory constraints in three solving orders |
 //! | `inertia` | corners against equimomental particles |
 //! | `planar` | planar friction beside Coulomb's |
 //! | `car` | a torque on the wheels against a force on the body |
-//! | `impulses` | an impulse, a force that lasts, and a teleport |
+//! | `impulses` | an impulse, a force over time, and a teleport |
 //! | `masses` | a distance between equal and unequal masses |
-//! | `volumes` | a volume by scaling and by its gradient |
+//! | `volumes` | a volume corrected by scaling and along its gradient |
 //! | `damping` | velocity damping, exact and approximated |
 //! | `straight` | collinear beads and coplanar corners |
 //! | `step` | one step of position based dynamics in slow motion |
-//! | `verlet` | Verlet frame by frame: the next position out of two |
+//! | `verlet` | Verlet integration frame by frame: the next position from the last two |
 //! | `plane` | a plane as an equation and as an inequality |
 //! | `throws` | one throw in vacuum, air, water and honey |
-//! | `least` | the least mass-weighted displacement, and others |
-//! | `areas` | an area by scaling and by its gradient |
+//! | `least` | the smallest mass-weighted displacement, compared with others |
+//! | `areas` | an area corrected by scaling and along its gradient |
 //! | `spins` | rotations by three integrators, and their energies |
-//! | `playground` | a stage to spawn on, pin, tie, cut and shoot, saved to a file |
-//! | `events` | sensors that count, layers that let red through, boxes that flash by the impulse of a contact |
-//! | `sleep` | a field of stacks asleep, and what a ball wakes of it |
+//! | `playground` | a scene to spawn, pin, tie, cut and shoot in, saved to a file |
+//! | `events` | sensors that count, layers that let red balls through, boxes that flash by the contact impulse |
+//! | `sleep` | a field of sleeping stacks, and those that a ball wakes |
 //! | `stage` | flag, capes, lanterns, bridge, heap, ragdolls and a river at once |
 //! | `hammock` | a sheet on four ropes, with a crate in it |
-//! | `sweeps` | two rods in a cascade, and the error after each sweep |
+//! | `sweeps` | two rods solved by Gauss–Seidel, and the error after each sweep |
 //! | `million` | up to a million particles and two million springs: waves on a lake |
 
 mod arrow;
@@ -94,22 +94,23 @@ use bevy_sinew::{
 
 use crate::bevy_version::OnAdd;
 
-/// What scenes need beside [`SinewPlugins`](bevy_sinew::SinewPlugins): the skin of ragdolls and whatever moves by a script of its own.
+/// What scenes need in addition to [`SinewPlugins`](bevy_sinew::SinewPlugins): meshes and looks for ragdolls and saved bodies, and the systems of scenes that
+/// animate or measure.
 ///
 /// Meshes and textures come through the asset server, so the app needs Bevy's plugins for assets, images, meshes and glTF.
 pub struct ScenesPlugin;
 
 impl Plugin for ScenesPlugin {
     fn build(&self, app: &mut App) {
-        // What is put back has its looks again, and goes with its scene. Neither is part of what is compared or saved.
+        // Looks are restored by a rollback, and restored entities go with their scene; neither is compared or saved.
         app.register_unsaved_state::<Look>().register_unsaved_state::<InScene>();
-        // What is read from a file has its looks from here.
+        // A loaded file restores meshes and looks from this.
         app.register_state::<Skin>()
             .add_observer(skin::dress)
             .add_systems(Update, skin::dress_again);
         app.register_type::<Look>().add_observer(dress_part).add_observer(scenes::ropes::tie_ends);
         app.add_systems(Last, scene::measure);
-        // Not while time stands still: what pushes a stone in every tick would push it all the while.
+        // Not while the simulation is paused: a system that pushes a body in every tick would go on pushing it.
         app.add_systems(
             FixedUpdate,
             (
@@ -127,7 +128,7 @@ impl Plugin for ScenesPlugin {
             )
                 .run_if(time_passes),
         );
-        // What is drawn of a tick, when it is over.
+        // Drawings of a tick, made after it.
         let drawn = (
             scenes::integrators::step_oscillators,
             scenes::orders::draw_errors,
@@ -149,14 +150,15 @@ fn time_passes(control: Res<SinewControl>) -> bool {
     control.running()
 }
 
-/// Clears the last scene away and spawns another, from the beginning: time zero, settings as the scene wants them, sliders at their defaults.
+/// Despawns the last scene and spawns another at time zero, with the scene's own settings and its sliders at their defaults.
 pub fn load(world: &mut World, scene: &'static Scene) {
     let sliders = scene.lesson.map_or(&[][..], |lesson| lesson.sliders);
     let values: Vec<f32> = sliders.iter().map(|slider| slider.default).collect();
     load_with(world, scene, &values);
 }
 
-/// The same with values for its sliders, in their order. A value that is out of its slider's range is moved into it; one that is missing is the default.
+/// Loads a scene like [`load`], with values for its sliders, in their order. A value out of its slider's range is clamped to it; a missing or non-finite one is
+/// replaced by the default.
 pub fn load_with(world: &mut World, scene: &'static Scene, values: &[f32]) {
     let sliders = scene.lesson.map_or(&[][..], |lesson| lesson.sliders);
     let within = |(i, slider): (usize, &SceneSlider)| {
@@ -167,7 +169,7 @@ pub fn load_with(world: &mut World, scene: &'static Scene, values: &[f32]) {
     let mut old = world.query_filtered::<Entity, With<InScene>>();
     let old: Vec<Entity> = old.iter(world).collect();
     for entity in old {
-        // A body takes its particles along, so some of these may be gone by their turn.
+        // Despawning a body also despawns its particles, so some of these may be gone already.
         if let Ok(entity) = world.get_entity_mut(entity) {
             entity.despawn();
         }
@@ -182,7 +184,7 @@ pub fn load_with(world: &mut World, scene: &'static Scene, values: &[f32]) {
     world.flush();
 }
 
-/// Gives each part of a ragdoll a skin, in the colour of the figure it belongs to.
+/// Gives each part of a ragdoll a mesh, in the colour of its figure.
 fn dress_part(
     added: OnAdd<BodyPart>,
     mut commands: Commands,

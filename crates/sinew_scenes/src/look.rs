@@ -1,8 +1,8 @@
-//! How a thing is to look, said without a renderer.
+//! Surfaces, described without a renderer.
 
 use bevy::prelude::*;
 
-/// The surface of an entity with a `Mesh3d`, for whichever renderer draws it: a material of Bevy's, or the software one.
+/// The surface of an entity with a `Mesh3d`, for any renderer: a renderer creates a Bevy material or one of the software renderer from it.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Look {
@@ -10,11 +10,11 @@ pub struct Look {
     pub color: Color,
     /// Path of a texture among the assets.
     pub texture: Option<String>,
-    /// Whether both sides are seen: cloth.
+    /// Whether both sides are drawn, as for cloth.
     pub double_sided: bool,
-    /// From 0 (a mirror) to 1 (chalk).
+    /// Roughness from 0 (a mirror) to 1 (chalk).
     pub roughness: f32,
-    /// From 0 to 1.
+    /// Metalness from 0 to 1.
     pub metallic: f32,
 }
 
@@ -42,22 +42,22 @@ impl Look {
         Self { color: Color::WHITE, texture: Some(path.to_owned()), ..default() }
     }
 
-    /// The same, seen from both sides.
+    /// The same, drawn on both sides.
     pub fn double_sided(self) -> Self {
         Self { double_sided: true, ..self }
     }
 
-    /// The same, seen through: from 0 (clear) to 1. It casts no shadow then. (The software renderer draws it solid.)
+    /// The same, translucent: opacity from 0 (clear) to 1. Below 1 it casts no shadow. The software renderer draws it opaque.
     pub fn opacity(self, opacity: f32) -> Self {
         Self { color: self.color.with_alpha(opacity), ..self }
     }
 
-    /// The same, rougher or smoother.
+    /// The same with another roughness, 0 to 1.
     pub fn roughness(self, roughness: f32) -> Self {
         Self { roughness, ..self }
     }
 
-    /// The same in metal.
+    /// The same as metal.
     pub fn metal(self) -> Self {
         Self { metallic: 0.9, roughness: 0.35, ..self }
     }

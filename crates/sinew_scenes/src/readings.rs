@@ -1,10 +1,10 @@
-//! What lessons measure on more than one thing: all bodies of a name, the points of a body, how far its rods are from their lengths.
+//! Measurements for lessons that concern more than one entity: all bodies of a name, the particles of a body, the strain of its rods.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyParticles, Bound, ConstraintOf, CreationOrder, WindSurface};
 
-/// What bears a name in the scene, in the order of its creation.
+/// The entities with this name, in the order of their creation.
 pub(crate) fn all_named(world: &mut World, name: &str) -> Vec<Entity> {
     let mut named = world.query::<(Entity, &Name, Option<&CreationOrder>)>();
     let mut found: Vec<(Option<CreationOrder>, Entity)> = named
@@ -16,7 +16,7 @@ pub(crate) fn all_named(world: &mut World, name: &str) -> Vec<Entity> {
     found.into_iter().map(|(_, entity)| entity).collect()
 }
 
-/// A component of the one that was created as number `place`, from 0, of those that bear a name.
+/// A component of entity number `place`, from 0, of those with this name, in the order of their creation.
 pub(crate) fn of_place<C: Component + Clone>(
     world: &mut World,
     name: &str,
@@ -37,14 +37,14 @@ pub(crate) fn points_of(world: &mut World, name: &str) -> Vec<Vec3> {
     points
 }
 
-/// How far the lowest of all particles is below a level, millimetres; 0 if none is.
+/// Depth of the lowest particle below a level, millimetres; 0 if none is below it.
 pub(crate) fn deepest_below(world: &mut World, level: f32) -> f64 {
     let mut particles = world.query::<&Particle>();
     let depths = particles.iter(world).map(|particle| f64::from(level - particle.position.y));
     depths.fold(0.0, f64::max) * 1e3
 }
 
-/// Whether the bodies of a name are clear of the ground, each particle by its radius and a centimetre.
+/// Whether the bodies of a name are clear of the ground: each particle by more than its radius and a centimetre.
 pub(crate) fn is_in_flight(world: &mut World, name: &str) -> bool {
     all_named(world, name).into_iter().all(|body| {
         let Some(particles) = world.get::<BodyParticles>(body) else { return false };
@@ -55,7 +55,7 @@ pub(crate) fn is_in_flight(world: &mut World, name: &str) -> bool {
     })
 }
 
-/// How far the particles of the body of a name are spread along x, metres.
+/// Extent of the particles of all bodies of a name along x, metres.
 pub(crate) fn width_of(world: &mut World, name: &str) -> Option<f64> {
     let along = points_of(world, name).into_iter().map(|point| f64::from(point.x));
     let (least, most) =
@@ -63,7 +63,7 @@ pub(crate) fn width_of(world: &mut World, name: &str) -> Option<f64> {
     (least < most).then_some(most - least)
 }
 
-/// By how much each hard rod of the bodies of a name is too long or too short, as a share of its length.
+/// The strain of each hard rod of the bodies of a name: the error of its length as a fraction of the length.
 pub(crate) fn strains_of(world: &mut World, name: &str) -> Vec<f64> {
     let bodies = all_named(world, name);
     let mut rods = world.query::<(&DistanceConstraint, &ConstraintOf)>();
@@ -79,12 +79,12 @@ pub(crate) fn strains_of(world: &mut World, name: &str) -> Vec<f64> {
     rods.iter(world).filter(hard).filter_map(strain).collect()
 }
 
-/// The mean of some numbers; `None` of none.
+/// The mean of the numbers; `None` if there are none.
 pub(crate) fn mean(numbers: &[f64]) -> Option<f64> {
     (!numbers.is_empty()).then(|| numbers.iter().sum::<f64>() / numbers.len() as f64)
 }
 
-/// The room inside the skin of a body, m³.
+/// The volume enclosed by the surface of a body, m³.
 pub(crate) fn volume_of(world: &World, body: Entity) -> Option<f64> {
     let skin = world.get::<WindSurface>(body)?;
     let six = |triangle: &[Entity; 3]| {
@@ -94,10 +94,10 @@ pub(crate) fn volume_of(world: &World, body: Entity) -> Option<f64> {
     skin.triangles.iter().map(six).sum::<Option<f64>>().map(|six| six / 6.0)
 }
 
-/// The volume of Bevy's ball of so many sectors and stacks, m³, from its radius in metres: frusta between regular polygons, a little less than 4/3 π r³.
+/// The volume of Bevy's UV sphere of this many sectors and stacks, m³, from its radius in metres: frusta between regular polygons, a little less than 4/3 π r³.
 pub(crate) fn faceted_ball(radius: f64, sectors: u32, stacks: u32) -> f64 {
     let turn = core::f64::consts::TAU / f64::from(sectors);
-    // A regular polygon in a circle of radius 1.
+    // Area of the regular polygon in a circle of radius 1.
     let polygon = 0.5 * f64::from(sectors) * libm::sin(turn);
     let ring = |i: u32| libm::sincos(core::f64::consts::PI * f64::from(i) / f64::from(stacks));
     let frusta = (0..stacks).map(|i| {
@@ -107,8 +107,8 @@ pub(crate) fn faceted_ball(radius: f64, sectors: u32, stacks: u32) -> f64 {
     radius * radius * radius * frusta.sum::<f64>()
 }
 
-/// The velocity upwards, m/s, after some seconds, of what was thrown up at `speed` under `gravity` in air that takes the share `drag` of all velocity in
-/// a second: v = (v₀ + g/c) exp(−ct) − g/c, with exp(−c) = 1 − drag.
+/// The upward velocity, m/s, after some seconds, of a body thrown up at `speed` under `gravity`, in air that takes the fraction `drag` of the velocity in a
+/// second: v = (v₀ + g/c) exp(−ct) − g/c, with exp(−c) = 1 − drag.
 pub(crate) fn thrown(speed: f64, gravity: f64, drag: f64, seconds: f64) -> f64 {
     let rate = -libm::log1p(-drag);
     if rate < 1e-9 {

@@ -1,9 +1,9 @@
-//! What a scene does again and again as time goes by: turn back, begin anew, push the other way.
+//! Rounds: intervals of simulated time after which a scene repeats something, such as turning back or starting again.
 
 use bevy::prelude::*;
 use bevy_sinew::{Particle, SinewClock};
 
-/// Rounds of equal length in simulated time. Whole quarters of a second ([`quarters`]) end with a tick, be it of 1/60 or of 1/64 s.
+/// Rounds of equal length in simulated time. Multiples of a quarter of a second ([`quarters`]) end with a tick, whether ticks are 1/60 or 1/64 s long.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Rounds {
     /// Length of a round, seconds.
@@ -13,12 +13,12 @@ pub(crate) struct Rounds {
 }
 
 impl Rounds {
-    /// Rounds of so many seconds, more than 0.
+    /// Rounds of `period` seconds, which is more than 0.
     pub(crate) fn of(period: f64) -> Self {
         Self { period, ended: 0 }
     }
 
-    /// How many rounds have ended by now, once for each end.
+    /// The number of rounds that have ended, returned once for each end.
     pub(crate) fn ended(&mut self, clock: &SinewClock) -> Option<u32> {
         let ended = (clock.seconds / self.period + SLACK) as u32;
         (ended > self.ended).then(|| {
@@ -28,7 +28,7 @@ impl Rounds {
     }
 }
 
-/// A loose particle that begins anew when a round ends.
+/// A loose particle that is reset to its start when a round ends.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct Again {
     rounds: Rounds,
@@ -36,13 +36,13 @@ pub(crate) struct Again {
 }
 
 impl Again {
-    /// Begins anew as it is, after each of so many seconds.
+    /// Resets the particle to `start` every `period` seconds.
     pub(crate) fn after(period: f64, start: Particle) -> Self {
         Self { rounds: Rounds::of(period), start }
     }
 }
 
-/// Lets what is due begin anew.
+/// Resets the particles whose round has ended.
 pub(crate) fn begin_anew(clock: Res<SinewClock>, mut again: Query<(&mut Again, &mut Particle)>) {
     for (mut again, mut particle) in &mut again {
         if again.rounds.ended(&clock).is_some() {
@@ -51,15 +51,15 @@ pub(crate) fn begin_anew(clock: Res<SinewClock>, mut again: Query<(&mut Again, &
     }
 }
 
-/// What the sum of the ticks may be off by, as a share of a round.
+/// Round-off allowed in the sum of the ticks, as a fraction of a round.
 const SLACK: f64 = 1e-5;
 
-/// The nearest time of whole quarters of a second, and at least one.
+/// The nearest multiple of a quarter of a second, at least one quarter.
 pub(crate) fn quarters(seconds: f32) -> f64 {
     (f64::from(seconds) * 4.0).round().max(1.0) / 4.0
 }
 
-/// How far into its round of `period` seconds a time is: 0 only at the very beginning, and all of it where a round ends.
+/// Time since the start of its round of `period` seconds: 0 only at the very beginning, and the whole period where a round ends.
 pub(crate) fn into_round(seconds: f64, period: f64) -> f64 {
     let ended = (seconds / period - SLACK).floor().max(0.0);
     seconds - ended * period

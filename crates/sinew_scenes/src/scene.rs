@@ -1,30 +1,30 @@
-//! What a scene is, the heading it stands under, and what it teaches: an experiment with sliders and one number that a formula predicts.
+//! A scene, the heading it is listed under, and its lesson: an experiment with sliders and one number that a formula predicts.
 
 use bevy::prelude::*;
 use bevy_sinew::SinewClock;
 
-/// A scene: what it is called, where to look at it from, and how to spawn it.
+/// A scene: its name, its camera and how to spawn it.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene {
-    /// What it is called on a command line.
+    /// Name on a command line.
     pub name: &'static str,
-    /// The heading that it stands under.
+    /// Heading that it is listed under.
     pub heading: Heading,
-    /// What it is called on a picture.
+    /// Title in a window and on a picture.
     pub title: &'static str,
-    /// One sentence on what there is to see.
+    /// One sentence about what it shows.
     pub about: &'static str,
-    /// Where the camera stands, metres.
+    /// Position of the camera, metres.
     pub eye: Vec3,
-    /// What it looks at, metres.
+    /// Point at which the camera looks, metres.
     pub target: Vec3,
-    /// How long it is worth watching, seconds.
+    /// Length of a film of it, seconds.
     pub seconds: f32,
-    /// When it is best photographed, seconds.
+    /// Simulated time of its still picture, seconds.
     pub moment: f32,
-    /// What to try in it, and the number that a formula predicts, if there is one.
+    /// Its experiment, if it has one.
     pub lesson: Option<Lesson>,
-    /// Spawns everything; each root carries [`InScene`](crate::InScene).
+    /// Spawns everything; each root entity carries [`InScene`](crate::InScene).
     pub spawn: fn(&mut World),
 }
 
@@ -33,7 +33,7 @@ pub struct Scene {
 pub enum Heading {
     /// Gravity, wind, drag, buoyancy, charges.
     Forces,
-    /// How a step through time is made.
+    /// Time integration.
     Integration,
     /// Rods, springs, angles, and how they are solved.
     Constraints,
@@ -43,7 +43,7 @@ pub enum Heading {
     Soft,
     /// Contacts, friction, restitution.
     Contacts,
-    /// Everything at once: to play with, to look at, to count.
+    /// Scenes of many kinds of bodies: to play with, to look at, to benchmark.
     Together,
 }
 
@@ -59,7 +59,7 @@ impl Heading {
         Self::Together,
     ];
 
-    /// What it is called on a screen.
+    /// Title on a screen.
     pub fn title(self) -> &'static str {
         match self {
             Self::Forces => "Forces",
@@ -73,41 +73,42 @@ impl Heading {
     }
 }
 
-/// A slider of a scene. A scene is spawned from the values of its sliders, so moving one starts the scene again.
+/// A slider of a scene. A scene is spawned from the values of its sliders, so moving one restarts the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneSlider {
-    /// What it changes, in a word or two.
+    /// Quantity that it changes, in a word or two.
     pub label: &'static str,
     /// Unit of its value; empty where it has none.
     pub unit: &'static str,
-    /// Least and most value. The formula of the scene holds in between.
+    /// Smallest and largest value. The formula of the scene holds in between.
     pub range: [f32; 2],
-    /// Value at first.
+    /// Initial value.
     pub default: f32,
 }
 
 /// An experiment: what to try, what to watch, and one number that a formula predicts.
 #[derive(Clone, Copy, Debug)]
 pub struct Lesson {
-    /// What a visitor may change, and what happens then.
+    /// What the user may change, and what happens then.
     pub try_this: &'static str,
     /// Where to look.
     pub watch: &'static str,
-    /// The formula at work, as text.
+    /// The formula that predicts the number, as text.
     pub formula: &'static str,
     /// Its sliders.
     pub sliders: &'static [SceneSlider],
-    /// What the measured number is, in a few words.
+    /// Name of the measured number, in a few words.
     pub number: &'static str,
     /// Unit of the number; empty where it has none.
     pub unit: &'static str,
     /// Simulated time after which the number is compared with the formula, seconds.
     pub after: f32,
-    /// Reads the number off the world; `None` while there is nothing to read, and when the formula holds no longer: what has landed. The last number stays then.
+    /// Measures the number. `None` before there is something to measure, and once the formula no longer holds, such as after a landing; the last number is kept
+    /// then.
     pub measure: fn(&mut World) -> Option<f64>,
-    /// The number by the formula, from the values of the sliders and the simulated time in seconds.
+    /// The number that the formula predicts, from the values of the sliders and the simulated time in seconds.
     pub expect: fn(&[f32], f64) -> f64,
-    /// How far the two may be apart, in the number's own unit and as a share of what is expected: the larger one counts.
+    /// Largest difference between the two: absolute, in the number's unit, and relative to the predicted number. The larger one counts.
     pub tolerance: [f64; 2],
 }
 
@@ -119,30 +120,30 @@ impl Lesson {
     }
 }
 
-/// Marks what a scene spawned, so that the next one can clear it away.
+/// Marks entities spawned by a scene, so that the next scene can despawn them.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct InScene;
 
-/// The scene that is on, the values of its sliders, and what was measured last.
+/// The current scene, the values of its sliders and the last measurement.
 #[derive(Resource, Clone, Debug)]
 pub struct OnStage {
     /// The scene.
     pub scene: &'static Scene,
     /// A value for each of its sliders.
     pub values: Vec<f32>,
-    /// The measured number and the one that the formula gives for the same moment.
+    /// The measured number and the one that the formula predicts for the same time.
     pub reading: Option<[f64; 2]>,
-    /// When there was nothing more to measure, simulated seconds.
+    /// Simulated time at which measuring ended, seconds.
     pub(crate) ended: Option<f64>,
 }
 
-/// Measures the number of the scene that is on. Runs once a frame, after the ticks.
+/// Measures the number of the current scene. Runs once a frame, after the ticks.
 pub(crate) fn measure(world: &mut World) {
     let Some(stage) = world.get_resource::<OnStage>() else { return };
     let Some(lesson) = stage.scene.lesson else { return };
     let seconds = world.resource::<SinewClock>().seconds;
-    // Whoever goes back in time is before that again.
+    // After a rollback to an earlier time there is something to measure again.
     if stage.ended.is_some_and(|ended| ended <= seconds) {
         return;
     }
@@ -159,7 +160,7 @@ pub(crate) fn values<const N: usize>(world: &World) -> [f32; N] {
     core::array::from_fn(|i| stage.values[i])
 }
 
-/// The component of what bears a name in the scene.
+/// The component of the first entity with this name.
 pub(crate) fn of_named<C: Component + Clone>(world: &mut World, name: &str) -> Option<C> {
     let mut named = world.query::<(&Name, &C)>();
     named.iter(world).find(|(its, _)| its.as_str() == name).map(|(_, found)| found.clone())

@@ -1,4 +1,4 @@
-//! The few shapes that scenes are drawn with.
+//! Meshes that scenes are drawn with.
 
 use core::f32::consts::TAU;
 
@@ -12,7 +12,7 @@ pub fn ball(radius: f32) -> Mesh {
     Sphere::new(radius).mesh().uv(32, 18)
 }
 
-/// A capsule along y with the given radius and whole length, metres, caps included.
+/// A capsule along y with the given radius and total length, metres, caps included.
 pub fn capsule(radius: f32, length: f32) -> Mesh {
     Capsule3d::new(radius, (length - 2.0 * radius).max(0.0))
         .mesh()
@@ -26,7 +26,7 @@ pub fn cylinder(radius: f32, height: f32) -> Mesh {
     Cylinder::new(radius, height).mesh().resolution(24).build()
 }
 
-/// A coil spring along x from the origin, metres: the radius of its turns and of its wire, its length, and how many turns.
+/// A coil spring along x from the origin: radius of its turns, radius of its wire and length, metres, and the number of turns.
 pub fn coil(radius: f32, wire: f32, length: f32, turns: u32) -> Mesh {
     const STOPS: u32 = 14;
     const SIDES: u32 = 6;
@@ -54,10 +54,9 @@ pub fn coil(radius: f32, wire: f32, length: f32, turns: u32) -> Mesh {
     triangles(positions, normals, uvs, indices)
 }
 
-/// A box about the origin with rounded edges, metres: `detail` facets across each rounding. Every face shows the whole texture.
+/// A box about the origin with rounded edges, metres: `detail` facets across each rounding. Every face carries the whole texture.
 ///
-/// Each face is a grid whose points are pulled onto the sphere swept around the inner box: the nearest point of the inner box, plus the radius
-/// along the way out.
+/// Each face is a grid whose points are moved to the nearest point of the inner box (the box less the radius), plus the radius in the outward direction.
 pub fn rounded_box(size: Vec3, radius: f32, detail: u32) -> Mesh {
     let half = size * 0.5;
     let radius = radius.clamp(0.0, half.min_element());
@@ -67,7 +66,7 @@ pub fn rounded_box(size: Vec3, radius: f32, detail: u32) -> Mesh {
     for face in 0..6 {
         let (axis, sign) = (face / 2, if face % 2 == 0 { 1.0 } else { -1.0 });
         let out = axes[axis] * sign;
-        // Right and up as seen from outside, so that textures read the right way round.
+        // Right and up as seen from outside, so that textures are not mirrored.
         let up = if axis == 1 { Vec3::NEG_Z * sign } else { Vec3::Y };
         let right = up.cross(out);
         let (half_right, half_up) = (half.dot(right.abs()), half.dot(up.abs()));
@@ -108,10 +107,10 @@ fn triangles(
         .with_inserted_indices(Indices::U32(indices))
 }
 
-/// Where the grid of a face is cut, from -half to half: finely in the rounded margins, not at all in between.
+/// Coordinates of the grid lines of a face, from -half to half: fine in the rounded margins, none in between.
 fn stops(half: f32, radius: f32, detail: u32) -> Vec<f32> {
     let detail = detail.max(1);
-    // Equal angles, not equal lengths: on the arc, the tangent of the angle is what the grid cuts.
+    // Equal angles along the arc: the grid line of an angle is at its tangent.
     let margin = |k: u32| {
         let angle = core::f32::consts::FRAC_PI_4 * k as f32 / detail as f32;
         libm::tanf(angle) * radius
@@ -123,7 +122,7 @@ fn stops(half: f32, radius: f32, detail: u32) -> Vec<f32> {
     stops
 }
 
-/// The skin of a part of a ragdoll, by what it is called.
+/// The mesh of a part of a ragdoll, chosen by its name.
 pub(crate) fn part_mesh(part: &BodyPart, name: &Name) -> Mesh {
     let size = part.size;
     match name.as_str() {

@@ -1,4 +1,4 @@
-//! Looks that go into a file: a mesh is a handle of one run of the program, the words that it is made from are not.
+//! Looks that can be saved: a mesh is a handle that is valid in one run of the program only, so the recipe for the mesh is saved instead.
 
 use std::collections::BTreeMap;
 
@@ -12,9 +12,10 @@ use crate::look::Look;
 use crate::scene::InScene;
 use crate::shapes::{ball, cylinder, part_mesh, rounded_box};
 
-/// What an entity is drawn as, as words. Part of the state, saved along: what comes back from a file is given its mesh and its [`Look`] again.
+/// Recipe for the mesh and the surface of an entity. It is part of the saved state: an entity that is loaded from a file gets its mesh and its [`Look`] from
+/// it.
 ///
-/// Without it an entity of a scene has its mesh and its look by itself, and comes back from a file without either.
+/// Without it an entity of a scene has its own mesh and look, and is loaded from a file without either.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Skin {
@@ -28,7 +29,7 @@ pub struct Skin {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum SkinShape {
-    /// What its body makes: a cloth, a rope, a soft body, the limbs of a ragdoll. The default.
+    /// The mesh that its body builds: a cloth, a rope, a soft body, the limbs of a ragdoll. The default.
     #[default]
     Own,
     /// A box with rounded edges.
@@ -58,7 +59,7 @@ impl Skin {
         Self { shape, look }
     }
 
-    /// A surface of what the body makes as its mesh.
+    /// A surface for the mesh that the body builds.
     pub fn own(look: Look) -> Self {
         Self { shape: SkinShape::Own, look }
     }
@@ -80,7 +81,7 @@ impl SkinShape {
     }
 }
 
-/// Gives what has a skin its look and its mesh, as soon as it has it: the limbs of a figure take on the look that it has when they are made.
+/// Inserts the look and the mesh of an added skin at once, because limbs of a ragdoll take the look that the body has when they are built.
 pub(crate) fn dress(
     added: OnAdd<Skin>,
     mut commands: Commands,
@@ -95,8 +96,8 @@ pub(crate) fn dress(
     }
 }
 
-/// Gives what has come back from a file its look, and the mesh that its body once made. (What is not saved is taken away from what comes back, so that the
-/// observer alone comes too early.)
+/// Inserts the look, and the mesh that the body built, into entities that were loaded from a file. The observer alone is not enough: loading removes components
+/// that are not saved, after the observer has run.
 pub(crate) fn dress_again(
     mut commands: Commands,
     plain: Query<(Entity, &Skin), Without<Look>>,
@@ -120,7 +121,7 @@ pub(crate) fn dress_again(
     }
 }
 
-/// The triangles of a body as a mesh whose vertices follow its particles. Positions and normals are filled in by the simulation.
+/// The triangles of a body as a mesh whose vertices follow its particles. The simulation fills in positions and normals.
 fn surface_mesh(follow: &MeshFollow, surface: &WindSurface) -> Mesh {
     let numbers: BTreeMap<Entity, u32> = follow.vertices.iter().copied().zip(0..).collect();
     let corners = surface.triangles.iter().filter_map(|triangle| {

@@ -1,4 +1,4 @@
-//! What a visitor of the playground may have: one of each kind of body, ready to be dropped.
+//! Toys of the playground: one of each kind of body, ready to be dropped.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -20,28 +20,28 @@ pub enum Toy {
     Cloth,
     /// A cube of jelly.
     Jelly,
-    /// A figure of 1.75 m.
+    /// A ragdoll of 1.75 m.
     Ragdoll,
 }
 
-/// Colours that toys have in turn.
+/// Colours of the toys, in turn.
 const COLORS: [u32; 6] = [0xd1495b, 0x2f8f83, 0xe9b44c, 0x8e6bb0, 0x3d7ea6, 0xd9622b];
 
 /// Edge of the crate and of the jelly, and radius of the ball, metres.
 const CRATE: f32 = 0.4;
 const JELLY: f32 = 0.42;
 const BALL: f32 = 0.18;
-/// How far above the place the rope and the cloth begin, metres: they fall onto what is there.
+/// Height above the place at which the rope and the cloth start, metres: they fall onto what is there.
 const ABOVE: f32 = 0.7;
-/// How far above the place all others begin, metres: not within what is there, however that slopes.
+/// Height above the place at which all others start, metres: clear of the ground, however it slopes.
 const GAP: f32 = 0.06;
 
 impl Toy {
-    /// All of them, in the order in which a visitor is offered them.
+    /// All toys, in the order in which a gallery offers them.
     pub const ALL: [Self; 6] =
         [Self::Crate, Self::Ball, Self::Rope, Self::Cloth, Self::Jelly, Self::Ragdoll];
 
-    /// What it is called on a screen.
+    /// Name on a screen.
     pub fn name(self) -> &'static str {
         match self {
             Self::Crate => "Box",
@@ -53,7 +53,7 @@ impl Toy {
         }
     }
 
-    /// Spawns one above a place, metres, in the colour of its number.
+    /// Spawns one above a place, metres. `number` picks its colour.
     pub fn spawn(self, world: &mut World, place: Vec3, number: usize) -> Entity {
         let color = COLORS[number % COLORS.len()];
         let at = |up: f32| Transform::from_translation(place + Vec3::Y * up);
@@ -91,7 +91,7 @@ impl Toy {
                 let cube = SoftBody {
                     stiffness: 1e4,
                     damping: 0.5,
-                    // A quarter of a cell: the skin has no holes for what is larger.
+                    // A quarter of a cell, so that its surface has no holes for larger particles.
                     radius: JELLY / 8.0,
                     ..SoftBody::cuboid(Vec3::splat(JELLY), UVec3::splat(3))
                 };

@@ -1,4 +1,4 @@
-//! Pictures of the scenes alone, without the panel, as Bevy draws them: animations for the README, pictures for the guide, and small ones for the list of scenes.
+//! Pictures of the scenes without the panel, drawn by Bevy: animations for the README, stills for the guide, and thumbnails for the list of scenes.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -16,16 +16,16 @@ use super::Programme;
 use super::screenshots::Textures;
 use crate::thumbnails;
 
-/// What is to be drawn.
+/// What to draw.
 #[derive(Clone)]
 pub(super) enum Job {
     /// An animation of each scene into a folder.
     Films {
-        /// Where they go, as `NAME.gif`.
+        /// The folder; files are called `NAME.gif`.
         folder: PathBuf,
         /// Frames a second.
         fps: u32,
-        /// How long each is, seconds; `None`: as long as the scene is worth watching.
+        /// Length of each, seconds; `None`: the length that the scene suggests.
         seconds: Option<f32>,
     },
     /// A picture of each scene into a folder, as `NAME.png`.
@@ -35,7 +35,7 @@ pub(super) enum Job {
 }
 
 impl Job {
-    /// Size of the window, pixels: a multiple of what is written.
+    /// Size of the window, pixels: a multiple of the size of the picture.
     pub(super) fn window(&self) -> [u32; 2] {
         let [width, height] = self.size();
         [width, height].map(|side| (side * self.factor()) as u32)
@@ -49,7 +49,7 @@ impl Job {
         }
     }
 
-    /// Pixels of the window to a pixel of the picture, each way: beside the four samples of a pixel, so that ropes are smooth.
+    /// Pixels of the window for a pixel of the picture, each way: supersampling in addition to 4× multisampling, so that ropes are smooth.
     fn factor(&self) -> usize {
         match self {
             Self::Films { .. } | Self::Stills(_) | Self::Thumbnails(_) => 2,
@@ -73,24 +73,24 @@ impl Job {
         }
     }
 
-    /// When the first frame is taken, simulated seconds.
+    /// Simulated time of the first frame, seconds.
     fn begin(&self, scene: &Scene) -> f64 {
         match self {
-            // Before the first tick recipes have built nothing, and the first frame is what a page shows until all of it is loaded.
+            // After the first tick: before it recipes have built nothing, and a page shows the first frame until the whole file is loaded.
             Self::Films { .. } => f64::MIN_POSITIVE,
             Self::Stills(_) | Self::Thumbnails(_) => f64::from(scene.moment),
         }
     }
 }
 
-/// Frames in which time stands still before the first picture, so that what was loaded reaches the GPU.
+/// Frames without simulated time before the first picture, in which assets reach the GPU.
 const STILL: u32 = 5;
-/// Frames that are drawn and thrown away before the first picture.
+/// Frames that are drawn and discarded before the first picture.
 const DRAWN: u32 = 2;
-/// Frames to wait at most for what loads, for the moment or for a picture, each.
+/// Most frames to wait for assets, for the time of the picture or for a picture, each.
 const PATIENCE: u32 = 2_000;
 
-/// Takes over the app: one scene after the other, then it quits.
+/// Runs one scene after the other, then quits the app.
 pub(super) fn add(app: &mut App, job: Job, scenes: Vec<&'static Scene>) {
     app.insert_resource(Studio {
         job,
@@ -111,26 +111,26 @@ struct Studio {
     scenes: Vec<&'static Scene>,
     next: usize,
     state: State,
-    /// Frames since something happened.
+    /// Frames without progress.
     waited: u32,
     tiles: Vec<(&'static str, draw::Image)>,
 }
 
 enum State {
     Start,
-    /// The scene is there, its assets may not be; time stands still.
+    /// The scene is spawned and its assets are loading; simulated time stands still.
     Loading,
-    /// Everything is there since so many frames.
+    /// Everything has been loaded for this many frames.
     Still(u32),
-    /// On the way to the first frame.
+    /// Simulating up to the first frame.
     Playing,
-    /// The scene is drawn so many times, which makes its pipelines and bins.
+    /// The scene has been drawn this many times, which creates its pipelines and bins.
     Drawn(u32),
-    /// So many pictures were asked for.
+    /// This many pictures have been requested.
     Rolling(usize),
 }
 
-/// The pictures that have arrived, in the order in which they were asked for.
+/// The captured pictures, in the order of their requests.
 #[derive(Resource, Default)]
 struct Shots(Vec<Option<draw::Image>>);
 
@@ -140,7 +140,7 @@ impl Shots {
     }
 }
 
-/// Meshes and textures that are on their way from a file.
+/// Meshes and textures that are being loaded from files.
 #[derive(SystemParam)]
 struct Loading<'w, 's> {
     textures: Textures<'w>,
@@ -227,7 +227,7 @@ fn shoot(
             match &studio.job {
                 Job::Films { folder, fps, .. } => {
                     let path = folder.join(format!("{}.gif", scene.name));
-                    // Hundredths of a second, as GIF has them.
+                    // In hundredths of a second, the unit of GIF.
                     let delay = (100.0 / *fps as f32).round().max(2.0) as u16;
                     let written = std::fs::create_dir_all(folder)
                         .and_then(|()| draw::write_gif(&path, &film, delay));
@@ -259,7 +259,7 @@ fn shoot(
         }
     };
     *time = TimeUpdateStrategy::ManualDuration(stride);
-    // A software renderer takes its time for a frame: none is drawn that nobody sees.
+    // A software renderer is slow: only frames that are used are drawn.
     camera.is_active = match next {
         State::Drawn(_) => true,
         State::Rolling(asked) => asked < frames || shots.missing() > 0,
@@ -268,7 +268,7 @@ fn shoot(
     studio.state = next;
 }
 
-/// What was captured, for the crate that writes files; `None` for a format that the CPU cannot read.
+/// Converts a captured image for the crate that writes files; `None` for a format that the CPU cannot read.
 fn image_of(image: &Image) -> Option<draw::Image> {
     let pixels = image.clone().try_into_dynamic().ok()?.into_rgba8();
     let (width, height) = (pixels.width() as usize, pixels.height() as usize);

@@ -24,22 +24,22 @@ use sinew_scenes::{Scene, ScenesPlugin};
 
 use crate::Options;
 
-/// Which scene is on, and which was asked for.
+/// The current scene, and the one that is to be loaded.
 #[derive(Resource)]
 struct Programme {
     current: &'static Scene,
-    /// Whether any scene was loaded yet.
+    /// Whether a scene has been loaded yet.
     begun: bool,
-    /// Load this one (again) before the next frame.
+    /// The scene to load, or to reload, before the next frame.
     wanted: Option<&'static Scene>,
-    /// With these values of its sliders; `None`: their defaults.
+    /// Values of its sliders for that; `None`: their defaults.
     values: Option<Vec<f32>>,
 }
 
-/// Opens the window and stays until it is closed; `Err` says why there can be none.
+/// Opens the window and runs until it is closed. Returns `Err` with the reason if no window can be opened.
 ///
-/// Bevy panics where it finds no display or no GPU. That is not this program's failure, so it is caught here, and only until the first
-/// frame: a panic later on is a bug and must be seen.
+/// Bevy panics if it finds no display or no GPU. That is not a bug of this program, so the panic is caught, but only while the app is built: a later panic is a
+/// bug and must be visible.
 pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> Result<ExitCode, String> {
     let first = *scenes.first().ok_or("there is no scene to show")?;
     if cfg!(target_os = "linux") && !display_named() {
@@ -88,11 +88,11 @@ fn display_named() -> bool {
     named("DISPLAY") || named("WAYLAND_DISPLAY")
 }
 
-/// The app with its window: with the panel, or for pictures of the scenes alone.
+/// The app with its window: with the panel, or for pictures of the scenes without it.
 fn open(first: &'static Scene, for_screenshots: bool, job: Option<&film::Job>) -> App {
     let resolution = match job.map(film::Job::window) {
         Some([width, height]) => {
-            // Pixels, whatever the screen takes for a point.
+            // Physical pixels, whatever the scale factor of the screen.
             WindowResolution::new(width, height).with_scale_factor_override(1.0)
         }
         None => WindowResolution::new(1280, 800),
@@ -104,7 +104,7 @@ fn open(first: &'static Scene, for_screenshots: bool, job: Option<&film::Job>) -
         DefaultPlugins
             .set(WindowPlugin { primary_window: Some(window), ..default() })
             .set(AssetPlugin { file_path: assets_folder(), ..default() })
-            // A picture must not be taken before its shaders are there.
+            // A picture must not be taken before its shaders are compiled.
             .set(RenderPlugin { synchronous_pipeline_compilation: for_pictures, ..default() }),
         SinewPlugins,
         MouseDragPlugin,
@@ -112,7 +112,7 @@ fn open(first: &'static Scene, for_screenshots: bool, job: Option<&film::Job>) -
     ));
     stage::add(&mut app);
     if job.is_some() {
-        // What a change of scene asks of the panel, which nobody draws.
+        // A change of scene clears these resources of the panel, which is not drawn.
         app.init_resource::<Recording>().init_resource::<Selection>();
     } else {
         ui::add(&mut app);
@@ -128,14 +128,14 @@ fn open(first: &'static Scene, for_screenshots: bool, job: Option<&film::Job>) -
     app
 }
 
-/// Loads the scene that was asked for, and walks the camera to where it wants to be seen from.
+/// Loads the requested scene, and moves the camera to its viewpoint.
 fn change_scene(world: &mut World) {
     let Some(scene) = world.resource_mut::<Programme>().wanted.take() else { return };
     let mut programme = world.resource_mut::<Programme>();
     let moved = !programme.begun || programme.current.name != scene.name;
     programme.begun = true;
     programme.current = scene;
-    // A restart keeps the sliders where the visitor put them.
+    // A restart keeps the values of the sliders.
     let values = world.resource_mut::<Programme>().values.clone();
     match values {
         Some(values) => sinew_scenes::load_with(world, scene, &values),

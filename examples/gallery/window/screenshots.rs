@@ -1,4 +1,4 @@
-//! A screenshot of every scene, for whoever cannot be there: CI, and the README.
+//! A screenshot of every scene, for CI and the README.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -13,14 +13,14 @@ use sinew_scenes::Scene;
 
 use super::Programme;
 
-/// Simulated time a frame until the moment of the picture.
+/// Simulated time of a frame until the time of the picture.
 const STRIDE: Duration = Duration::from_millis(125);
-/// Frames of the panel alone at the moment of the picture: textures reach the GPU, and the panel its final layout.
+/// Frames of the panel alone at the time of the picture, in which textures reach the GPU and the panel gets its final layout.
 const STILL: u32 = 4;
-/// Frames to wait at most for the moment and for the file: a loading asset or a full disk must not hang CI.
+/// Most frames to wait for the time of the picture and for the file: a loading asset or a full disk must not hang CI.
 const PATIENCE: u32 = 2_000;
 
-/// Takes over the app: one scene after the other, then it quits.
+/// Runs one scene after the other, then quits the app.
 pub(super) fn add(app: &mut App, folder: PathBuf, scenes: Vec<&'static Scene>) {
     app.insert_resource(Series { folder, scenes, next: 0, state: State::Start, frames: 0 })
         .insert_resource(TimeUpdateStrategy::ManualDuration(STRIDE))
@@ -40,12 +40,12 @@ enum State {
     Start,
     Playing,
     Still(u32),
-    /// The scene is drawn once, which makes its pipelines and bins.
+    /// The scene is drawn once, which creates its pipelines and bins.
     Drawn,
     Saving(PathBuf),
 }
 
-/// Textures that are on their way from a file.
+/// Textures that are being loaded from files.
 #[derive(SystemParam)]
 pub(super) struct Textures<'w> {
     server: Res<'w, AssetServer>,
@@ -104,7 +104,7 @@ fn shoot(
         State::Still(_) => State::Drawn,
         State::Drawn => {
             let path = series.folder.join(format!("{}.png", scene.name));
-            // An older picture must not pass for this one.
+            // Removed, so that an older picture is not mistaken for this one.
             let _ = std::fs::remove_file(&path);
             commands.spawn(Screenshot::primary_window()).observe(save_to_disk(path.clone()));
             State::Saving(path)
@@ -120,7 +120,7 @@ fn shoot(
             State::Start
         }
     };
-    // A software renderer draws a frame in seconds: the scene is drawn once before its picture, once for it, and not while the file is written.
+    // A software renderer takes seconds for a frame: the scene is drawn once before its picture and once for it, and not while the file is written.
     camera.is_active = matches!(next, State::Drawn | State::Saving(_));
     series.state = next;
 }

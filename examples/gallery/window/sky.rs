@@ -1,4 +1,4 @@
-//! The sky, its light and the ground, all of them computed: nothing is read from a file, and nothing of it costs more in a frame than a picture behind the scene.
+//! The sky, its light and the ground, all computed: no file is read, and a frame pays for no more than a background picture.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
@@ -9,30 +9,30 @@ use bevy::render::render_resource::{
     Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
 };
 
-/// The sky at the horizon, and what the ground fades into: brighter than white, because the tone mapping will not let it be.
+/// Colour of the sky at the horizon, and of the fog: brighter than white, because tone mapping darkens it.
 pub(super) const HORIZON: [f32; 3] = [1.0, 1.27, 1.62];
-/// The sky overhead, on the same scale.
+/// Colour of the sky overhead, on the same scale.
 const ZENITH: Vec3 = Vec3::new(0.16, 0.42, 1.05);
-/// Where clouds are thickest.
+/// Colour of the thickest clouds.
 const CLOUD: Vec3 = Vec3::new(1.7, 1.78, 1.9);
-/// What the brightest texel of the sky stands for, on the same scale: the texture has eight bits a channel, and nothing in the sky is brighter.
+/// Value of the brightest texel of the sky, on the same scale: the texture has eight bits a channel, and nothing in the sky is brighter.
 const BRIGHTEST: f32 = 2.0;
-/// Side of a face of the sky, texels. A view takes in some 140 of them, and all that is there is soft.
+/// Side of a face of the sky cube, texels. A view covers some 140 of them, and everything in the sky is soft.
 const FACE: u32 = 256;
 /// Side of the ground's texture, texels.
 const GROUND: u32 = 512;
 /// Squares along a side of the ground's texture.
 pub(super) const SQUARES: u32 = 4;
 
-/// The picture behind everything, for a camera of this exposure (`Exposure::exposure`).
+/// The skybox, for a camera of this exposure (`Exposure::exposure`).
 pub(super) fn skybox(images: &mut Assets<Image>, exposure: f32) -> Skybox {
     Skybox { image: Some(images.add(cube())), brightness: BRIGHTEST / exposure, ..default() }
 }
 
-/// The light that comes from all of the sky, and a little from the ground: blue from above, warm from below. It is what shines on metal, too.
+/// Ambient light from the sky, and a little from the ground: blue from above, warm from below. Metal reflects it.
 pub(super) fn light(images: &mut Assets<Image>) -> EnvironmentMapLight {
     EnvironmentMapLight {
-        // Beside the sun's 7500 lx, what shadows are filled with, cd/m².
+        // Fills the shadows of the sun's 7500 lx, cd/m².
         intensity: 220.0,
         ..EnvironmentMapLight::hemispherical_gradient(
             images,
@@ -59,7 +59,7 @@ fn cube() -> Image {
             };
             let light = seen(direction.normalize()) / BRIGHTEST;
             let color = Color::linear_rgb(light.x, light.y, light.z).to_srgba();
-            // Half a step up or down, or a gradient as slow as this one has rings.
+            // Dither by half a step, without which so slow a gradient shows bands.
             let dither = hash(x as i32 + 7919 * face, y as i32) - 0.5;
             let bytes = [color.red, color.green, color.blue]
                 .map(|c| (c * 255.0 + dither).round().clamp(0.0, 255.0) as u8);
@@ -80,7 +80,7 @@ fn cube() -> Image {
     image
 }
 
-/// What is seen of the sky in a direction.
+/// Colour of the sky in a direction.
 fn seen(direction: Vec3) -> Vec3 {
     let horizon = Vec3::from(HORIZON);
     let up = direction.y;
@@ -88,15 +88,15 @@ fn seen(direction: Vec3) -> Vec3 {
         return horizon;
     }
     let down = 1.0 - up;
-    // Scenes are seen from above, so that the lowest degrees are most of what is seen: the blue comes soon.
+    // Scenes are viewed from above, so that only the lowest degrees of the sky are visible: it turns blue close to the horizon.
     let clear = horizon.lerp(ZENITH, 1.0 - down.powi(7));
-    // A flat layer of clouds, seen from below; far ones melt into the horizon.
+    // A flat layer of clouds, seen from below; distant ones fade into the horizon.
     let at = Vec2::new(direction.x, direction.z) / (up + 0.10) * 0.9;
     let thick = smooth((layers(at) - 0.48) / 0.34) * smooth((up - 0.01) / 0.10);
     clear.lerp(CLOUD, 0.75 * thick)
 }
 
-/// Noise of five sizes, from 0 to 1.
+/// Noise of five octaves, from 0 to 1.
 fn layers(at: Vec2) -> f32 {
     let (mut sum, mut weight, mut scale) = (0.0, 0.5, 1.0);
     for layer in 0..5 {
@@ -106,7 +106,7 @@ fn layers(at: Vec2) -> f32 {
     sum / 0.97
 }
 
-/// Smooth noise, from 0 to 1, that is the same again after so many units.
+/// Smooth noise, from 0 to 1, that repeats after `period` units.
 fn noise(at: Vec2, period: i32) -> f32 {
     let cell = at.floor();
     let (x, y) = (cell.x as i32, cell.y as i32);
@@ -116,13 +116,13 @@ fn noise(at: Vec2, period: i32) -> f32 {
     mix(mix(corner(0, 0), corner(1, 0), u), mix(corner(0, 1), corner(1, 1), u), v)
 }
 
-/// From 0 to 1 without a corner at the ends.
+/// Smoothstep: from 0 to 1 with zero slope at both ends.
 fn smooth(t: f32) -> f32 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A number from 0 to 1 that looks like chance.
+/// A pseudo-random number from 0 to 1.
 fn hash(x: i32, y: i32) -> f32 {
     let mut bits = (x as u32).wrapping_mul(0x9E37_79B1) ^ (y as u32).wrapping_mul(0x85EB_CA77);
     bits = (bits ^ (bits >> 15)).wrapping_mul(0x2C1B_3C6D);
@@ -130,20 +130,20 @@ fn hash(x: i32, y: i32) -> f32 {
     ((bits ^ (bits >> 15)) >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Slabs of concrete, [`SQUARES`] each way, with joints in between that show how fast something moves over them; with its own smaller copies, so that it fades with
-/// distance instead of flickering.
+/// Concrete slabs, [`SQUARES`] each way, with joints that show how fast a body moves over them. The texture has mipmaps, so that it fades with distance instead
+/// of flickering.
 pub(super) fn ground() -> Image {
     let side = GROUND / SQUARES;
     let mut level: Vec<[f32; 3]> = Vec::with_capacity((GROUND * GROUND) as usize);
     for (y, x) in (0..GROUND).flat_map(|y| (0..GROUND).map(move |x| (y, x))) {
         let slab = [x / side, y / side];
-        // One slab is a little darker than the next, and every other one more so: a quiet checker.
+        // Slabs differ slightly in brightness, and form a faint checker.
         let own = 5.0 * (hash(slab[0] as i32, slab[1] as i32 + 99) - 0.5);
         let checker = if (slab[0] + slab[1]).is_multiple_of(2) { 4.5 } else { -4.5 };
         let at = Vec2::new(x as f32, y as f32) / GROUND as f32;
         let stain = 7.0 * (noise(at * 6.0, 6) - 0.5) + 5.0 * (noise(at * 23.0, 23) - 0.5);
         let grain = 6.0 * (hash(x as i32, y as i32) - 0.5);
-        // From the joint, texels.
+        // Distance from the joint, texels.
         let edge = |i: u32| (i % side).min(side - 1 - i % side);
         let joint = if edge(x).min(edge(y)) == 0 { -26.0 } else { 0.0 };
         let grey = own + checker + stain + grain + joint;

@@ -1,4 +1,4 @@
-//! Light, ground, camera, and materials for what scenes say of their looks.
+//! Light, ground and camera, and materials for the looks of scenes.
 
 use bevy::camera::{Exposure, Hdr};
 use bevy::core_pipeline::tonemapping::Tonemapping;
@@ -12,32 +12,33 @@ use sinew_scenes::{Look, Scene};
 
 use super::sky;
 
-/// Side of the texture that a light's shadows are drawn in, texels. A shadow's edge is as wide as five of them.
+/// Side of the shadow map, texels. The edge of a shadow is five texels wide.
 const SHADOW_TEXELS: usize = 2048;
-/// How far from the camera the sun casts shadows, metres. It is spread over the texels, so that it also says how soft they are: some 6 cm here.
+/// Distance from the camera up to which the sun casts shadows, metres. It is spread over the texels and so also determines how soft shadows are: some 6 cm
+/// here.
 const SUN_REACH: f32 = 22.0;
-/// The same of the light from overhead. Its shadows are so soft (some 20 cm) that they darken what is near the ground, below an edge or in a fold: they are the stage's
-/// ambient occlusion. Bevy's own was tried on `playground`, `stage` and `pile` in November 2026. The one of the screen (`ScreenSpaceAmbientOcclusion`) at its best quality
-/// changes one pixel in 400 by more than 4 %, and needs multisampling off, which leaves jagged edges; `ContactShadows` of the sun leave dots on round things, and those of
-/// this light are not to be seen.
+/// The same for the light from overhead. Its shadows are so soft (some 20 cm) that they darken what is near the ground, below an edge or in a fold: they serve
+/// as ambient occlusion. Bevy's own techniques were tried on `playground`, `stage` and `pile` in November 2026. `ScreenSpaceAmbientOcclusion` at its best
+/// quality changes one pixel in 400 by more than 4 %, and requires multisampling off, which leaves jagged edges; `ContactShadows` of the sun leave dots on
+/// round bodies, and those of this light are invisible.
 const SKY_REACH: f32 = 80.0;
 
-/// The lowest that the camera may look at, metres above the ground; as low as it may be itself.
+/// Lowest height of the point that the camera orbits, metres above the ground; also the lowest height of the camera.
 const LOWEST: f32 = 0.05;
-/// What the camera may look at: a box on the ground, metres. The ground is twice as wide.
+/// Bounds of the point that the camera orbits: a box on the ground, metres. The ground is twice as wide.
 const ROOM: Vec3 = Vec3::new(60.0, 20.0, 60.0);
 
 /// Adds the stage to the app.
 pub(super) fn add(app: &mut App) {
     app.add_plugins(PanOrbitCameraPlugin)
         .insert_resource(DirectionalLightShadowMap { size: SHADOW_TEXELS })
-        // The sky shines from where it is.
+        // The environment map of the sky replaces it.
         .insert_resource(GlobalAmbientLight::NONE)
         .add_systems(Startup, set_up)
         .add_systems(Update, (dress, keep_width));
 }
 
-/// Points the camera where the scene wants to be seen from; a restart of the same scene leaves it where the visitor put it.
+/// Moves the camera to the viewpoint of the scene; a restart of the same scene leaves it where the user put it.
 pub(super) fn aim(world: &mut World, scene: &Scene, moved: bool) {
     if !moved {
         return;
@@ -55,7 +56,7 @@ fn orbit(focus: Vec3) -> PanOrbitCamera {
         focus,
         zoom_lower_limit: 0.3,
         zoom_upper_limit: Some(40.0),
-        // Above the ground wherever a visitor turns, moves and zooms it: below, there is nothing to see.
+        // Keeps the camera above the ground: there is nothing to see below.
         pitch_lower_limit: Some(0.0),
         focus_bounds_shape: Some(Cuboid::from_size(ROOM).into()),
         focus_bounds_origin: Vec3::Y * (0.5 * ROOM.y + LOWEST),
@@ -77,13 +78,13 @@ fn set_up(
         ..default()
     };
     let color_grading = ColorGrading {
-        // What the tone mapping takes of the colours.
+        // Restores the saturation that tone mapping removes.
         global: ColorGradingGlobal { post_saturation: 1.18, ..default() },
         ..default()
     };
     commands.spawn((
         Camera3d::default(),
-        // Tone mapping as a pass of its own, so that the sky and the fog go through the same curve and meet at the horizon.
+        // Tone mapping as a separate pass, so that sky and fog go through the same curve and match at the horizon.
         Hdr,
         Tonemapping::TonyMcMapface,
         color_grading,
@@ -111,20 +112,20 @@ fn set_up(
     commands.spawn((
         DirectionalLight {
             color: Color::srgb(0.9, 0.95, 1.0),
-            // Much beside the light of the sky that has no shadows, so that a heap is dark within.
+            // Strong compared with the light of the sky, which has no shadows, so that the inside of a heap is dark.
             illuminance: 3_500.0,
             shadow_maps_enabled: true,
-            // Of its large texels: what lies on the ground must darken it up to its very edge.
+            // Small in spite of its large texels: a body on the ground must darken it up to the edge of contact.
             shadow_normal_bias: 0.3,
             ..default()
         },
         reach(SKY_REACH),
-        // A little from the side that the sun is not on, so that what is in the sun's shadow has a shape.
+        // Slightly from the side opposite the sun, so that bodies in the sun's shadow are shaded.
         Transform::from_xyz(-0.9, 6.0, -0.3).looking_at(Vec3::ZERO, Vec3::Z),
     ));
     let half = 60.0;
     let mut ground = Plane3d::default().mesh().size(2.0 * half, 2.0 * half).build();
-    // Squares of half a metre.
+    // Slabs of half a metre.
     if let Some(bevy::mesh::VertexAttributeValues::Float32x2(uvs)) =
         ground.attribute_mut(Mesh::ATTRIBUTE_UV_0)
     {
@@ -140,17 +141,17 @@ fn set_up(
             reflectance: 0.2,
             ..default()
         })),
-        // A hair below zero: what lies on the ground must not flicker through it.
+        // Slightly below zero, against z-fighting with objects on the ground.
         Transform::from_xyz(0.0, -0.002, 0.0),
     ));
 }
 
-/// What a camera sees from top to bottom, radians, in a picture that is as wide as scenes are framed for.
+/// Vertical field of view, radians, for a picture of the aspect ratio that scenes are framed for.
 const FIELD: f32 = 0.7;
-/// That width, as a multiple of the height. The pictures without a window are a little wider yet.
+/// That aspect ratio, width over height. Pictures without a window are slightly wider.
 const FRAMED: f32 = 1.5;
 
-/// In a view that is narrower, as beside the panel, a scene keeps its width: more is seen above and below, and nothing is cut off at the sides.
+/// In a narrower view, as beside the panel, keeps the horizontal extent of a scene: more is visible above and below, and nothing is cut off at the sides.
 fn keep_width(mut camera: Single<(&Camera, &mut Projection), With<PanOrbitCamera>>) {
     let (camera, projection) = &mut *camera;
     let Some(size) = camera.logical_viewport_size().filter(|size| size.min_element() > 0.0) else {
@@ -166,11 +167,11 @@ fn keep_width(mut camera: Single<(&Camera, &mut Projection), With<PanOrbitCamera
     }
 }
 
-/// The look that an entity has its material of. Going back in time writes all looks, and hardly any is another one then.
+/// The look that an entity's material was made from. A rollback writes all looks, and few of them differ then.
 #[derive(Component)]
 struct Dressed(Look);
 
-/// Gives everything with a look its material.
+/// Creates materials for entities with a new or a changed look.
 fn dress(
     mut commands: Commands,
     changed: Query<(Entity, &Look, Option<&Dressed>), (Changed<Look>, With<Mesh3d>)>,

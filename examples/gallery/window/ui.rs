@@ -23,7 +23,7 @@ use crate::thumbnails;
 /// Adds the panel, the keys, and the camera that egui draws with.
 pub(super) fn add(app: &mut App) {
     app.add_plugins((EguiPlugin::default(), SinewPanelPlugin::embedded()));
-    // Egui draws through whichever camera comes first otherwise, and would be squeezed into its share of the window.
+    // Egui would otherwise use the first camera and be confined to its viewport.
     app.world_mut().resource_mut::<EguiGlobalSettings>().auto_create_primary_context = false;
     app.insert_resource(PanelKeys {
         pause: Some(KeyCode::Space),
@@ -81,7 +81,7 @@ fn draw(
         if tools::is_on(stage.as_deref()) {
             tools::bar(ui, &mut tools);
         }
-        // Sixty names would push the panel off the screen: the heading of the scene that is on is open, whatever else a visitor opens.
+        // Sixty names do not fit on the screen: after a change of scene only the heading of the current one is open, until the user opens others.
         let changed = core::mem::replace(&mut *last, current.name) != current.name;
         for heading in Heading::ALL {
             let opens = changed.then_some(heading == current.heading);
@@ -112,7 +112,7 @@ fn draw(
     Ok(())
 }
 
-/// The small pictures of the scenes, on one texture.
+/// The thumbnails of the scenes, on one texture.
 struct Pictures {
     sheet: Option<egui::TextureHandle>,
 }
@@ -128,7 +128,7 @@ impl Pictures {
         Self { sheet }
     }
 
-    /// The picture of a scene at a size in points; a grey tile for a scene that has none yet.
+    /// The thumbnail of a scene at a size in points; a grey tile for a scene without one.
     fn of(&self, scene: &Scene, size: egui::Vec2) -> egui::Image<'static> {
         let tile = self.sheet.as_ref().zip(thumbnails::place_of(scene.name));
         let image = match tile {
@@ -152,10 +152,11 @@ impl Pictures {
     }
 }
 
-/// Columns of buttons: as many as names fit side by side, without pictures (those are under the pointer), so that the controls below are seen on a screen of 720 pixels, too.
+/// Columns of buttons: as many as fit side by side with their names alone (thumbnails are shown on hover), so that the controls below fit on a screen of 720
+/// pixels.
 const COLUMNS: usize = 3;
 
-/// The scenes under a heading, as buttons in columns; the one that was clicked.
+/// Draws the scenes under a heading as buttons in columns; returns the one that was clicked.
 fn scenes_of(
     ui: &mut egui::Ui,
     heading: Heading,
@@ -187,7 +188,7 @@ fn scenes_of(
     wanted
 }
 
-/// What to try and to watch, the formula, the sliders and the number; the values of the sliders if the visitor moved one.
+/// Draws the lesson: what to try and to watch, the formula, the sliders and the number. Returns the values of the sliders if one was moved.
 fn lesson(ui: &mut egui::Ui, stage: &OnStage) -> Option<Vec<f32>> {
     let lesson = stage.scene.lesson?;
     ui.label(format!("Try: {}.", lesson.try_this));
@@ -238,14 +239,14 @@ fn keys(
     }
 }
 
-/// Gives the camera what the panel leaves of the window, so that a scene is in the middle of what is seen of it.
+/// Sets the viewport of the camera to the part of the window beside the panel, so that a scene is centred in the visible part.
 fn leave_room(
     window: Single<&Window, With<PrimaryWindow>>,
     mut camera: Single<&mut Camera, With<PanOrbitCamera>>,
 ) {
     let whole = window.physical_size();
     let dock = (DOCK_WIDTH * window.scale_factor()) as u32;
-    // A window that is hardly wider than the panel keeps its picture behind it.
+    // In a window that is hardly wider than the panel the scene is drawn behind it.
     let left = if whole.x > 2 * dock { dock } else { 0 };
     let physical_position = UVec2::new(left, 0);
     let physical_size = whole - physical_position;
@@ -257,8 +258,8 @@ fn leave_room(
     }
 }
 
-/// The pointer turns the camera only where it is not over the panel, holds nothing and is not at work with a tool. (Over the panel it grabs nothing by itself: Bevy's picking gives
-/// egui the press.)
+/// The pointer turns the camera only while it is not over the panel, drags nothing and is not used by a tool. (Over the panel it grabs nothing anyway: Bevy's
+/// picking gives the press to egui.)
 fn share_pointer(
     egui: Res<EguiWantsInput>,
     drag: Res<MouseDrag>,
@@ -280,7 +281,7 @@ mod tests {
 
     use super::*;
 
-    /// What egui's fonts lack it draws as an empty box: the formula of `integrators` once ended with one, for a raised n.
+    /// Egui draws characters that its fonts lack as an empty box: the formula of `integrators` once ended with one, for a superscript n.
     #[test]
     fn every_letter_of_a_scene_is_in_the_fonts_that_draw_it() {
         let fonts = [UBUNTU_LIGHT, HACK_REGULAR, NOTO_EMOJI_REGULAR, EMOJI_ICON]
@@ -301,7 +302,7 @@ mod tests {
         assert!(missing.is_empty(), "{missing:?}");
     }
 
-    /// A longer one made the panel wider than its place, so that its right edge was cut off, and a button with it.
+    /// A longer label made the panel wider than its space, which cut off its right edge and a button.
     #[test]
     fn labels_of_sliders_fit_into_the_panel() {
         let lessons = ALL.iter().filter_map(|scene| scene.lesson);

@@ -1,4 +1,4 @@
-//! Two flat patches that grow to the same area: one is scaled, the other goes along the gradient.
+//! Two flat patches that grow to the same area: one is scaled, the other is corrected along the gradient of its area.
 
 use core::f32::consts::TAU;
 
@@ -45,24 +45,24 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Particles of the rim.
+/// Particles on the rim.
 const AROUND: u32 = 28;
-/// How fast they grow, Hz.
+/// Frequency of the soft constraint that makes them grow, Hz.
 const HERTZ: f32 = 1.2;
-/// Height of their middles, metres.
+/// Height of their centres, metres.
 const HIGH: f32 = 0.95;
 
 fn spawn(world: &mut World) {
     let [times, width, height] = values(world);
     world.insert_resource(Gravity(Vec3::ZERO));
-    // Nearly statics: what has grown is not to swing on.
+    // Nearly static: strong drag, so that the patches do not oscillate after they have grown.
     world.insert_resource(AirDrag(0.999));
     floor(world, Vec2::new(5.0, 1.8), Look::color(0x4f6b62).roughness(0.9));
     let size = Vec3::new(4.6, 1.8, 0.06);
     let board = mesh(world, rounded_box(size, 0.02, 2));
     let at = Transform::from_xyz(0.0, FLOOR + 0.5 * size.y, -0.4);
     world.spawn((InScene, board, Look::color(0xe9e3d5).roughness(0.9), at));
-    // The middle, and the rim about it, counter-clockwise as it is seen.
+    // The centre, and the rim about it, counter-clockwise as seen from the camera.
     let mut points = vec![Vec3::ZERO];
     points.extend((0..AROUND).map(|i| {
         let (sin, cos) = libm::sincosf(TAU * i as f32 / AROUND as f32);
@@ -70,7 +70,7 @@ fn spawn(world: &mut World) {
     }));
     let triangles: Vec<[u32; 3]> = (0..AROUND).map(|i| [0, 1 + i, 1 + (i + 1) % AROUND]).collect();
     let area = Patch::of(triangles.as_slice(), &points).rest;
-    // As heavy as the rim about it, so that all of the rim moves as one line would.
+    // Each rim particle is as heavy as the rim around it, so that the rim moves like a uniform line.
     let mass = |i: usize| match i {
         0 => 1.0,
         _ => {
@@ -106,11 +106,11 @@ fn spawn(world: &mut World) {
             .with_softness(Softness::frequency(HERTZ, 1.0));
         world.spawn((full, ConstraintOf(body)));
         world.entity_mut(body).insert(MeshFollow { vertices: particles });
-        // Where the rim was.
+        // The initial rim.
         let rim = (0..=AROUND).map(|i| middle + points[1 + (i % AROUND) as usize] + Vec3::Z * 0.02);
         let rim: Vec<Vec3> = rim.collect();
         curve(world, &rim, 0.008, Look::color(0xf3f1ea));
-        // As far apart as the scaled one becomes wide.
+        // Posts as far apart as the scaled patch becomes wide.
         let out = 0.5 * width * libm::sqrtf(times) + 0.02;
         for side in [-1.0, 1.0] {
             let stand = post(world, 0.015, 1.5);

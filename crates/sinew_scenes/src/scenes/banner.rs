@@ -1,4 +1,4 @@
-//! A banner cut like no grid: cloth from a mesh, as a modelling program would export it.
+//! A banner with irregular triangles: cloth from a mesh, as exported by a modelling program.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -44,8 +44,8 @@ pub(super) const SCENE: Scene = Scene {
 /// Height of the upper edge, metres.
 const TOP: f32 = 2.6;
 
-/// The angle from the vertical, radians, at which a sheet of `density` kg/m² hangs in a wind of `pressure` pascal: what weighs σ g and is pressed by
-/// p cos φ pulls along itself where tan φ = p cos φ / (σ g).
+/// The angle from the vertical, radians, at which a sheet of `density` kg/m² hangs in a wind of `pressure` pascal. Its weight is σ g per area and the wind
+/// presses with p cos φ, so it hangs along the sum of both where tan φ = p cos φ / (σ g).
 fn lean(pressure: f32, density: f32, gravity: f32) -> f64 {
     let ratio = f64::from(pressure) / (f64::from(density) * f64::from(gravity));
     // With s = sin φ: ratio s² + s − ratio = 0.
@@ -56,7 +56,7 @@ fn spawn(world: &mut World) {
     let [pressure, density, gravity] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     world.spawn((InScene, Wind { pressure: Vec3::NEG_Z * pressure, gusts: 0.0, ..default() }));
-    // Thick air, so that it comes to rest in a few seconds.
+    // Strong drag, so that it comes to rest in a few seconds.
     world.insert_resource(AirDrag(0.95));
     world.spawn((InScene, Ground));
     let banner = world.resource::<AssetServer>().load("props/banner.glb#Mesh0/Primitive0");
@@ -73,7 +73,7 @@ fn spawn(world: &mut World) {
     let wood = Look::color(0x8a6a4b);
     let lying = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
     world.spawn((InScene, rod, wood, Transform::from_xyz(0.0, 2.62, 0.0).with_rotation(lying)));
-    // The formula, drawn beside the banner.
+    // The direction by the formula, drawn beside the banner.
     let (sin, cos) = libm::sincosf(lean(pressure, density, gravity) as f32);
     let from = Vec3::new(0.72, TOP, 0.0);
     let line = [from, from + 1.5 * Vec3::new(0.0, -cos, -sin)];

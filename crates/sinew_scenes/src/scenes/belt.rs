@@ -1,4 +1,4 @@
-//! A belt that carries crates along, and balls that bounce, each as its material is.
+//! A kinematic tray that carries crates by friction, and balls that bounce by the restitution of their material.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -43,13 +43,13 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Goes to and fro along x: its path is a function of the simulation's time alone.
+/// A tray that moves to and fro along x. Its position is a function of simulated time alone.
 #[derive(Component)]
 pub(crate) struct Tray {
     at: Vec3,
 }
 
-/// Leads trays, 0.8 m to either side in 5 s.
+/// Moves the trays by 0.8 m to either side, with a period of 5 s.
 pub(crate) fn lead_trays(clock: Res<SinewClock>, mut trays: Query<(&Tray, &mut Transform)>) {
     for (tray, mut transform) in &mut trays {
         let turn = (clock.seconds / 5.0).fract() as f32 * core::f32::consts::TAU;
@@ -57,11 +57,11 @@ pub(crate) fn lead_trays(clock: Res<SinewClock>, mut trays: Query<(&Tray, &mut T
     }
 }
 
-/// Radius of a ball, and height of the plate that they bounce on, metres.
+/// Radius of a ball, and height of the plate on which the balls bounce, metres.
 const RADIUS: f32 = 0.12;
 const PLATE: f32 = 0.04;
 
-/// How high over the plate a ball is that fell from `fall` metres and bounces without air.
+/// Height over the plate of a ball that fell from `fall` metres and bounces without air resistance, metres.
 fn height(restitution: f64, fall: f64, gravity: f64, seconds: f64) -> f64 {
     let first = libm::sqrt(2.0 * fall / gravity);
     if seconds < first {
@@ -82,7 +82,7 @@ fn height(restitution: f64, fall: f64, gravity: f64, seconds: f64) -> f64 {
 fn spawn(world: &mut World) {
     let [restitution, fall, gravity] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
-    // The formula has no air.
+    // The formula ignores air resistance.
     world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let at = Vec3::new(0.0, 0.5, -0.9);

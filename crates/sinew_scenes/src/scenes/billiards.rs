@@ -1,4 +1,4 @@
-//! Balls that bounce without loss: a break, and where it goes.
+//! Balls that bounce without loss of energy: a break.
 
 use bevy::prelude::*;
 use bevy_sinew::Combine;
@@ -49,13 +49,13 @@ pub(super) const SCENE: Scene = Scene {
 };
 
 const RADIUS: f32 = 0.16;
-/// Of the cloth, metres; and how high it is.
+/// Length and width of the cloth, metres, and its height.
 const TABLE: Vec2 = Vec2::new(5.6, 2.9);
 const HEIGHT: f32 = 0.4;
 
 fn spawn(world: &mut World) {
     let [speed, off, mass] = values(world);
-    // The formula has no air.
+    // The formula ignores air resistance.
     world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground));
     let smooth = SurfaceMaterial {

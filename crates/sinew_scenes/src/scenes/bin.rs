@@ -34,7 +34,7 @@ pub(super) const SCENE: Scene = Scene {
             let points = points_of(world, "jelly");
             let deep = |p: &Vec3| {
                 let out = p.x.abs().max(p.z.abs());
-                // From its inner or its outer side; over the rim there is no wall.
+                // Depth in the wall, from its inner or outer side; above the rim there is no wall.
                 let wall = (out - 0.5 * ROOM).min(0.5 * ROOM + THICK - out);
                 let wall = if p.y < HIGH { wall } else { 0.0 };
                 f64::from(wall.max(-p.y).max(0.0))
@@ -50,14 +50,14 @@ pub(super) const SCENE: Scene = Scene {
 /// Edge of a cube, metres.
 const EDGE: f32 = 0.26;
 
-/// Inside of the bin from wall to wall, metres.
+/// Inner width of the bin, metres.
 const ROOM: f32 = 2.9;
-/// Height and thickness of the walls, and radius of a particle, metres: half of the way between two of them, so that the skin has no holes.
+/// Height and thickness of the walls, and radius of a particle, metres: half the distance of neighbouring particles, so that the surface has no holes.
 const HIGH: f32 = 1.8;
 const THICK: f32 = 0.06;
 const RADIUS: f32 = EDGE / 4.0;
-/// The most that a cube is turned about each axis, rad, and from cube to cube, metres: half a cube so turned reaches out to 1.33 times half its edge, and its
-/// skin by its radius more, which are 0.24 m. What is spawned in each other is pressed to seven eighths of its volume until it is apart.
+/// Largest rotation of a cube about each axis, rad, and distance from cube to cube, metres. A cube rotated that far extends to 1.33 times half its edge, plus
+/// the radius of its particles: 0.24 m. Cubes that overlap when they are spawned are pressed to seven eighths of their volume until they are apart.
 const TURN: f32 = 0.15;
 const PITCH: f32 = 0.475;
 
@@ -81,7 +81,7 @@ fn spawn(world: &mut World) {
         let (layer, place) = (n / 36, n % 36);
         let [x, z] = [place % 6, place / 6].map(|i| (i as f32 - 2.5) * PITCH);
         let at = Vec3::new(x, (layer as f32 + 0.55) * PITCH, z);
-        // All kinds of poses, up to the angle that the pitch has room for.
+        // Varied poses, up to the angle for which the pitch leaves room.
         let angle = |stride: u32| TURN * ((n * stride % 13) as f32 / 6.0 - 1.0);
         let turn = Quat::from_euler(EulerRot::XYZ, angle(3), angle(5), angle(7));
         let cube = SoftBody {

@@ -1,4 +1,4 @@
-//! Boxes that float by their own shape, in a pool whose water flows.
+//! Boxes with buoyancy by their shape, in a pool with a current.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -42,9 +42,9 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Depth of the pool, metres: the height of its surface above the ground.
+/// Depth of the pool, metres: the surface is this high above the ground.
 const DEPTH: f32 = 1.2;
-/// Half its length, and its width behind what floats in it, metres.
+/// Half its length and half its width, metres.
 const HALF: Vec2 = Vec2::new(4.7, 1.6);
 /// Density of the water, kg/m³.
 const WATER: f32 = 1000.0;
@@ -59,17 +59,17 @@ fn spawn(world: &mut World) {
         Region::boxed(2.0 * Vec3::new(HALF.x, DEPTH, HALF.y)),
         Transform::from_xyz(0.0, DEPTH, 0.0),
     ));
-    // The water is a slab, cut open along the middle of what floats in it, so that one sees how deep it sits.
+    // Only the rear half of the water is drawn, cut through the middle of the boats, so that their draught is visible.
     let slab = mesh(world, Cuboid::new(2.0 * HALF.x, DEPTH, HALF.y));
     let blue = Look::color(0x2f86b5).roughness(0.08).opacity(0.62);
     world.spawn((InScene, slab, blue, Transform::from_xyz(0.0, DEPTH * 0.5, -HALF.y * 0.5)));
     let crates = [(0.25, 0.5), (density / WATER, height), (0.75, 0.5)];
     for (i, (share, height)) in crates.into_iter().enumerate() {
-        // Wide enough to float upright at any density: width² > 6 height² s (1 - s).
+        // Wide enough to float upright at any density s (relative to water): width² > 6 height² s (1 - s).
         let size = Vec3::new(0.8, height, 0.8);
         let crate_ = float(world, size, share, -1.5 + 1.1 * i as f32, 0.0);
         if i == 1 {
-            // Nearly where it will rest: with little water about it, a light hull bobs for long.
+            // Starts near its rest position: a light hull displaces little water and bobs for long.
             let high = DEPTH + (0.5 - 0.95 * share) * height;
             let place = Transform::from_xyz(-0.4, high, 0.0);
             world.entity_mut(crate_).insert(place);
@@ -85,7 +85,7 @@ fn spawn(world: &mut World) {
     raft(world);
 }
 
-/// A box that floats, its lower side a little above the water.
+/// A floating box of relative density `share`, its bottom a little above its draught.
 fn float(world: &mut World, size: Vec3, share: f32, x: f32, turn: f32) -> Entity {
     let place = Vec3::new(x, DEPTH + 0.5 * size.y - 0.3 * share, 0.0);
     world
@@ -100,7 +100,7 @@ fn float(world: &mut World, size: Vec3, share: f32, x: f32, turn: f32) -> Entity
         .id()
 }
 
-/// A raft of six logs with a mast: to the water it is one wide box.
+/// A raft of six logs with a mast. For buoyancy it is one wide box.
 fn raft(world: &mut World) {
     let size = Vec3::new(1.5, 0.22, 1.26);
     let raft = float(world, size, 0.45, -3.6, -0.2);

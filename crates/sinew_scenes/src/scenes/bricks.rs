@@ -1,4 +1,4 @@
-//! One throw, three ways to compute it: bricks that spin about their middle axis, which no brick does for long.
+//! The same throw computed in three ways: bricks that spin about their middle axis, which is unstable (Dzhanibekov effect).
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -47,7 +47,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Edges of a brick, metres: its middle axis is y, and stands upright.
+/// Edges of a brick, metres. The middle axis is y, which points up.
 const SIZE: Vec3 = Vec3::new(1.0, 2.0, 3.0);
 
 /// Σ m r × v of a body about its barycentre, kg m²/s.
@@ -67,7 +67,7 @@ fn angular_momentum(world: &World, body: Entity) -> Option<f64> {
 
 fn spawn(world: &mut World) {
     let [spin, tilt, mass] = values(world);
-    // About the middle axis, but for the tilt.
+    // About the middle axis, except for the tilt.
     let thrown = spin * Vec3::new(tilt, 1.0, 0.0);
     world.insert_resource(Gravity(Vec3::ZERO));
     world.insert_resource(AirDrag(0.0));
@@ -82,12 +82,12 @@ fn spawn(world: &mut World) {
             .spawn((
                 InScene,
                 Name::new("brick"),
-                // As hard to turn as a solid brick, which decides when it flips.
+                // With the inertia of a solid brick, which determines when it flips.
                 RigidBox {
                     particles: BoxParticles::Equimomental,
                     ..RigidBox::new(SIZE).with_mass(mass)
                 },
-                // So that one sees what the corrections do by themselves.
+                // So that the effect of the corrections alone is visible.
                 BodySolver { gradient_at: Some(gradient_at), keep_spin: Some(false), ..default() },
                 representation,
                 skin,
@@ -97,7 +97,7 @@ fn spawn(world: &mut World) {
             ))
             .set_angular_velocity(thrown)
             .id();
-        // A knob says which end was up.
+        // A knob marks the end that was up at first.
         let (stick, knob) = (mesh(world, cylinder(0.05, 0.5)), mesh(world, ball(0.16)));
         let (steel, red) = (Look::color(0xb9bec6).metal(), Look::color(0xd1495b).roughness(0.3));
         let above = |y: f32| Transform::from_xyz(0.0, SIZE.y * 0.5 + y, 0.0);

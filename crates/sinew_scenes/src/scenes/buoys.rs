@@ -43,7 +43,7 @@ pub(super) const SCENE: Scene = Scene {
 /// Height of the water, metres.
 const LEVEL: f32 = 0.6;
 
-/// How deep a ball sits, metres: the root of the cubic in between, which grows with the depth, by bisection.
+/// Depth to which a ball sinks, metres: the root of the cubic, by bisection; the left side grows with the depth.
 fn depth(density: f32, radius: f32, water: f32) -> f64 {
     let share = f64::from(density) / f64::from(water);
     let (mut low, mut high) = (0.0, 2.0);
@@ -60,20 +60,20 @@ fn depth(density: f32, radius: f32, water: f32) -> f64 {
 
 fn spawn(world: &mut World) {
     let [red, red_radius, water] = values(world);
-    // Thick air, too: it slows down what is out of the water.
+    // Strong air drag as well: it damps what is out of the water.
     world.insert_resource(AirDrag(0.5));
     world.spawn((InScene, Ground));
-    // Thick for water, so that what bobs comes to rest in a few seconds.
+    // More drag than water has, so that the balls come to rest in a few seconds.
     let fluid = Fluid { drag: 0.95, density: water, ..default() };
     world.spawn((InScene, fluid, Transform::from_xyz(0.0, LEVEL, 0.0)));
-    // The water is a slab seen from the front, cut open, so that one sees how deep the balls sit.
+    // Only the rear half of the water is drawn, cut through the middle of the balls, so that their depth is visible.
     let wide = 1.2;
     let back = mesh(world, Cuboid::new(5.4, LEVEL, wide));
     let blue = Look::color(0x2f86b5).roughness(0.08).opacity(0.62);
     world.spawn((InScene, back, blue, Transform::from_xyz(0.0, LEVEL * 0.5, -wide * 0.5)));
     for (i, density) in [100.0, 250.0, red, 750.0, 950.0, 1600.0].into_iter().enumerate() {
         let x = -2.1 + 0.84 * i as f32;
-        // The red one begins near to where it will rest, so that it is soon there.
+        // The red ball starts near its rest position, so that it settles soon.
         let soon = LEVEL + red_radius - 0.8 * depth(red, red_radius, water) as f32;
         let (radius, high) =
             if i == 2 { (red_radius, soon) } else { (0.22, 1.1 + 0.22 * i as f32) };
@@ -98,7 +98,7 @@ fn spawn(world: &mut World) {
             look,
         ));
     }
-    // Where the formula says that the foot of the red ball comes to rest.
+    // The height at which the bottom of the red ball comes to rest by the formula.
     let foot = LEVEL - depth(red, red_radius, water) as f32;
     let mark = [-0.3, 0.3].map(|side| Vec3::new(-0.42 + side, foot, 0.01));
     curve(world, &mark, 0.008, Look::color(0xd0342c));

@@ -1,4 +1,4 @@
-//! A charged pendulum between the plates of a capacitor: it rests where weight and electric force add up to the direction of its string.
+//! A charged pendulum between the plates of a capacitor: its string comes to rest along the sum of weight and electric force.
 
 use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
@@ -44,18 +44,18 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Height of the hook, length of the string, half the gap of the plates, metres.
+/// Height of the hook, length of the string and half the distance of the plates, metres.
 const HANG: f32 = 1.9;
 const LENGTH: f32 = 0.95;
 const GAP: f32 = 0.95;
 /// Radius of the balls, metres.
 const RADIUS: f32 = 0.07;
-/// How long the sum of the forces is drawn, metres.
+/// Length of the arrow for the total force, metres.
 const SUM: f32 = 0.55;
-/// How far behind the charged ball the other one hangs, metres.
+/// Offset of the uncharged ball along z, metres.
 const BEHIND: f32 = -0.3;
 
-/// The forces on a ball, drawn: its weight, the electric force, and their sum.
+/// Arrows for the forces on a ball: its weight, the electric force, and their sum.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct ForceArrows {
     /// The electric force, N.
@@ -63,7 +63,7 @@ pub(crate) struct ForceArrows {
     arrows: [Arrow; 3],
 }
 
-/// Draws the forces, each by its share of the sum.
+/// Draws the forces, scaled so that the arrow of the sum has a fixed length.
 pub(crate) fn draw_forces(
     gravity: Res<Gravity>,
     balls: Query<(&ForceArrows, &Particle, &Mass)>,
@@ -92,7 +92,7 @@ fn lean(field: f32, charge: f32, mass: f32) -> f64 {
 
 fn spawn(world: &mut World) {
     let [field, charge, mass] = values(world);
-    // Thick air, so that it comes to rest in a few seconds.
+    // Strong drag, so that it comes to rest in a few seconds.
     world.insert_resource(AirDrag(0.95));
     world.spawn((InScene, Ground));
     world.spawn((
@@ -111,7 +111,7 @@ fn spawn(world: &mut World) {
         let at = Transform::from_xyz(side * (GAP + 0.1), 0.15, 0.0);
         world.spawn((InScene, foot, Look::color(0x6c757d).metal(), at));
     }
-    // The beam is above all that swings.
+    // The beam is above everything that swings.
     let lying = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
     let beam = post(world, 0.03, 1.0);
     let metal = Look::color(0x6c757d).metal();
@@ -119,7 +119,7 @@ fn spawn(world: &mut World) {
     world.spawn((InScene, beam, metal.clone(), at));
     let leg = post(world, 0.04, HANG + 0.06);
     world.spawn((InScene, leg, metal, Transform::from_xyz(0.0, 0.5 * HANG + 0.03, -0.8)));
-    // The formula, drawn: where the string comes to rest.
+    // The rest position of the string by the formula.
     let angle = lean(field, charge, mass) as f32;
     let (sin, cos) = libm::sincosf(angle);
     let along = Vec3::new(sin, -cos, 0.0);
@@ -154,7 +154,7 @@ fn spawn(world: &mut World) {
         if charge > 0.0 {
             let arrows = [0xe9b44c, 0x2e86ab, 0xd0342c]
                 .map(|color| Arrow::spawn(world, 0.012, Look::color(color).roughness(0.5)));
-            // kN/C by C.
+            // kN/C times C.
             let electric = Vec3::X * (field * 1e3 * charge);
             world.entity_mut(bob).insert(ForceArrows { electric, arrows });
         }

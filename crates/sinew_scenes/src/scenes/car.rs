@@ -1,4 +1,4 @@
-//! Two cars: one is driven by a torque on its wheels, the other is pushed by a force on its body.
+//! Two cars: one is driven by a torque on its wheels, the other by a force on its body.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -46,23 +46,23 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// The body of a car, metres, and the mass of an axle with its two wheels, kg.
+/// Size of the body of a car, metres, and mass of an axle with its two wheels, kg.
 const BODY: Vec3 = Vec3::new(1.5, 0.2, 0.5);
 const AXLE: f32 = 3.0;
-/// Width over the wheels, and how far each axle is from the middle, metres.
+/// Width over the wheels, and distance of each axle from the middle, metres.
 const WIDE: f32 = 0.8;
 const BASE: f32 = 0.5;
-/// Seconds for which the cars speed up; they brake for as long, and then come back the same way.
+/// Time for which the cars speed up, seconds. They brake for as long, and then drive back in the same way.
 const PUSH: f64 = 1.25;
 
-/// A control force that is turned round in time, so that the car comes back.
+/// A control force that reverses periodically, so that the car comes back.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct ToAndFro {
     force: Vec3,
     torque: Vec3,
 }
 
-/// Turns control forces round. A function of the simulation's time alone.
+/// Reverses the control forces. The sign is a function of simulated time alone.
 pub(crate) fn drive(clock: Res<SinewClock>, mut forces: Query<(&ToAndFro, &mut ControlForce)>) {
     let passed = into_round(clock.seconds, 4.0 * PUSH) + 1e-4;
     let sign = if (PUSH..3.0 * PUSH).contains(&passed) { -1.0 } else { 1.0 };
@@ -72,7 +72,7 @@ pub(crate) fn drive(clock: Res<SinewClock>, mut forces: Query<(&ToAndFro, &mut C
     }
 }
 
-/// The time for which the force has pushed forward, less that for which it has pushed back, seconds.
+/// The time for which the force has pushed forward, less the time for which it has pushed back, seconds.
 fn pushed_for(seconds: f64) -> f64 {
     let passed = into_round(seconds, 4.0 * PUSH);
     if passed < PUSH {
@@ -95,7 +95,7 @@ fn spawn(world: &mut World) {
         world.spawn((InScene, stripe.clone(), Look::color(0xefe9dc), at));
     }
     let forward = ControlForce::new(Vec3::X * (2.0 * torque / radius));
-    // A wheel that rolls towards x turns against z; what turns it pushes the body the other way round.
+    // A wheel that rolls towards +x turns about -z; the reaction turns the body the other way.
     let wheel = ControlForce::torque(Vec3::NEG_Z * torque);
     let body = ControlForce::torque(Vec3::Z * (2.0 * torque));
     let none = ControlForce::default();
@@ -136,7 +136,7 @@ fn car(
     world.spawn((ChildOf(body), cabin, Look::color(0xdfe6ea).roughness(0.15), on));
     let (tyre, cap) =
         (mesh(world, cylinder(radius, 0.14)), mesh(world, cylinder(0.6 * radius, 0.15)));
-    // Off the middle, so that one sees it turn.
+    // Off centre, so that the rotation is visible.
     let bolt = mesh(world, cylinder(0.12 * radius, 0.17));
     let rod = mesh(world, cylinder(0.03, WIDE));
     let (rubber, steel) = (Look::color(0x22252a).roughness(0.9), Look::color(0xc8ccd2).metal());
@@ -156,7 +156,7 @@ fn car(
             ))
             .id();
         for side in [-0.5, 0.5] {
-            // Two points on the axle, each tied to the body: a hinge.
+            // Two points on the axle, each attached to the body, form a hinge.
             let end = Vec3::Y * (side * WIDE);
             let tie = AttachTo::new(body).part(Anchor::Point(end));
             world.spawn((tie, AttachmentOf(axle)));

@@ -1,4 +1,4 @@
-//! A crate that falls into a sheet, held at its four corners, which catches it.
+//! A crate falls into a sheet that is pinned at its four corners and catches it.
 
 use bevy::prelude::*;
 use bevy_sinew::RigidPose;
@@ -43,21 +43,21 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Height of the sheet, its side, and edge of the crate, metres.
+/// Height and side of the sheet, and edge of the crate, metres.
 const SHEET: f32 = 1.4;
 const SIDE: f32 = 2.0;
 const EDGE: f32 = 0.5;
 /// Radius of a particle of the sheet, metres.
 const THREAD: f32 = 0.03;
 
-/// How far a point is outside of a cube about the origin of half the edge, metres; negative inside.
+/// Signed distance of a point from a cube about the origin with this half edge, metres; negative inside.
 fn off_a_box(at: Vec3, half: f32) -> f32 {
     let past = at.abs() - half;
     past.max(Vec3::ZERO).length() + past.max_element().min(0.0)
 }
 
-/// Where the middle of the crate is, and how it is turned, by its particles as the sheet's are taken: its transform is eased between two ticks, and as a crate
-/// bounces at 3 m/s up to 50 mm behind.
+/// Centre and rotation of the crate, from its particles, as the sheet's particles are read too. Its transform is interpolated between two ticks and lags by up
+/// to 50 mm while the crate bounces at 3 m/s.
 fn crate_now(world: &mut World) -> Option<(Vec3, Mat3)> {
     let RigidPose { particles, rest } = of_named(world, "crate")?;
     let at = |&one: &Entity| world.get::<Particle>(one).map(|one| one.position);
@@ -68,7 +68,7 @@ fn crate_now(world: &mut World) -> Option<(Vec3, Mat3)> {
         let arm = point - middle;
         moments += Mat3::from_cols(arm * rest.x, arm * rest.y, arm * rest.z);
     }
-    // Of a cube the second moments are alike along all axes.
+    // The second moments of a cube are equal along all axes.
     let square = rest.iter().map(|rest| rest.length_squared()).sum::<f32>() / 3.0;
     (points.len() == rest.len() && square > 0.0).then(|| (middle, moments * (1.0 / square)))
 }
@@ -88,7 +88,7 @@ fn spawn(world: &mut World) {
     world.spawn((
         InScene,
         Name::new("sheet"),
-        // Knitted, so that it gives: cloth that does not stretch, spread taut, is a trampoline.
+        // Compliant, like a knitted fabric: inextensible cloth, spread taut, would act as a trampoline.
         Cloth {
             radius: THREAD,
             density: 0.8,

@@ -1,4 +1,4 @@
-//! A rope that hangs from two posts, brought to rest by drag, and the catenary that its length says.
+//! A rope between two posts, brought to rest by drag, and the catenary given by its length.
 
 use bevy::prelude::*;
 use bevy_sinew::BodyParticles;
@@ -40,7 +40,7 @@ pub(super) const SCENE: Scene = Scene {
             let a = parameter(span, span * (1.0 + f64::from(values[0])));
             a * (libm::cosh(0.5 * span / a) - 1.0)
         },
-        // The solver may leave each of the 24 pieces longer by its tolerance, and sag grows faster than length.
+        // The solver may leave each of the 24 segments too long by its tolerance, and the sag grows faster than the length.
         tolerance: [0.0, 0.02],
     }),
     spawn,
@@ -51,12 +51,12 @@ const TOP: f32 = 1.95;
 /// Radius of the rope and of a post, metres.
 const ROPE: f32 = 0.02;
 const POST: f32 = 0.05;
-/// Straight pieces of the drawn curve.
+/// Straight segments of the drawn curve.
 const PIECES: u32 = 40;
 
-/// The parameter `a` of the catenary over `span` whose arc is `length`, metres: the root of `2a sinh(span/2a) = length`, by bisection.
+/// The parameter `a` of the catenary over `span` whose arc length is `length`, metres: the root of `2a sinh(span/2a) = length`, by bisection.
 fn parameter(span: f64, length: f64) -> f64 {
-    // With u = span/2a the arc is span · sinh(u)/u, which grows with u.
+    // With u = span/2a the arc length is span · sinh(u)/u, which grows with u.
     let (mut low, mut high) = (1e-6, 20.0);
     for _ in 0..80 {
         let u = 0.5 * (low + high);
@@ -90,7 +90,7 @@ fn spawn(world: &mut World) {
     };
     let hemp = Look::color(0xc9a66b).roughness(0.9);
     world.spawn((InScene, Name::new("hanging rope"), rope.with_slack(slack), hemp, Interpolate));
-    // The curve of the formula, before the rope.
+    // The curve by the formula, drawn in front of the rope.
     let a = parameter(f64::from(span), f64::from(span * (1.0 + slack))) as f32;
     let curve_at = |i: u32| {
         let x = span * (i as f32 / PIECES as f32 - 0.5);

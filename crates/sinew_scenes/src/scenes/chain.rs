@@ -1,4 +1,4 @@
-//! A chain of rope loops, linked into each other, with a weight at its end.
+//! A chain of rope loops that are linked by contact alone, with a weight at its end.
 
 use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
@@ -50,19 +50,19 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Loops, and particles of each.
+/// Number of loops, and of particles in each.
 const LOOPS: usize = 6;
 const BEADS: usize = 28;
-/// Radius of a rope, metres. Neighbours in a loop overlap: nothing slips between two of them.
+/// Radius of a rope, metres. Neighbouring particles of a loop overlap, so that nothing slips between them.
 const ROPE: f32 = 0.03;
-/// A loop hangs as a link of a chain does, two half circles and what is straight between them: radius of the middle of its rope in the bends, where the next
-/// one fits in, length of each straight side, and half of its height, metres.
+/// Shape of a loop, as of a link of a chain: two half circles and straight sides between them. Radius of the centre line in the bends, where the next loop fits
+/// in; length of each straight side; half the height; metres.
 const BEND: f32 = 2.0 * ROPE;
 const SIDE: f32 = 0.408;
 const HALF: f32 = 0.5 * SIDE + BEND;
-/// Where the middle of the uppermost rope is, metres.
+/// Height of the topmost point of the centre line, metres.
 const TOP: f32 = 3.59;
-/// How fast it swings to begin with, rad/s.
+/// Initial angular velocity of the chain, rad/s.
 const SWING: f32 = 0.4;
 
 fn spawn(world: &mut World) {
@@ -72,7 +72,7 @@ fn spawn(world: &mut World) {
     world.spawn((InScene, Ground));
     let colors = [0xc9a66b, 0xb8434e, 0x3f6f9f];
     for n in 0..LOOPS {
-        // Each hangs in the one above, a quarter turned: rope on rope, with a millimetre of slack.
+        // Each hangs in the one above, rotated by a quarter turn: rope on rope, with a millimetre of slack.
         let centre = Vec3::Y * (TOP - HALF - n as f32 * (2.0 * HALF - 2.0 * ROPE - 1e-3));
         let look = Look::color(colors[n % colors.len()]).roughness(0.9);
         link(world, centre, n % 2 == 1, n == 0, n == LOOPS - 1, look);
@@ -80,7 +80,7 @@ fn spawn(world: &mut World) {
     gallows(world, TOP);
 }
 
-/// What the chain hangs on at a height.
+/// The gallows that the chain hangs on, its beam at this height.
 fn gallows(world: &mut World, high: f32) {
     let wood = Look::color(0x6d5138).roughness(0.9);
     let (radius, out) = (0.07, 0.95);
@@ -113,7 +113,7 @@ fn link(world: &mut World, centre: Vec3, turned: bool, held: bool, last: bool, l
         world.entity_mut(beads[0]).insert(Pinned::HERE);
     }
     for i in 0..BEADS {
-        // The next one, and the one after it at half of the straight way at least: a rope does not fold sharply.
+        // The neighbour, and the second neighbour at no less than 0.85 of its distance, so that the rope does not fold sharply.
         let (next, second) = (beads[(i + 1) % BEADS], beads[(i + 2) % BEADS]);
         let (gap, wide) = (place(i).distance(place(i + 1)), place(i).distance(place(i + 2)));
         world.spawn((DistanceConstraint::new(beads[i], next, gap), ConstraintOf(body)));
@@ -130,11 +130,11 @@ fn link(world: &mut World, centre: Vec3, turned: bool, held: bool, last: bool, l
     }
 }
 
-/// Where the middle of a loop's rope is from the centre, across and up, metres; at a share of its way around, from the top.
+/// A point of a loop's centre line relative to its centre, across and up, metres, at a fraction of the way around it from the top.
 fn along_loop(share: f32) -> [f32; 2] {
     let quarter = 0.5 * core::f32::consts::PI * BEND;
     let half = 2.0 * quarter + SIDE;
-    // The other side, and the lower half of either, are mirror images.
+    // The other side and the lower half are mirror images.
     let (way, side) = if share <= 0.5 { (share, 1.0) } else { (1.0 - share, -1.0) };
     let way = 2.0 * way * half;
     let (way, upper) = if way <= 0.5 * half { (way, 1.0) } else { (half - way, -1.0) };
@@ -142,14 +142,14 @@ fn along_loop(share: f32) -> [f32; 2] {
     [side * BEND * sin, upper * (HALF - BEND * (1.0 - cos) - (way - quarter).max(0.0))]
 }
 
-/// Has a body with this barycentre swing about the top of the chain.
+/// Starts a body with this barycentre swinging about the top of the chain.
 fn swing(world: &mut World, body: Entity, centre: Vec3) {
     let turn = Vec3::Z * SWING;
     let velocity = turn.cross(centre - Vec3::Y * TOP);
     world.commands().entity(body).set_motion(velocity, turn);
 }
 
-/// A ball of so many kilograms on a short string.
+/// A ball of `heavy` kg on a short string.
 fn weight(world: &mut World, bead: Entity, from: Vec3, heavy: f32) {
     let centre = from - Vec3::Y * 0.22;
     let iron = mesh(world, ball(0.13));

@@ -1,4 +1,4 @@
-//! Charges in a box: opposite ones find each other, like ones flee.
+//! Charges in a box: opposite ones attract, like ones repel.
 
 use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
@@ -90,7 +90,7 @@ fn spawn(world: &mut World) {
     }
 }
 
-/// The edges of the box, so that one sees what holds the charges: tubes between pinned particles.
+/// Draws the edges of the bounding box that confines the charges: tubes between pinned particles.
 fn frame(world: &mut World, centre: Vec3) {
     let corners: Vec<Entity> = (0..8)
         .map(|i| {

@@ -46,7 +46,7 @@ const RADIUS: f32 = 0.24;
 const SECTORS: u32 = 18;
 const STACKS: u32 = 11;
 
-/// Height of the rod, metres. The hem is 5 cm above the ground: from 20 cm on, the ball slips through below it.
+/// Height of the rod, metres. The hem is 5 cm above the ground; from 20 cm on, the ball would slip through below it.
 const TOP: f32 = 2.16;
 
 fn spawn(world: &mut World) {
@@ -66,7 +66,7 @@ fn spawn(world: &mut World) {
         Interpolate,
         Transform::from_xyz(0.0, TOP - 1.06, 0.0),
     ));
-    // A ball of leather, pumped up; its particles are as far apart as they are wide.
+    // An inflated leather ball. Its particles are as far apart as they are wide.
     let skin = mesh(world, Sphere::new(RADIUS).mesh().uv(SECTORS, STACKS));
     let ball = SoftBody {
         radius: 0.03,

@@ -1,4 +1,4 @@
-//! Velocity damping: exact, and by the approximation that depends on the step.
+//! Velocity damping: exact, and by an approximation that depends on the time step.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -45,28 +45,28 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// After so many seconds all begin anew.
+/// All beads start again after this time, seconds.
 const ROUND: f64 = 2.0;
-/// Where the beads begin along x, metres.
+/// Where the beads start along x, metres.
 const START: f32 = -1.9;
 
-/// Loses a share of its velocity by the approximation, in every tick or once in a round.
+/// Damping by the approximation, in every tick or once in a step of its own.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Approximated {
-    /// Share lost in a second.
+    /// Fraction of the velocity lost in a second.
     lost: f32,
-    /// Length of its step, seconds; `None`: a tick.
+    /// Length of its step, seconds; `None`: one tick.
     step: Option<f32>,
 }
 
-/// A bead that starts anew with this velocity, m/s, when this round ends.
+/// A bead that starts again with this velocity, m/s, when its round ends.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Bead {
     round: Rounds,
     speed: f32,
 }
 
-/// Damps what is damped by the approximation, and starts the beads anew.
+/// Applies the approximate damping, and restarts the beads.
 pub(crate) fn damp(
     clock: Res<SinewClock>,
     time: Res<Time>,
@@ -115,14 +115,14 @@ fn spawn(world: &mut World) {
         let look = Look::color(color).roughness(0.3);
         let along = Transform::from_xyz(0.0, high, 0.0).with_rotation(lying);
         world.spawn((InScene, wire.clone(), steel.clone(), along));
-        // Where a bead is when the round ends: on the wire, behind it.
+        // Where the bead is when the round ends, marked behind it on the wire.
         let way = match approximated {
             None => {
                 let rate = -libm::log1pf(-lost);
                 speed / rate * (1.0 - libm::expf(-rate * ROUND as f32))
             }
             Some(step) => {
-                // A geometric series; the first step is done at full speed.
+                // The sum of a geometric series; the first step is taken at full speed.
                 let step = step.unwrap_or(1.0 / 60.0);
                 let kept = 1.0 - lost * step;
                 speed / lost * (1.0 - libm::powf(kept, ROUND as f32 / step))

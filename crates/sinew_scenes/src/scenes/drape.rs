@@ -48,7 +48,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Middle of the ball, and radius of a particle of cloth, metres.
+/// Centre of the ball, and radius of a particle of cloth, metres.
 const BALL: Vec3 = Vec3::new(-1.05, 0.75, 0.0);
 const THREAD: f32 = 0.0165;
 

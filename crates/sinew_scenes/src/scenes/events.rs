@@ -1,4 +1,4 @@
-//! Gates that count what passes, a filter that lets red through and stops blue, and boxes that flash when they are hit.
+//! Sensor gates that count balls, a plate whose layers let red balls through and stop blue ones, and boxes that flash when they are hit.
 
 use std::collections::BTreeSet;
 
@@ -53,33 +53,33 @@ pub(super) const SCENE: Scene = Scene {
 /// Radius of a ball, metres, and its mass, kg.
 const RADIUS: f32 = 0.09;
 const MASS: f32 = 0.8;
-/// Size of a gate, metres, and how high the upper and the lower one and the plate between them are.
+/// Size of a gate, and heights of the upper gate, of the plate and of the lower gate, metres.
 const GATE: Vec3 = Vec3::new(2.3, 0.05, 0.5);
 const UPPER: f32 = 2.35;
 const PLATE: f32 = 1.75;
 const LOWER: f32 = 1.1;
-/// Lanes side by side, and how far apart, metres: no ball falls onto the one before it.
+/// Number of lanes and their distance, metres: far enough apart that no ball falls onto the one before it.
 const LANES: u32 = 5;
 const LANE: f32 = 0.45;
-/// Where a ball begins along z, metres, and how fast it goes backwards, m/s: it comes down on the box, and rolls off it.
+/// Where a ball starts along z, metres, and its initial speed backwards, m/s: it lands on the box and rolls off it.
 const START_Z: f32 = 0.12;
 const DRIFT: f32 = 0.25;
-/// For how long a ball is there, seconds.
+/// Time after which a ball is despawned, seconds.
 const LIFE: f64 = 7.0;
-/// How much of a flash is left after a tick.
+/// Fraction of a flash that remains after a tick.
 const FADES: f32 = 0.9;
 
-/// Layers: red balls, blue balls, and the plate, which is in a layer of its own and meets the blue alone.
+/// Layers of red balls, of blue balls, and of the plate, which collides with blue balls only.
 const RED: CollisionLayers = CollisionLayers::new(1 << 1, u32::MAX);
 const BLUE: CollisionLayers = CollisionLayers::new(1 << 2, u32::MAX);
 const FILTER: CollisionLayers = CollisionLayers::new(1 << 3, 1 << 2);
 
-/// How high a ball begins, metres.
+/// Height at which a ball starts, metres.
 fn start(above: f32) -> f32 {
     UPPER + above + 0.2
 }
 
-/// Whether ball number `n` is red, where so many of four are.
+/// Whether ball number `n` is red, if `of_four` in four are.
 fn is_red(n: u32, of_four: f32) -> bool {
     let red = of_four.round().max(0.0) as u32;
     (n * red) % 4 < red
@@ -90,21 +90,21 @@ fn is_red(n: u32, of_four: f32) -> bool {
 pub(crate) struct Gate {
     lower: bool,
     passed: BTreeSet<Entity>,
-    /// What lights up.
+    /// The frame that flashes.
     frame: Option<Entity>,
 }
 
-/// Lets balls go.
+/// Spawns balls; counts them.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct Dispenser {
     next: u32,
 }
 
-/// When a ball was let go, seconds.
+/// Time at which a ball was spawned, seconds.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Dropped(f64);
 
-/// What flashes: how bright it is, 0 to 1, and in which colours.
+/// A flash: its brightness, 0 to 1, and its dark and bright colour.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Flash {
     bright: f32,
@@ -113,14 +113,14 @@ pub(crate) struct Flash {
 
 impl Flash {
     fn look(&self) -> Look {
-        // In steps: a look that is another one has a material of its own.
+        // In steps, because each different look gets a material of its own.
         let share = (self.bright.clamp(0.0, 1.0) * 12.0).round() / 12.0;
         let [dark, bright] = self.colors.map(|color| Look::color(color).color);
         Look { color: dark.mix(&bright, share), ..Look::color(0).roughness(0.5) }
     }
 }
 
-/// Lets a ball go whenever one is due, and takes away those that have lain long enough.
+/// Spawns a ball whenever one is due, and despawns those that are too old.
 pub(crate) fn dispense(
     clock: Res<SinewClock>,
     stage: Option<Res<OnStage>>,
@@ -152,7 +152,7 @@ pub(crate) fn dispense(
     }
 }
 
-/// Counts what comes into the gates, and lights up what is passed and hit.
+/// Counts the balls that enter the gates, and lights up what was entered or hit.
 pub(crate) fn hear(
     mut started: MessageReader<ContactStarted>,
     mut impulses: MessageReader<ContactImpulse>,
@@ -172,7 +172,7 @@ pub(crate) fn hear(
             flash.bright = 1.0;
         }
     }
-    // What a ball has that falls onto a box from half a metre above the upper gate, N·s: that is as bright as it gets.
+    // The momentum of a ball that falls onto a box from half a metre above the upper gate, N·s: full brightness.
     let full = MASS * libm::sqrtf(2.0 * 9.81 * start(0.5));
     for event in impulses.read().filter(|event| balls.contains(event.other)) {
         if let Ok((mut flash, _)) = flashes.get_mut(event.entity) {
@@ -199,11 +199,11 @@ fn spawn(world: &mut World) {
         let at = Transform::from_xyz(x, 0.5 * high, -0.35);
         world.spawn((InScene, post.clone(), steel.clone(), at));
     }
-    // Where the balls come from: it is only drawn.
+    // The hopper that the balls seem to come from. It has no collider.
     let hopper = mesh(world, rounded_box(Vec3::new(2.0 * wide, 0.1, 0.34), 0.03, 3));
     let at = Transform::from_xyz(0.0, high, -0.2);
     world.spawn((InScene, hopper, steel.clone(), at));
-    // The plate, tilted towards the front, so that what it stops rolls off there.
+    // The plate, tilted towards the front so that the balls it stops roll off there.
     let size = Vec3::new(GATE.x, 0.03, 0.95);
     let plate = (Collider::cuboid(size), FILTER, SurfaceMaterial::new(0.1));
     let skin = mesh(world, rounded_box(size, 0.01, 2));
@@ -211,7 +211,7 @@ fn spawn(world: &mut World) {
     let at = Transform::from_xyz(0.0, PLATE, 0.1).with_rotation(tilt);
     let glass = Look::color(0x9cc4d8).roughness(0.1);
     world.spawn((InScene, Name::new("plate"), plate, skin, glass, at));
-    // A box below each lane, and walls that keep the balls together, the blue ones in front.
+    // A box below each lane, and walls that keep the balls together, blue ones in front.
     let size = Vec3::new(0.32, 0.3, 0.32);
     let skin = mesh(world, rounded_box(size, 0.03, 3));
     for lane in 0..LANES {
@@ -240,7 +240,7 @@ fn spawn(world: &mut World) {
     }
 }
 
-/// A sensor, and a frame around it that lights up.
+/// A sensor, and a frame around it that flashes.
 fn gate(world: &mut World, high: f32, lower: bool) {
     let flash = Flash { bright: 0.0, colors: [0x4a5560, 0x7dffb0] };
     let half = 0.5 * Vec2::new(GATE.x, GATE.z);
@@ -253,7 +253,7 @@ fn gate(world: &mut World, high: f32, lower: bool) {
         (Vec3::new(0.05, 0.05, GATE.z), half.x, 0.0),
         (Vec3::new(0.05, 0.05, GATE.z), -half.x, 0.0),
     ] {
-        // All bars have the same attributes, so nothing is refused.
+        // All bars have the same attributes, so merging cannot fail.
         frame.merge(&bar(size, x, z)).ok();
     }
     let frame = mesh(world, frame);

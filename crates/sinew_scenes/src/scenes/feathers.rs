@@ -1,4 +1,4 @@
-//! Sheets that sink through still air, each at the speed that its weight asks for, and one that a fan blows away.
+//! Sheets that sink through still air, each at the terminal speed of its weight, and one that a fan blows away.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -44,16 +44,16 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Edge of a sheet, metres, and the height from which it falls.
+/// Edge of a sheet, and height from which it falls, metres.
 const EDGE: f32 = 0.9;
 const TOP: f32 = 4.0;
-/// Where the fan is.
+/// Position of the fan, metres.
 const FAN: Vec3 = Vec3::new(1.15, 2.4, 0.0);
 
 fn spawn(world: &mut World) {
     let [density, edge, gravity] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
-    // The air below does all the braking: by area and speed, not by a share of the velocity.
+    // The `AirFlow` below does all the braking, by area and speed, instead of a fraction of the velocity.
     world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.8)));
     world.spawn((InScene, Name::new("still air"), AirFlow::default()));

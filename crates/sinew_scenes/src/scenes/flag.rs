@@ -1,4 +1,4 @@
-//! A flag on a pole: cloth on a grid, held along one edge, in a gusty wind.
+//! A flag on a pole: grid cloth, pinned along one edge, in a gusty wind.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -37,15 +37,15 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Height and width of the flag, metres: the proportions of its picture.
+/// Width and height of the flag, metres: the proportions of its texture.
 const SIZE: Vec2 = Vec2::new(1.92, 1.2);
-/// Where the wind blows to, and the density of air, kg/m³.
+/// Direction of the wind, and density of air, kg/m³.
 const WAY: Vec3 = Vec3::new(13.0, 0.0, 3.5);
 const AIR: f32 = 1.225;
 
 fn spawn(world: &mut World) {
     let [speed, gusts, density] = values(world);
-    // The lectures' law knows no motion of the cloth, so the air's drag is what calms it.
+    // This pressure does not depend on the velocity of the cloth, so air drag has to damp its motion.
     let pressure = WAY * (0.5 * AIR * speed * speed / WAY.length());
     world.spawn((
         InScene,

@@ -1,4 +1,4 @@
-//! A world of two dimensions: what is pushed out of it stays in it.
+//! A 2D world: particles that are pushed out of its plane stay in it.
 
 use bevy::prelude::*;
 use bevy_sinew::Flatland;

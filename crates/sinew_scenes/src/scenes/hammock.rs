@@ -1,4 +1,4 @@
-//! A sheet that hangs on four ropes, and what is thrown into it.
+//! A sheet that hangs on four ropes, and bodies that fall into it.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -35,7 +35,7 @@ pub(super) const SCENE: Scene = Scene {
             let cloth: BodyParticles = of_place(world, "hammock", 0)?;
             let apart =
                 |p: Entity| world.get::<Particle>(p).map(|p| f64::from(p.position.distance(HOOK)));
-            // Of all threads the corner's is the nearest.
+            // The corner is the particle of the sheet nearest to the hook.
             cloth.iter().filter_map(apart).reduce(f64::min)
         },
         expect: |values, _| f64::from(values[1]),
@@ -44,7 +44,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Size of the sheet, metres, and how high it is at first.
+/// Size of the sheet and its initial height, metres.
 const SIZE: Vec2 = Vec2::new(1.8, 1.2);
 const HEIGHT: f32 = 1.2;
 
@@ -76,7 +76,7 @@ fn spawn(world: &mut World) {
         let wood = Look::color(0x8a6a4b);
         let foot = hook.with_y(0.5 * height) + 0.05 * Vec3::new(i, 0.0, k);
         world.spawn((InScene, stake, wood, Transform::from_translation(foot)));
-        // In the frame of the sheet, which lies on its back.
+        // In the frame of the sheet, which lies flat, rotated about x.
         let corner = Vec3::new(0.5 * SIZE.x * i, -0.5 * SIZE.y * k, 0.0);
         let place = Vec3::new(0.5 * SIZE.x * i, HEIGHT, 0.5 * SIZE.y * k);
         let gap = hook.distance(place);

@@ -1,4 +1,4 @@
-//! Joints that know how far they go: flaps, elbows, and a tail.
+//! Joints with limits: flaps, elbows, and a tail.
 
 use core::f32::consts::PI;
 
@@ -44,7 +44,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// How far the second and the third flap fall from straight out, radians.
+/// How far the second and the third flap fall from the horizontal, radians.
 const FLAPS: [f32; 2] = [1.8, 2.3];
 
 fn spawn(world: &mut World) {
@@ -62,7 +62,7 @@ fn spawn(world: &mut World) {
     rack(world);
 }
 
-/// What everything hangs on: a bar on two posts, and one across for the two arms.
+/// The rack that everything hangs on: a bar on two posts, and a crossbar for the two arms.
 fn rack(world: &mut World) {
     let (top, radius) = (2.43, 0.07);
     let along = Quat::from_rotation_z(0.5 * PI);
@@ -81,19 +81,19 @@ fn rack(world: &mut World) {
 
 fn body(world: &mut World, name: &'static str, at: Vec3, bones: Vec<Bone>, look: Look) {
     let place = Transform::from_translation(at);
-    // So that they swing on; with as many sweeps as the recipe asks for.
+    // So that they keep swinging, with as many sweeps as the recipe of articulated bodies sets.
     let (gradient_at, max_sweeps) = (Some(GradientAt::StepStart), Some(12));
     let solver = BodySolver { gradient_at, max_sweeps, ..default() };
     let bones = Articulated::new(bones);
     world.spawn((InScene, Name::new(name), bones, solver, look.roughness(0.5), Interpolate, place));
 }
 
-/// What does not move, and carries the rest.
+/// A pinned bone that carries the others.
 fn held(head: Vec3, tail: Vec3, width: f32) -> Bone {
     Bone { width, pinned: true, ..Bone::new("held", head, tail) }
 }
 
-/// A flap that starts straight out from its post and falls, until it is `far` radians down.
+/// A flap that starts horizontal at its post and falls until it is `far` radians down.
 fn flap(world: &mut World, at: Vec3, far: f32) {
     let hinge = BoneJoint::Hinge { axis: Vec3::Z, min: -far, max: 0.0 };
     let arm = Bone { width: 0.16, ..Bone::new("flap", Vec3::ZERO, Vec3::X * 0.7) }.on(0, hinge);
@@ -108,11 +108,11 @@ fn flap(world: &mut World, at: Vec3, far: f32) {
     world.spawn((InScene, mark, Look::color(0xd1495b)));
 }
 
-/// An arm held out, hinged at its shoulder and its elbow; `backward` leaves the elbow free.
+/// A horizontal arm, hinged at its shoulder and its elbow; `backward` leaves the elbow without limits.
 fn arm(world: &mut World, at: Vec3, backward: bool, color: u32) {
     let (elbow, hand) = (Vec3::X * 0.65, Vec3::X * 1.25);
     let free = BoneJoint::Hinge { axis: Vec3::Z, min: -PI, max: PI };
-    // Held out, it closes by 150° upwards.
+    // From straight, it bends by up to 150° upwards.
     let closes = BoneJoint::Hinge { axis: Vec3::Z, min: 0.0, max: 2.6 };
     let bones = vec![
         held(Vec3::ZERO, Vec3::Y * 0.25, 0.26),
@@ -123,7 +123,7 @@ fn arm(world: &mut World, at: Vec3, backward: bool, color: u32) {
     body(world, if backward { "free arm" } else { "arm" }, at, bones, Look::color(color));
 }
 
-/// A tail of bones, each in a cone of so many radians about the direction of the one before it, and the first about where its root points.
+/// A tail of bones, each within a cone of this angle, radians, about the direction of the one before it, and the first about the direction of its root.
 fn tail(world: &mut World, at: Vec3, cone: f32) {
     let long = 0.27;
     let joint = BoneJoint::Ball { cone, twist: 0.2 };

@@ -1,4 +1,4 @@
-//! Three ways to set a stone going: an impulse at once, a force for a while, and a hand that only moves it.
+//! Three ways to move a stone: an impulse at once, a force over time, and teleporting it, which gives it no momentum.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -45,25 +45,25 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// After so many seconds all begin anew.
+/// All stones start again after this time, seconds.
 const ROUND: f64 = 2.0;
-/// A stone, metres, and where the stones begin along x.
+/// Radius and height of a stone, and where the stones start along x, metres.
 const RADIUS: f32 = 0.2;
 const HIGH: f32 = 0.2;
 const START: f32 = -2.4;
 
-/// What sets a stone going.
+/// How a stone is moved.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) enum Push {
-    /// N·s, at once.
+    /// An impulse, N·s.
     Impulse(f32),
-    /// N, for so many seconds.
+    /// A force, N, and its duration, seconds.
     Force(f32, f64),
-    /// m/s, for so many seconds, from place to place.
+    /// Displacements at this speed, m/s, for this time, seconds.
     Teleport(f32, f64),
 }
 
-/// Sets stones going, and brings them back when a round ends.
+/// Moves the stones, and brings them back when a round ends.
 pub(crate) fn push(
     clock: Res<SinewClock>,
     time: Res<Time>,

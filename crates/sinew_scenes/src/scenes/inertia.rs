@@ -1,4 +1,4 @@
-//! One blow, three spins: particles at the corners, particles that stand for the solid brick, and an explicit rigid body.
+//! The same angular impulse on three bricks: particles at the corners, particles with the inertia of the solid brick, and an explicit rigid body.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -44,7 +44,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// A brick, metres; how wide it is says a slider.
+/// Size of a brick, metres; a slider sets its width.
 const SIZE: Vec3 = Vec3::new(1.2, 0.7, 0.45);
 
 fn spawn(world: &mut World) {
@@ -84,14 +84,14 @@ fn spawn(world: &mut World) {
             ))
             .apply_angular_impulse(Vec3::Z * blow)
             .id();
-        // Where the particles sit, on the face that is seen.
+        // Where the particles are, on the face towards the camera.
         let share = if particles == BoxParticles::Corners { 1.0 } else { 1.0 / 3.0_f32.sqrt() };
         for (right, up) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
             let out = 0.5 * share * Vec3::new(right * size.x, up * size.y, 0.0);
             let on = Transform::from_translation(out.with_z(0.5 * size.z));
             world.spawn((ChildOf(brick), knob.clone(), Look::color(0xf3e9d2), on));
         }
-        // An axle behind: drawn alone, it holds nothing.
+        // An axle behind it. It is only drawn and holds nothing.
         let behind = Transform::from_translation(at - Vec3::Z * 0.9).with_rotation(along);
         world.spawn((InScene, axle.clone(), steel.clone(), behind));
     }

@@ -1,4 +1,4 @@
-//! Four integrators on one spring, each in a world of its own, and what each of them makes of the energy.
+//! The same spring by four integrators, each in a world of its own, and the energy of each.
 
 use bevy::prelude::*;
 use bevy_sinew::SinewClock;
@@ -45,38 +45,38 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// After so many seconds all begin anew, before red leaves the board.
+/// All start again after this time, seconds, before the red ball leaves the board.
 const ROUND: f64 = 4.0;
-/// Where the springs begin along x, how long they are at rest, and how far they are pulled at first, metres.
+/// Where the springs start along x, their rest length, and their initial elongation, metres.
 const WALL: f32 = -2.2;
 const REST: f32 = 1.5;
 const PULL: f32 = 0.3;
-/// Where the bars begin along x, and how long one is for the energy of the start, metres.
+/// Where the bars start along x, and length of a bar for the initial energy, metres.
 const BARS: f32 = 0.75;
 const BAR: f32 = 0.45;
 
-/// How many steps, at a rate in 1/s, are done at a time of a round.
+/// Number of steps done by this time within its round, at `rate` steps a second.
 fn steps(rate: f64, seconds: f64) -> u64 {
     (into_round(seconds, ROUND) * rate + 1e-3) as u64
 }
 
-/// A ball on a spring in a world of its own, because an integrator is a setting of a whole world.
+/// A ball on a spring in a world of its own, because the integrator is a setting of a whole world.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct Oscillator {
     start: Simulation,
     now: Simulation,
-    /// Steps in a second, and those done in this round.
+    /// Steps a second, and steps done in this round.
     rate: f64,
     steps: u64,
     spring: Entity,
     bar: Entity,
 }
 
-/// Kinetic and elastic energy as a share of that at the start.
+/// Kinetic and elastic energy relative to the start.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Energy(f64);
 
-/// Takes the steps that are due, and moves what is drawn.
+/// Takes the steps that are due, and updates the drawing.
 pub(crate) fn step_oscillators(
     clock: Res<SinewClock>,
     mut oscillators: Query<(Entity, &mut Oscillator, &mut Energy)>,
@@ -112,7 +112,7 @@ pub(crate) fn step_oscillators(
     }
 }
 
-/// The world of one ball; `None` if a number of it is refused.
+/// The world of one ball; `None` if one of its numbers is invalid.
 fn oscillator(integrator: Integrator, stiffness: f32, mass: f32) -> Option<Simulation> {
     let mut world = Simulation::default();
     world.settings = SolverSettings { integrator, substeps: 1, ..default() };

@@ -1,4 +1,4 @@
-//! A block of springs: soft forces alone, no constraint but the ground.
+//! A block of springs: spring forces alone, without constraints except contact with the ground.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -47,7 +47,7 @@ const SIDE: usize = 5;
 /// Distance between neighbours, metres.
 const GAP: f32 = 0.22;
 
-/// Share of all velocity that the air takes in a second.
+/// Fraction of the velocity that air drag takes in a second.
 const DRAG: f32 = 0.1;
 
 fn spawn(world: &mut World) {
@@ -66,7 +66,7 @@ fn spawn(world: &mut World) {
     }
 }
 
-/// A block whose particles begin `gap` metres apart, and its springs of so many N/m.
+/// A block of springs of this stiffness, N/m, whose particles start `gap` metres apart.
 fn block(
     world: &mut World,
     name: &'static str,
@@ -104,7 +104,8 @@ fn block(
                 continue;
             }
             let rest = apart.as_vec3().length() * GAP;
-            // 90 N/m on 30 g: ω h = √(90·26/0.03)/1200 is far below 2, and the block sags by a centimetre or two.
+            // Stable: 26 springs of 90 N/m on 30 g give ω h = √(90·26/0.03)/600 = 0.5 for substeps of 1/600 s, far below 2. The block sags by a centimetre or
+            // two.
             let spring =
                 Spring::new(particles[i], particles[j], rest, stiffness).with_damping(0.04);
             springs.push((spring, ConstraintOf(body)));
@@ -118,8 +119,8 @@ fn block(
     body
 }
 
-/// The outer faces as a mesh: its own vertices on every face, so that edges stay sharp, each following a particle. And as triangles of particles, by which
-/// it meets what is smaller than its cells.
+/// The outer faces as a mesh: each face has vertices of its own, so that edges stay sharp, each following a particle. Also as triangles of particles, by which
+/// the block collides with bodies smaller than its cells.
 fn skin(particles: &[Entity]) -> (Mesh, Vec<Entity>, Vec<[Entity; 3]>) {
     let at = |cell: [usize; 3]| particles[cell[0] + SIDE * (cell[1] + SIDE * cell[2])];
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Of all displacements that satisfy a constraint, the solver takes the one with the least sum of mass times square.
+//! Of all displacements that satisfy a constraint, the solver chooses the one with the smallest sum of mass times squared displacement.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -36,7 +36,7 @@ pub(super) const SCENE: Scene = Scene {
         },
         expect: |values, seconds| {
             let [left, right, excess] = [values[0], values[1], values[2]].map(f64::from);
-            // What a critically damped rod of its own frequency has taken off its excess.
+            // The part of the excess that a critically damped rod of this frequency has removed.
             let turn = core::f64::consts::TAU * f64::from(HERTZ) * seconds;
             let gone = excess * (1.0 - (1.0 + turn) * libm::exp(-turn));
             left * right / (left + right) * gone * gone
@@ -46,29 +46,29 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Length of a rod, metres, and how fast it pulls, Hz: slowly, so that one sees it.
+/// Length of a rod, metres, and its frequency as a soft constraint, Hz: slow enough to watch.
 const LENGTH: f32 = 0.9;
 const HERTZ: f32 = 0.7;
-/// Where the bars begin along x, and how long the longest gets, metres.
+/// Where the bars start along x, and length of the longest, metres.
 const BARS: f32 = 0.7;
 const LONGEST: f32 = 1.4;
 /// Where the middles of the pairs are along x, metres.
 const PAIRS: f32 = -0.75;
 
-/// The sum of mass times square of the displacements of two balls, and the bar that shows it.
+/// The sum of mass times squared displacement of two balls, and the bar that shows it.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Cost {
     balls: [Entity; 2],
-    /// Where they were, metres, and how heavy they are, kg, whatever the solver was told.
+    /// Initial positions, metres, and true masses, kg, whatever masses the solver uses.
     from: [Vec3; 2],
     masses: [f32; 2],
-    /// Length of the bar for each kg·m², metres.
+    /// Length of the bar, metres for each kg·m².
     scale: f32,
-    /// As it is now, kg·m².
+    /// Current value, kg·m².
     now: f64,
 }
 
-/// Sums up, and makes the bars as long.
+/// Updates the sums and the lengths of their bars.
 pub(crate) fn draw_costs(
     clock: Res<SinewClock>,
     particles: Query<&Particle>,
@@ -91,7 +91,7 @@ fn spawn(world: &mut World) {
     world.insert_resource(AirDrag(0.0));
     floor(world, Vec2::new(4.5, 2.9), Look::color(0x39465c).roughness(0.9));
     let own = right / (left + right);
-    // By which share of the way the left ball goes.
+    // Fraction of the total displacement that the left ball takes.
     let rows = [
         ("solver", own, 0xe9b44c),
         ("halves", 0.5, 0x5f9e6e),
@@ -120,7 +120,7 @@ fn spawn(world: &mut World) {
         let rod = Look::color(0xd8dee9).metal();
         let body = world.spawn((InScene, ParticleBody, rod, Interpolate)).id();
         let from = [-half, half].map(|x| Vec3::new(x + PAIRS, high, z));
-        // The solver is told the masses by which that share is the least: with the true ones it would not go that way.
+        // The masses are chosen so that this share is the solver's own solution: with the true masses it would choose another.
         let weights = [share, 1.0 - share];
         let balls = [0, 1].map(|i| {
             let mark = Transform::from_translation(from[i].with_y(FLOOR + 0.01));

@@ -1,4 +1,4 @@
-//! The same load on a rod, on a spring and on a compliant rod: what is hard does not sag, what is soft sags by its weight over its stiffness.
+//! The same load on a rod, on a spring and on a compliant rod: the hard rod does not sag, the other two sag by weight over stiffness.
 
 use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
@@ -41,7 +41,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Height of the beam and length of what hangs on it, metres.
+/// Height of the beam, and length of the rods and the spring, metres.
 const HANG: f32 = 2.0;
 const LENGTH: f32 = 0.8;
 /// Radius of a load, metres.
@@ -54,7 +54,7 @@ fn sag(mass: f32, stiffness: f32, gravity: f32) -> f64 {
 fn spawn(world: &mut World) {
     let [mass, stiffness, gravity] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
-    // Thick air, so that all comes to rest in a few seconds.
+    // Strong drag, so that everything comes to rest in a few seconds.
     world.insert_resource(AirDrag(0.99));
     world.spawn((InScene, Ground));
     let wood = Look::color(0x8a6a4b).roughness(0.9);
@@ -66,7 +66,7 @@ fn spawn(world: &mut World) {
         let leg = post(world, 0.06, HANG + 0.1);
         world.spawn((InScene, leg, wood.clone(), Transform::from_xyz(x, 0.5 * HANG + 0.05, 0.0)));
     }
-    // Where the formula says that the two soft ones come to rest: behind their centres.
+    // The heights at which the loads come to rest by the formula, drawn behind their centres.
     let rest = HANG - LENGTH - sag(mass, stiffness, gravity) as f32;
     for (height, from, to, color) in
         [(rest, -0.25, 1.05, 0xd0342c), (HANG - LENGTH, -1.05, 1.05, 0x5b6470)]

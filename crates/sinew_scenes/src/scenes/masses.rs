@@ -1,4 +1,4 @@
-//! A rod that is too long pulls two balls together: each moves by the other's share of the mass.
+//! A rod that starts too long pulls two balls together: each moves by the other's share of the total mass.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -38,7 +38,7 @@ pub(super) const SCENE: Scene = Scene {
         },
         expect: |values, seconds| {
             let [left, right, excess] = [values[0], values[1], values[2]].map(f64::from);
-            // What a critically damped spring of its own frequency has left of its excess.
+            // The part of the excess that a critically damped spring of this frequency has left.
             let turn = core::f64::consts::TAU * f64::from(HERTZ) * seconds;
             let left_over = (1.0 + turn) * libm::exp(-turn);
             right / (left + right) * excess * (1.0 - left_over) * 1e3
@@ -48,21 +48,21 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Length of a rod, metres, and how fast it pulls, Hz.
+/// Length of a rod, metres, and its frequency as a soft constraint, Hz.
 const LENGTH: f32 = 1.0;
 const HERTZ: f32 = 0.7;
 
-/// The displacement that the formula gives a ball, as far as it is left.
+/// The rest of the displacement that the formula predicts for a ball, as an arrow.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Way {
-    /// Where the ball comes to rest, metres.
+    /// Rest position of the ball, metres.
     to: Vec3,
-    /// How high over the ball the arrow is, metres.
+    /// Height of the arrow over the centre of the ball, metres.
     above: f32,
     arrow: Arrow,
 }
 
-/// Draws what is left of the displacements.
+/// Draws the remaining displacements.
 pub(crate) fn draw_ways(balls: Query<(&Way, &Particle)>, mut drawn: Query<&mut Transform>) {
     for (way, ball) in &balls {
         let left = [ball.position, way.to].map(|end| end + Vec3::Y * way.above);
@@ -71,13 +71,13 @@ pub(crate) fn draw_ways(balls: Query<(&Way, &Particle)>, mut drawn: Query<&mut T
     }
 }
 
-/// By how much the rods are too long at first, metres.
+/// Initial excess length of the rods, metres.
 fn excess(world: &World) -> f32 {
     let [_, _, excess] = values(world);
     excess
 }
 
-/// Radius of a ball of so many kilograms, metres: all are of one stuff.
+/// Radius of a ball of this mass, kg, in metres: all have the same density.
 fn radius(mass: f32) -> f32 {
     0.1 * libm::cbrtf(mass)
 }
@@ -92,7 +92,7 @@ fn spawn(world: &mut World) {
     pair(world, ["held", "free"], -0.8, [1.0, 1.0], excess, true);
 }
 
-/// Two balls in a lane, and the marks of where they come to rest.
+/// Two balls in a lane, and marks where they come to rest.
 fn pair(
     world: &mut World,
     names: [&'static str; 2],

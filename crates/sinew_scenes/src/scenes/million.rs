@@ -1,4 +1,4 @@
-//! A sheet of water made of a million particles and two million springs: waves that run as the formula says.
+//! A sheet of water of up to a million particles and two million springs, with waves that agree with the formula.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -44,7 +44,7 @@ pub(super) const SCENE: Scene = Scene {
         expect: |values, seconds| {
             let [particles, speed, drop] = [values[0], values[1], values[2]];
             let pieces = f64::from(side(particles) - 1);
-            // Springs of σc² between masses of σd² are √(k/m) = c/d.
+            // Springs of σc² between masses of σd²: √(k/m) = c/d.
             let turn = f64::from(speed) * pieces / f64::from(LAKE)
                 * libm::sqrt(8.0)
                 * libm::sin(core::f64::consts::FRAC_PI_2 / pieces);
@@ -55,42 +55,42 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Length and width of the lake, metres, how high its water stands, and what a square metre of it weighs, kg.
+/// Length and width of the lake, metres; its water level, metres; and its mass per area, kg/m².
 const LAKE: f32 = 6.0;
 const LEVEL: f32 = 0.5;
 const DENSITY: f32 = 1.0;
-/// Where the drop falls, metres, and where the water is pressed down at the same time, and by which part of its height.
+/// Positions of the drop and of a depression of the water, metres, and their heights as multiples of the drop's.
 const DROPS: [(Vec2, f32); 2] = [(Vec2::new(-0.8, 0.4), 1.0), (Vec2::new(1.3, -0.9), -0.6)];
-/// How wide both are, metres: the standard deviation of their shape.
+/// Standard deviation of both shapes, metres.
 const WIDE: f32 = 0.2;
 
-/// Particles along a side.
+/// Number of particles along a side.
 fn side(thousand: f32) -> u32 {
     libm::sqrtf(1e3 * thousand).round().max(3.0) as u32
 }
 
-/// Where number `i` of a side is, metres.
+/// Coordinate of particle `i` of a side, metres.
 fn along(i: u32, side: u32) -> f32 {
     LAKE * (i as f32 / (side - 1) as f32 - 0.5)
 }
 
-/// The shape of the drop along one axis: that of all is the product of both.
+/// The shape of the drop along one axis; the whole shape is the product over both axes.
 fn bell(off: f32) -> f32 {
     libm::expf(-0.5 * (off / WIDE) * (off / WIDE))
 }
 
-/// The shape of all of it, as a share of the height of the drop.
+/// The shape of both, relative to the height of the drop.
 fn bells(x: f32, z: f32) -> f32 {
     DROPS.iter().map(|(at, part)| part * bell(x - at.x) * bell(z - at.y)).sum()
 }
 
-/// The slowest wave along one axis, by the numbers of the particles.
+/// The lowest mode along one axis, at each particle.
 fn wave(side: u32) -> Vec<f64> {
     let turn = core::f64::consts::PI / f64::from(side - 1);
     (0..side).map(|i| libm::sin(f64::from(i) * turn)).collect()
 }
 
-/// How much of the drop is the slowest wave, metres.
+/// Initial amplitude of the lowest mode, metres.
 fn first_amplitude(side: u32, drop: f32) -> f64 {
     let share = |centre: f32| -> f64 {
         let all = wave(side).into_iter().zip(0..);
@@ -101,7 +101,7 @@ fn first_amplitude(side: u32, drop: f32) -> f64 {
     4.0 / (pieces * pieces) * f64::from(drop) * drops.sum::<f64>()
 }
 
-/// How much of the water is in the slowest wave now, mm. Particles are in the order of their creation: row by row.
+/// Current amplitude of the lowest mode, millimetres. Particles are in the order of their creation: row by row.
 fn slowest(world: &SinewWorld, side: u32) -> Option<f64> {
     let particles = world.particles();
     if particles.len() != (side * side) as usize {
@@ -124,7 +124,7 @@ fn spawn(world: &mut World) {
     let [thousand, speed, drop] = values(world);
     let side = side(thousand);
     let gap = LAKE / (side - 1) as f32;
-    // In half a gap a substep or less, so that Verlet is stable: it is up to 0.7. That takes more substeps than the default ones of many particles alone.
+    // A wave travels at most half a gap in a substep, so that Verlet is stable (its limit is 0.7). That can take more substeps than the default.
     let substeps = SolverConfig::default().substeps.max((speed / gap / 30.0).ceil() as u32);
     world.insert_resource(SolverConfig { substeps, ..default() });
     world.insert_resource(Gravity(Vec3::ZERO));
@@ -147,7 +147,7 @@ fn spawn(world: &mut World) {
             world.entity_mut(edge).insert(Pinned::HERE);
         }
     }
-    // Springs without a length of their own: what they pull with is as linear as water that is hardly moved.
+    // Springs of rest length 0: their force is linear, as for water with small waves.
     let stiffness = DENSITY * speed * speed;
     let spring = |a: Entity, b: Entity| (Spring::new(a, b, 0.0, stiffness), ConstraintOf(body));
     let rows: Vec<_> = (1..side - 1)
@@ -165,7 +165,7 @@ fn spawn(world: &mut World) {
     basin(world);
 }
 
-/// Squares between the particles. Positions and normals are filled in by the simulation.
+/// Squares between the particles. The simulation fills in positions and normals.
 fn sheet(side: u32) -> Mesh {
     let vertices = (side * side) as usize;
     let mut indices = Vec::with_capacity(6 * vertices);

@@ -129,7 +129,7 @@ pub const ALL: &[Scene] = &[
     hammock::SCENE,
 ];
 
-/// The scene of that name.
+/// The scene of that name, if there is one.
 pub fn find(name: &str) -> Option<&'static Scene> {
     ALL.iter().find(|scene| scene.name == name)
 }

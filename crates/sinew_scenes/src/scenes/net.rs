@@ -1,4 +1,4 @@
-//! Marbles that fall into two coarse sheets, of which one collides by its triangles.
+//! Marbles that fall into two coarse sheets: one collides by its particles, the other by its triangles.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -47,7 +47,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Side of a sheet, metres, and its cells along it: 20 cm each, for marbles of 7 to 10 cm.
+/// Side of a sheet, metres, and number of cells along it: 20 cm each, for marbles of 7 to 10 cm.
 const SIDE: f32 = 1.6;
 const CELLS: u32 = 8;
 
@@ -83,7 +83,7 @@ fn spawn(world: &mut World) {
     }
 }
 
-/// Three layers of marbles over a place, none of them over another.
+/// Three layers of marbles above a sheet, none directly above another.
 fn marbles(world: &mut World, middle: Vec3, times: f32, density: f32) {
     let colors = [0xd1495b, 0x66a182, 0xe9b44c, 0x8e6bb0, 0x2f8f83];
     let sizes = [0.035, 0.042, 0.05].map(|radius| {
@@ -103,7 +103,7 @@ fn marbles(world: &mut World, middle: Vec3, times: f32, density: f32) {
             InScene,
             Name::new("marble"),
             Particle::at(at),
-            // Of wood at first; glass is 2500 kg/m³.
+            // The default density is that of wood; glass has 2500 kg/m³.
             Mass(density * 4.18879 * radius * radius * radius),
             Radius(*radius),
             skin.clone(),

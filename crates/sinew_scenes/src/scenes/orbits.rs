@@ -1,4 +1,4 @@
-//! Planets about a sun: an attractor, and nothing that says what an ellipse is.
+//! Planets around a sun: an attractor gives elliptic orbits without any code for ellipses.
 
 use bevy::prelude::*;
 use bevy_sinew::Attractor;
@@ -45,9 +45,9 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Where the sun stands, metres.
+/// Position of the sun, metres.
 const SUN: Vec3 = Vec3::new(0.0, 1.3, 0.0);
-/// Particles that a drawn orbit is strung on.
+/// Number of particles of a drawn orbit.
 const BEADS: usize = 96;
 /// Colour of the planet whose ellipse the sliders change.
 const RED: u32 = 0xd1495b;
@@ -56,7 +56,7 @@ const RED: u32 = 0xd1495b;
 #[derive(Component, Clone, Copy, Debug)]
 struct Red;
 
-/// The root of Kepler's equation `E - e sin E = mean`, radians, by bisection: it grows with E.
+/// The root of Kepler's equation `E - e sin E = mean`, radians, by bisection; its left side grows with E.
 fn eccentric_anomaly(eccentricity: f64, mean: f64) -> f64 {
     let (mut low, mut high) = (mean - 1.0, mean + 1.0);
     for _ in 0..60 {
@@ -84,7 +84,7 @@ fn spawn(world: &mut World) {
         gold,
         Transform::from_translation(SUN),
     ));
-    // Semi-major axis in metres, eccentricity, where the nearest point is and how the plane is tilted in radians, radius, colour.
+    // Semi-major axis in metres, eccentricity, direction of the perihelion and tilt of the plane in radians, radius in metres, colour.
     let planets = [
         (0.45, 0.0, 0.0, 0.1, 0.045, 0x8d99ae),
         (0.8, 0.0, 2.0, -0.05, 0.07, 0x3d7ea6),
@@ -98,7 +98,7 @@ fn spawn(world: &mut World) {
         let orbit = path(world, axis, eccentricity, plane);
         let thread = TubeMesh { particles: orbit, radius: 0.009, sides: 5 };
         world.spawn((InScene, thread, look.clone()));
-        // It begins where it is nearest and fastest: v² = GM (1 + e) / (a (1 - e)).
+        // It starts at the perihelion, nearest and fastest: v² = GM (1 + e) / (a (1 - e)).
         let place = SUN + plane * Vec3::X * (axis * (1.0 - eccentricity));
         let speed = (strength / axis * (1.0 + eccentricity) / (1.0 - eccentricity)).sqrt();
         let skin = mesh(world, ball(radius));
@@ -116,7 +116,7 @@ fn spawn(world: &mut World) {
     }
 }
 
-/// The ellipse with the sun in one focus, as pinned particles for a thread.
+/// The ellipse with the sun in one focus, as pinned particles for a tube mesh.
 fn path(world: &mut World, axis: f32, eccentricity: f32, plane: Quat) -> Vec<Entity> {
     let across = axis * (1.0 - eccentricity * eccentricity).sqrt();
     let bead = |i: usize| {

@@ -1,4 +1,4 @@
-//! Two rods that cannot both be right, by three orders of solving, and the error that each order leaves.
+//! Two rods that cannot both have their length, solved in three orders, and the error that each order leaves.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -45,18 +45,18 @@ pub(super) const SCENE: Scene = Scene {
 
 /// Height of the rods over the floor, metres.
 const HIGH: f32 = 0.55;
-/// How long the bar of an error is, as a multiple of the error.
+/// Length of an error bar as a multiple of the error.
 const BAR: f32 = 1.0;
 
 /// A bar as long as the error of a body.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct ErrorBar {
     body: Entity,
-    /// Where it begins along x, metres.
+    /// Where it starts along x, metres.
     from: f32,
 }
 
-/// Makes the bars as long as the errors.
+/// Sets the lengths of the bars to the errors.
 pub(crate) fn draw_errors(
     reports: Query<&BodyReport>,
     mut bars: Query<(&ErrorBar, &mut Transform)>,
@@ -110,7 +110,7 @@ fn spawn(world: &mut World) {
             .id();
         for (hook, length, side) in [(hooks[0], left, -1.0), (hooks[1], right, 1.0)] {
             world.spawn((DistanceConstraint::new(hook, ball, length), ConstraintOf(body)));
-            // The rod as long as it should be.
+            // The rod at its rest length.
             let stick = mesh(world, cylinder(0.028, length));
             let at = Vec3::new(side * (half - 0.5 * length), high, z);
             let at = Transform::from_translation(at).with_rotation(lying);
@@ -118,7 +118,7 @@ fn spawn(world: &mut World) {
         }
         let line = TubeMesh { particles: vec![hooks[0], ball, hooks[1]], radius: 0.012, sides: 8 };
         world.entity_mut(body).insert((line, look.clone()));
-        // Behind each lane, a scale with its error.
+        // Behind each lane, a board with its error bar.
         let at = Transform::from_xyz(0.0, FLOOR + 0.1, z - 0.25);
         world.spawn((InScene, board.clone(), Look::color(0xf1efe6), at));
         let from = -0.62;

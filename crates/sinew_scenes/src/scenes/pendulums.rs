@@ -1,4 +1,4 @@
-//! Pendulums of different lengths that start together, drift apart and meet again.
+//! Pendulums of different lengths that start together, drift out of phase and come together again.
 
 use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
@@ -46,20 +46,20 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// How many there are.
+/// Number of pendulums.
 const COUNT: usize = 15;
 
 /// Height of the bar, metres.
 const HEIGHT: f32 = 1.75;
 
-/// Length of a pendulum, metres. T = 2π√(L/g) on Earth: 16 swings in 24 s for the longest, one more for each next one.
+/// Length of a pendulum, metres. T = 2π√(L/g) on Earth: 16 swings in 24 s for the longest, and one more for each next.
 fn length(i: usize) -> f32 {
     let period = 24.0 / (16 + i) as f32;
     9.81 * (period / core::f32::consts::TAU) * (period / core::f32::consts::TAU)
 }
 
-/// The angle of a pendulum that was let go at an angle, both in radians, at a time in units of √(L/g): by the arithmetic-geometric mean, which gives
-/// the elliptic integral K, and back through its steps, which gives the elliptic sine.
+/// The angle of a pendulum released from rest at `widest`, both in radians, at a time in units of √(L/g). The arithmetic-geometric mean gives the elliptic
+/// integral K, and its steps in reverse give the elliptic sine.
 pub(super) fn swing(widest: f64, time: f64) -> f64 {
     let (k, mut a, mut b) = (libm::sin(0.5 * widest), 1.0, libm::cos(0.5 * widest));
     let mut ratios = [0.0; 6];
@@ -92,7 +92,7 @@ fn spawn(world: &mut World) {
         let z = (i as f32 - (COUNT - 1) as f32 * 0.5) * 0.165;
         let (sin, cos) = libm::sincosf(degrees.to_radians());
         let pivot = Vec3::new(0.0, height, z);
-        // So that it swings on without loss.
+        // So that it swings on without losing energy.
         let solver = BodySolver { gradient_at: Some(GradientAt::StepStart), ..default() };
         let look = Look::color(0xd8dee9);
         let rod = world.spawn((InScene, ParticleBody, solver, look, Interpolate)).id();

@@ -1,4 +1,4 @@
-//! Crates poured into a heap, and a tower that stands.
+//! Crates poured into a heap, and a stacked tower.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -53,7 +53,7 @@ fn spawn(world: &mut World) {
     let surface = SurfaceMaterial::new(friction);
     world.spawn((InScene, Ground, surface));
     let skin = mesh(world, rounded_box(Vec3::splat(EDGE), 0.015, 2));
-    // Layer by layer, each turned a little further, so that none falls straight onto the one below.
+    // Each layer is rotated and shifted, so that no crate falls straight onto the one below.
     for n in 0..72_u32 {
         let (layer, place) = (n / 9, n % 9);
         let turn = 0.35 * layer as f32 + 0.2 * place as f32;

@@ -1,4 +1,4 @@
-//! Three ways to be slowed down on a plane: not at all, by the lectures' planar friction, and by Coulomb's.
+//! Three blocks sliding on a plane: without friction, with planar friction (a fraction of the velocity per second), and with Coulomb friction.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -42,7 +42,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// A block, metres, and where the blocks begin along x.
+/// Size of a block, metres, and where the blocks start along x.
 const BLOCK: Vec3 = Vec3::new(0.4, 0.26, 0.4);
 const START: f32 = -2.5;
 /// Half the length of the board, metres.
@@ -52,7 +52,7 @@ fn spawn(world: &mut World) {
     let [speed, lost, friction] = values(world);
     world.insert_resource(AirDrag(0.0));
     let board = floor(world, Vec2::new(2.0 * HALF, 2.6), Look::color(0xbcd3dc).roughness(0.15));
-    // A block's friction is that of the block: by its rule, the product of the two.
+    // Friction 1: the combination rule is the product, so that a contact has the friction of the block.
     world.entity_mut(board).insert(SurfaceMaterial::new(1.0));
     let wood = Look::color(0x6d5138).roughness(0.8);
     let rail = mesh(world, rounded_box(Vec3::new(2.0 * HALF, 0.05, 0.05), 0.015, 2));
@@ -60,7 +60,7 @@ fn spawn(world: &mut World) {
         let at = Transform::from_xyz(0.0, FLOOR + 0.025, z);
         world.spawn((InScene, rail.clone(), wood.clone(), at));
     }
-    // What nothing stops is stopped here.
+    // A stop for the block without friction.
     let size = Vec3::new(0.16, 0.4, 2.5);
     let stop = (Collider::cuboid(size), mesh(world, rounded_box(size, 0.02, 2)));
     let at = Transform::from_xyz(HALF - 0.08, FLOOR + 0.5 * size.y, 0.0);
@@ -71,7 +71,7 @@ fn spawn(world: &mut World) {
     let coulomb = speed * speed / (2.0 * 9.81 * friction);
     let blocks = [
         ("no friction", -0.8, 0.0, GroundDrag::default(), 0x8d99ae, None),
-        // v₀ (1 - d)ᵗ sums up to v₀ / -ln(1 - d).
+        // The integral of v₀ (1 - d)ᵗ is v₀ / -ln(1 - d).
         ("planar friction", 0.0, 0.0, planar, 0x2e6f9e, Some(speed / -libm::logf(1.0 - lost))),
         ("Coulomb's friction", 0.8, friction, GroundDrag::default(), 0xd9622b, Some(coulomb)),
     ];
@@ -81,7 +81,7 @@ fn spawn(world: &mut World) {
             SurfaceMaterial { drag, friction_rule: rule, ..SurfaceMaterial::new(friction) };
         let look = Look::color(color).roughness(0.4);
         if let Some(way) = way {
-            // Where the front of the block comes to.
+            // Where the front of the block stops.
             let at = Transform::from_xyz(START + way + 0.5 * BLOCK.x, FLOOR + 0.003, z);
             world.spawn((InScene, mark.clone(), look.clone(), at));
         }

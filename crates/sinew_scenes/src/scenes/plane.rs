@@ -1,4 +1,4 @@
-//! A plane as an equation, which holds a ball on it, and as an inequality, which lets it leave and does not let it in.
+//! A plane as an equation, which keeps a ball on it, and as an inequality, which lets the ball leave the plane but not penetrate it.
 
 use bevy::prelude::*;
 use bevy_sinew::AnyConstraint;
@@ -49,22 +49,22 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// After so many seconds all begin anew.
+/// All balls start again after this time, seconds.
 const ROUND: f64 = 1.0;
-/// The middle of the slope's upper side and its length, metres.
+/// Centre of the top face of the slope, and its length, metres.
 const CENTRE: Vec3 = Vec3::new(0.0, FLOOR + 1.12, 0.0);
 const LENGTH: f32 = 3.5;
-/// Where the balls start along it, from its middle, metres.
+/// Where the balls start along the slope, from its centre, metres.
 const START: f32 = -1.6;
 
-/// What the number is measured against: the normal of the slope, and how far off it the middle of the measured ball rests, metres.
+/// The reference of the measurement: the normal of the slope, and the distance from it at which the measured ball rests, metres.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Slope {
     normal: Vec3,
     offset: f32,
 }
 
-/// `C = (p - p₀)·n`, to be zero or to be zero at least.
+/// `C = (p - p₀)·n`, with C = 0 or C ≥ 0.
 #[derive(Debug)]
 struct OnPlane {
     point: Vec3,
@@ -94,7 +94,7 @@ fn spawn(world: &mut World) {
     let turn = Quat::from_rotation_z(-angle);
     let (down, normal) = (turn * Vec3::X, turn * Vec3::Y);
     floor(world, Vec2::new(4.4, 2.4), Look::color(0x4b4f5c).roughness(0.9));
-    // Nothing meets the slab itself: what holds the balls is the constraint of each.
+    // The slab has no collider: a constraint on each ball keeps it on the plane.
     let slab = mesh(world, rounded_box(Vec3::new(LENGTH, 0.06, 1.8), 0.02, 2));
     let at = Transform::from_translation(CENTRE - normal * 0.03).with_rotation(turn);
     world.spawn((InScene, slab, Look::color(0xe9e3d5).roughness(0.7), at));

@@ -1,4 +1,4 @@
-//! A stage to play on: something to hang things from, to slide down, to jump on, to knock over.
+//! A playground: things to hang bodies from, slide down, jump on and knock over.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -38,7 +38,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-// All that stands here has a skin in words ([`Skin`]), so that it comes back from a file as it was.
+// Everything here has a [`Skin`], so that it is drawn again after loading.
 fn spawn(world: &mut World) {
     let [gravity, drag, friction] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
@@ -51,7 +51,7 @@ fn spawn(world: &mut World) {
     gallows(world, &wood);
     slide(world, &wood);
     trampoline(world, &steel);
-    // A pyramid of boxes, and what may knock it over.
+    // A pyramid of boxes, and bodies that can knock it over.
     for (n, (x, layer)) in
         [(-0.43, 0), (0.0, 0), (0.43, 0), (-0.215, 1), (0.215, 1), (0.0, 2)].into_iter().enumerate()
     {
@@ -63,7 +63,7 @@ fn spawn(world: &mut World) {
     Toy::Ragdoll.spawn(world, Vec3::new(-0.6, FLOOR, 0.9), 4);
 }
 
-/// Something solid that stands.
+/// A static box.
 fn block(
     world: &mut World,
     name: &'static str,
@@ -105,7 +105,7 @@ fn gallows(world: &mut World, wood: &Look) {
     world.spawn((InScene, Name::new("cloth"), cloth, silk, Interpolate, at));
 }
 
-/// A board to slide and to roll down.
+/// A board to slide and roll down.
 fn slide(world: &mut World, wood: &Look) {
     let (length, slope) = (2.6, 0.45_f32);
     let (sin, cos) = libm::sincosf(slope);
@@ -117,7 +117,7 @@ fn slide(world: &mut World, wood: &Look) {
     block(world, "foot", foot, at, Quat::IDENTITY, wood.clone());
 }
 
-/// A sheet on four posts that throws back what falls onto it.
+/// A sheet on four posts that throws back bodies that fall onto it.
 fn trampoline(world: &mut World, steel: &Look) {
     let (half, high, middle) = (0.75, 0.6, Vec2::new(2.35, 1.1));
     for (x, z) in [(-half, -half), (-half, half), (half, -half), (half, half)] {

@@ -1,4 +1,4 @@
-//! A ball, a cylinder and a block without friction, down one slope: what turns is slower, by how its mass is spread.
+//! A ball, a cylinder and a frictionless block on one slope: rolling bodies are slower, depending on their moment of inertia.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -43,16 +43,16 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// The board of the slope, metres.
+/// Size of the slope's board, metres.
 const BOARD: Vec3 = Vec3::new(7.0, 0.12, 3.6);
 
 fn spawn(world: &mut World) {
     let [degrees, density, radius] = values(world);
-    // The formula has no air.
+    // The formula ignores air resistance.
     world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground));
     let turn = Quat::from_rotation_z(-degrees.to_radians());
-    // High enough for the lower edge of the steepest.
+    // High enough that the lower edge clears the ground at the steepest angle.
     let middle = Vec3::Y * (0.2 + 0.5 * BOARD.x * libm::sinf(degrees.to_radians()));
     let board = (Collider::cuboid(BOARD), mesh(world, rounded_box(BOARD, 0.02, 2)));
     let place = Transform::from_translation(middle).with_rotation(turn);
@@ -87,7 +87,7 @@ fn spawn(world: &mut World) {
             Transform::from_translation(start(z, radius)).with_rotation(turned),
         ));
     }
-    // What has no friction takes none from what it lies on, by this rule of two materials.
+    // With this combination rule the friction of a contact is the product, so that it is 0.
     let ice = SurfaceMaterial { friction_rule: Combine::Multiply, ..SurfaceMaterial::new(0.0) };
     let size = Vec3::new(0.6, 0.4, 0.6);
     let skin = mesh(world, rounded_box(size, 0.03, 3));

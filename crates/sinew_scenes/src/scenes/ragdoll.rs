@@ -1,4 +1,4 @@
-//! Ragdolls that collapse, each in its own way.
+//! Ragdolls that collapse, in different poses.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -40,7 +40,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Share of all velocity that the air takes in a second.
+/// Fraction of the velocity that air drag takes in a second.
 const DRAG: f32 = 0.2;
 
 fn spawn(world: &mut World) {

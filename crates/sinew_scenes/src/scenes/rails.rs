@@ -1,4 +1,4 @@
-//! Coarse ropes that fall across a thin rail and across each other; one half of the scene collides by particles, the other by segments.
+//! Coarse ropes that fall across a thin rail and across each other. One half of the scene collides by particles, the other by segments.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -51,19 +51,19 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Half of the width of a frame and of its depth, and how high its rail is and its line, metres.
+/// Half the width and half the depth of a frame, and heights of its rail and its line, metres.
 const WIDE: f32 = 0.85;
 const DEEP: f32 = 0.55;
 const RAIL: f32 = 1.75;
 const LINE: f32 = 1.3;
-/// Length of a segment, and radius of ropes, metres: six radii from one particle to the next.
+/// Length of a segment, and radius of the ropes, metres: six radii from one particle to the next.
 const PIECE: f32 = 0.11;
 const THICK: f32 = 0.018;
-/// Radius of a weight, and how far from the end of its rope it is tied: so that the two do not touch, metres.
+/// Radius of a weight, and its distance from the end of its rope, metres: large enough that the two do not touch.
 const BALL: f32 = 0.06;
 const TIE: f32 = BALL + 2.0 * THICK;
 
-/// How far the piece of rope between two particles is from the axis of the rails, metres.
+/// Distance of a rope segment from the axis of the rails, metres.
 fn off_the_rail(a: Vec3, b: Vec3) -> f32 {
     // The axis is along x.
     let (a, b) = (Vec2::new(a.y - RAIL, a.z + DEEP), Vec2::new(b.y - RAIL, b.z + DEEP));
@@ -85,7 +85,7 @@ fn spawn(world: &mut World) {
     }
 }
 
-/// Posts, and a rail between the two at the back.
+/// Posts, and a rail between the two rear ones.
 fn frame(world: &mut World, x: f32) {
     let wood = Look::color(0x8a6a4b).roughness(0.9);
     for (side, z, height) in
@@ -115,7 +115,7 @@ fn frame(world: &mut World, x: f32) {
 fn over_the_rail(world: &mut World, x: f32, contacts: BodyContacts) {
     let colors = [0xd1495b, 0xe9b44c, 0x66a182, 0x2f8f83, 0x8e6bb0];
     for (n, color) in colors.into_iter().enumerate() {
-        // An odd number, so that the rail meets the middle of a segment.
+        // An odd number of segments, so that the rail touches the middle of one.
         let (i, pieces) = (n as f32 - 2.0, 9 + 2 * (n * 2 % 3));
         let middle = Vec3::new(x + 0.27 * i, RAIL + 0.08 + 0.03 * n as f32, -DEEP);
         let along = Vec3::new(0.1 * i, 0.0, 1.0).normalize();
@@ -124,7 +124,7 @@ fn over_the_rail(world: &mut World, x: f32, contacts: BodyContacts) {
     }
 }
 
-/// A slack line between the posts at the front, and ropes across it with a weight at each end.
+/// A slack line between the front posts, and ropes across it with a weight at each end.
 fn over_a_line(world: &mut World, x: f32, contacts: BodyContacts) {
     let ends = [-WIDE, WIDE].map(|side| Vec3::new(x + side, LINE, DEEP));
     let line = Rope { segments: 17, mass: 0.4, radius: THICK, slack: 0.1, ..default() };
@@ -143,7 +143,7 @@ fn over_a_line(world: &mut World, x: f32, contacts: BodyContacts) {
     }
 }
 
-/// A coarse rope from a place along a direction, and its particles.
+/// A coarse rope from a point along a direction; returns its particles.
 fn rope(
     world: &mut World,
     (from, along): (Vec3, Vec3),

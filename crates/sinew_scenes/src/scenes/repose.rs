@@ -1,4 +1,4 @@
-//! Blocks of three frictions on one slope: the angle of repose, and the acceleration of what slides.
+//! Blocks with three coefficients of friction on one slope: the angle of repose, and the acceleration of a sliding block.
 
 use bevy::prelude::*;
 use bevy_sinew::Combine;
@@ -44,13 +44,13 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// The board and a block, metres.
+/// Sizes of the board and of a block, metres.
 const BOARD: Vec3 = Vec3::new(4.6, 0.12, 2.6);
 const BLOCK: Vec3 = Vec3::new(0.5, 0.3, 0.5);
 
 fn spawn(world: &mut World) {
     let [degrees, friction, mass] = values(world);
-    // The formula has no air.
+    // The formula ignores air resistance.
     world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground));
     let turn = Quat::from_rotation_z(-degrees.to_radians());
@@ -62,7 +62,7 @@ fn spawn(world: &mut World) {
     let wood = Look::color(0x8a6a4b).roughness(0.9);
     world.spawn((InScene, Name::new("slope"), board, wood, SurfaceMaterial::new(1.0), place));
     let skin = mesh(world, rounded_box(BLOCK, 0.02, 3));
-    // More than the steepest slope asks for.
+    // More than the slope requires, however steep it is.
     let holds = 1.2 * libm::tanf(degrees.to_radians());
     let blocks = [
         ("block on ice", 0.0, -0.85, 0xbfd8e2, 0.1),
@@ -70,7 +70,7 @@ fn spawn(world: &mut World) {
         ("holding block", holds, 0.85, 0xb5483a, 0.9),
     ];
     for (name, friction, z, color, rough) in blocks {
-        // The slope has 1, so that a product is the friction of the block.
+        // The slope has friction 1, so that the product is the friction of the block.
         let surface =
             SurfaceMaterial { friction_rule: Combine::Multiply, ..SurfaceMaterial::new(friction) };
         let at = Vec3::new(-0.36 * BOARD.x, 0.5 * (BOARD.y + BLOCK.y), z);

@@ -1,4 +1,4 @@
-//! Balls that fly forward, are turned back in time, and arrive where they began.
+//! Balls that fly forward, are reversed in time, and return to where they started.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -52,26 +52,26 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// How many golden balls there are, and how far apart they start, metres.
+/// Number of golden balls, and their distance at the start, metres.
 const COUNT: usize = 6;
 const APART: f32 = 0.42;
 /// Height of the posts over the floor and radius of a ball, metres.
 const POST: f32 = 0.9;
 const RADIUS: f32 = 0.08;
-/// Turning back goes back by one substep at once, seconds: that of a tick of 1/60 s with the default of 10.
+/// Reversing goes back by one substep at once, seconds: that of a tick of 1/60 s with the default of 10 substeps.
 const SUBSTEP: f64 = 1.0 / 600.0;
 
-/// A ball that comes back, and where it started, metres.
+/// A ball that is reversed without drag, and where it started, metres.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Thrown {
     from: Vec3,
 }
 
-/// A ball that is turned back at the end of each of its rounds.
+/// A ball that is reversed at the end of each of its rounds.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct TurnsBack(Rounds);
 
-/// Turns back what turns back.
+/// Reverses the balls whose round has ended.
 pub(crate) fn turn_back(clock: Res<SinewClock>, mut balls: Query<(&mut TurnsBack, &mut Particle)>) {
     for (mut turns, mut ball) in &mut balls {
         if turns.0.ended(&clock).is_some() {
@@ -80,19 +80,19 @@ pub(crate) fn turn_back(clock: Res<SinewClock>, mut balls: Query<(&mut TurnsBack
     }
 }
 
-/// At which time of its flight a ball is that turns back every `turn` seconds.
+/// The time along its flight, seconds, of a ball that is reversed every `turn` seconds.
 fn time_of(turn: f64, seconds: f64) -> f64 {
     let passed = into_round(seconds, 2.0 * turn);
     if passed <= turn + 1e-4 { passed } else { 2.0 * turn - passed - SUBSTEP }
 }
 
-/// Where a ball starts.
+/// Start of a ball, metres.
 fn start(i: usize) -> Vec3 {
     let along = (i as f32 - 0.5 * (COUNT as f32 - 1.0)) * APART;
     Vec3::new(along, FLOOR + POST + RADIUS + 0.03, 0.0)
 }
 
-/// With which velocity, m/s: each a little further to its side.
+/// Initial velocity of a ball, m/s: each leans a little further to its side.
 fn throw(i: usize, speed: f32) -> Vec3 {
     let lean = (i as f32 - 0.5 * (COUNT as f32 - 1.0)) * 0.085;
     let (sin, cos) = libm::sincosf(lean);

@@ -1,4 +1,4 @@
-//! Ropes: one slack between two posts, one that swings with a lantern at its end, one led by a hand that moves.
+//! Ropes: a slack line between two posts, a rope that swings with a lantern at its end, and one attached to a moving hand.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -45,13 +45,13 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// A hand that waves: its path is a function of the simulation's time alone.
+/// A waving hand. Its position is a function of simulated time alone.
 #[derive(Component)]
 pub(crate) struct Hand {
     at: Vec3,
 }
 
-/// Leads the hand along a lying figure of eight, 0.3 m up and down in 1.6 s.
+/// Moves the hand along a horizontal figure of eight, 0.5 m wide and 0.3 m high, with a period of 1.6 s.
 pub(crate) fn wave_hand(clock: Res<SinewClock>, mut hands: Query<(&Hand, &mut Transform)>) {
     for (hand, mut transform) in &mut hands {
         let turn = (clock.seconds / 1.6).fract() as f32 * core::f32::consts::TAU;
@@ -75,7 +75,7 @@ fn spawn(world: &mut World) {
         segments: 32,
         ..Rope::between(from, to)
     };
-    // From the side of one post to that of the other: the line does not begin inside of them.
+    // Between the facing sides of the posts, so that the line does not start inside of them.
     let line = rope(Vec3::new(-1.928, 2.15, 0.0), Vec3::new(0.328, 2.15, 0.0), 0.022);
     world.spawn((
         InScene,
@@ -85,8 +85,7 @@ fn spawn(world: &mut World) {
         Interpolate,
     ));
 
-    // The lantern's two particles hang on the last one of the rope.
-    // From a beam that the post carries, and past that on its way.
+    // The swinging rope hangs from a beam that extends from the post, so that it swings clear of the post. The lantern is tied to its last particle.
     let beam = post(world, 0.03, 0.85);
     let lying = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
     let beam_at = Transform::from_xyz(0.8, 2.15, 0.0).with_rotation(lying);
@@ -110,7 +109,8 @@ fn spawn(world: &mut World) {
             Transform::from_translation(end),
         ))
         .id();
-    // Its ring is 0.35 m above its centre of mass; the mass sits low, as in a lantern.
+    // The two particles of the lantern: its ring, and its foot, which has nearly all of the mass. In the frame of the mesh they are 0.36 m above and 0.19 m
+    // below the origin.
     let [ring, foot] = [(0.0, 0.1, 0.02), (0.55, lantern, 0.15)].map(|(down, mass, radius)| {
         let place = end + along * down;
         world.spawn((Particle::at(place), Mass(mass), Radius(radius), ParticleOf(lamp))).id()
@@ -129,25 +129,25 @@ fn spawn(world: &mut World) {
         Rope { segments: 40, radius: 0.014, mass: 0.2, ..Rope::between(at, at - Vec3::Y * 1.6) };
     let whip =
         world.spawn((InScene, Name::new("whip"), whip, Look::color(0x3a3f47), Interpolate)).id();
-    // Ropes get their particles with the next tick; what is tied to them waits for that.
+    // Ropes are built in the next tick; ties to their particles wait for that.
     world.spawn((InScene, Lead { rope: whip, hand }));
 }
 
-/// Waits to tie the end of a rope to a particle.
+/// A pending tie from the end of a rope to a particle.
 #[derive(Component)]
 pub(crate) struct Tie {
     rope: Entity,
     ring: Entity,
 }
 
-/// Waits to put the start of a rope into a hand.
+/// A pending attachment of the start of a rope to a hand.
 #[derive(Component)]
 pub(crate) struct Lead {
     rope: Entity,
     hand: Entity,
 }
 
-/// Ties what waits for a rope, once the rope is built.
+/// Makes the pending ties of a rope once the rope is built.
 pub(crate) fn tie_ends(
     built: OnAdd<bevy_sinew::TubeMesh>,
     mut commands: Commands,

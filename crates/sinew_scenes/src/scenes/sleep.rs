@@ -1,4 +1,4 @@
-//! A field of stacks that are asleep, and a ball that is thrown at one after the other.
+//! A field of sleeping stacks, and a ball that is thrown at one after the other.
 
 use bevy::prelude::*;
 use bevy_sinew::SinewClock;
@@ -44,20 +44,20 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Edge of a box, metres, its mass, kg, and how far apart the stacks are, metres: what falls off one does not come to the next.
+/// Edge of a box, metres; its mass, kg; and the distance between stacks, metres: boxes that fall off one do not reach the next.
 const EDGE: f32 = 0.3;
 const MASS: f32 = 2.0;
 const APART: f32 = 1.8;
-/// When the ball is thrown first, how often, and for how long it flies, seconds.
+/// Time of the first throw, interval between throws, and time of flight, seconds.
 const FIRST: f64 = 1.0;
 const EVERY: f64 = 1.0;
 const FLIES: f64 = 0.4;
-/// Where it is thrown from, seen from what it is to hit, metres: from above and between the rows, so that it comes near no other stack.
+/// Where the ball starts relative to its target, metres: from above and between the rows, so that it passes no other stack closely.
 const FROM: Vec3 = Vec3::new(1.0, 0.5, 1.0);
 /// Radius of the ball, metres.
 const RADIUS: f32 = 0.16;
 
-/// A box that may have slept, and have been woken.
+/// A box: whether it has slept, and whether it has been woken.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct Sleeper {
     slept: bool,
@@ -75,17 +75,17 @@ impl Sleeper {
     }
 }
 
-/// What is thrown: how often it was, and whether it is back.
+/// The ball: how often it was thrown, and whether it is back.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct Thrown {
     times: u32,
     is_back: bool,
 }
 
-/// How long after a hit the ball is taken back, seconds: before it rolls to another stack.
+/// Time from a hit until the ball is taken back, seconds: before it rolls to another stack.
 const BACK: f64 = 0.2;
 
-/// Throws the ball when it is due, each time at another stack, and takes it back.
+/// Throws the ball when a throw is due, each time at another stack, and takes it back.
 pub(crate) fn throw(
     clock: Res<SinewClock>,
     stage: Option<Res<OnStage>>,
@@ -105,7 +105,7 @@ pub(crate) fn throw(
         return;
     }
     *thrown = Thrown { times: n + 1, is_back: false };
-    // Every so many stacks on, with a step that comes to all of them: no two hits in a row are side by side.
+    // A stride that is coprime to the number of stacks, so that it visits all of them, and long enough that no two consecutive targets are neighbours.
     let step = (row * row * 13 / 34..).find(|&step| gcd(step, row * row) == 1).unwrap_or(1);
     let first = row * row / 2 + row / 2;
     let target = stack((first + n * step) % (row * row), row);
@@ -116,7 +116,7 @@ pub(crate) fn throw(
     ball.teleport(Transform::from_translation(from)).set_motion(velocity, Vec3::ZERO);
 }
 
-/// Where the ball lies, metres: at a corner of the field.
+/// Where the ball waits, metres: at a corner of the field.
 fn hand(row: u32) -> Vec3 {
     let corner = 0.5 * side(row) - 0.3;
     Vec3::new(corner, FLOOR + RADIUS, corner)
@@ -131,14 +131,14 @@ fn gcd(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// Where a stack stands, metres.
+/// Position of a stack, metres.
 fn stack(number: u32, row: u32) -> Vec3 {
     let middle = 0.5 * (row - 1) as f32;
     let [x, z] = [number % row, number / row].map(|i| (i as f32 - middle) * APART);
     Vec3::new(x, 0.0, z)
 }
 
-/// Notes who is woken, and shows who sleeps. After the tick.
+/// Records which boxes were woken, and colours the boxes by their state. Runs after the tick.
 pub(crate) fn watch(mut boxes: Query<(&Sleep, &mut Sleeper, &mut Look)>) {
     for (sleep, mut one, mut look) in &mut boxes {
         let now = Sleeper {

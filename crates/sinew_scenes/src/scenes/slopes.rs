@@ -1,4 +1,4 @@
-//! Stacks of plates on three slopes, of which two are less steep than friction holds.
+//! Stacks of plates on three slopes, two of which are below the friction angle.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -42,15 +42,15 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Of a slope, and of a plate, metres.
+/// Sizes of a slope and of a plate, metres, and number of plates in a stack.
 const SLOPE: Vec3 = Vec3::new(1.7, 0.12, 1.1);
 const PLATE: Vec3 = Vec3::new(0.62, 0.12, 0.62);
 const PLATES: u32 = 6;
-/// Middle of the second slope, and where its stack begins along it, metres.
+/// Centre of the second slope, and where its stack starts along it, metres.
 const MIDDLE: Vec3 = Vec3::new(0.0, 0.62, 0.0);
 const START: f32 = -0.35;
 
-/// How a slope is turned, from its angle in degrees.
+/// Rotation of a slope, from its angle in degrees.
 fn tilted(degrees: f32) -> Quat {
     Quat::from_rotation_z(-degrees.to_radians())
 }

@@ -1,4 +1,4 @@
-//! Soft bodies: a pumped-up ball, a slack one, and cubes and a ball of jelly that is soft all through.
+//! Soft bodies: an inflated ball, a slack one, and cubes and a ball of tetrahedra.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;

@@ -1,4 +1,4 @@
-//! One brick as an explicit rigid body, by three integrators for rotations, and what each makes of its energy.
+//! The same brick as an explicit rigid body by three integrators for rotations, and the energy of each.
 
 use bevy::prelude::*;
 use bevy_sinew::SinewClock;
@@ -47,28 +47,28 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// After so many seconds all begin anew.
+/// All bricks start again after this time, seconds.
 const ROUND: f64 = 12.0;
-/// Edges of a brick, metres: its middle axis is y. And its mass, kg.
+/// Edges of a brick, metres (y is the middle axis), and its mass, kg.
 const SIZE: Vec3 = Vec3::new(0.35, 0.7, 1.05);
 const MASS: f32 = 10.0;
-/// How high the bricks are, and how high a column is for the energy of the start, metres.
+/// Height of the bricks, and height of a column for the initial energy, metres.
 const HIGH: f32 = 1.25;
 const COLUMN: f32 = 0.8;
 
-/// A brick, when it was thrown and now, and the column of its energy.
+/// A brick, at the start and now, and the column that shows its energy.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Brick {
     start: RigidBody,
     now: RigidBody,
     integrator: RigidIntegrator,
-    /// Steps in a second, and those done in this round.
+    /// Steps a second, and steps done in this round.
     rate: f64,
     steps: u64,
     column: Entity,
 }
 
-/// Takes the steps that are due, and moves what is drawn.
+/// Takes the steps that are due, and updates the drawing.
 pub(crate) fn step_bricks(
     clock: Res<SinewClock>,
     mut bricks: Query<(Entity, &mut Brick)>,
@@ -81,7 +81,7 @@ pub(crate) fn step_bricks(
         }
         let (step, integrator) = ((1.0 / brick.rate) as f32, brick.integrator);
         while brick.steps < due {
-            // A step that is refused, because too much came of the last ones, leaves the brick as it was.
+            // A step whose result is not finite returns an error and leaves the brick as it was.
             brick.now.step(Vec3::ZERO, Vec3::ZERO, step, integrator).ok();
             brick.steps += 1;
         }
@@ -90,7 +90,7 @@ pub(crate) fn step_bricks(
         }
         let share = brick.now.kinetic_energy() / brick.start.kinetic_energy();
         if let Ok(mut column) = drawn.get_mut(brick.column) {
-            // What grows without bound is cut off where the picture ends.
+            // Unbounded growth is cut off at the edge of the picture.
             column.scale.y = (COLUMN * share as f32).clamp(1e-3, 2.3);
             column.translation.y = FLOOR + 0.5 * column.scale.y;
         }
@@ -123,7 +123,7 @@ fn spawn(world: &mut World) {
             Brick { start, now: start, integrator, rate: f64::from(rate), steps: 0, column };
         let at = Transform::from_xyz(x, HIGH, 0.0);
         let brick = world.spawn((InScene, Name::new(name), brick, skin.clone(), look, at)).id();
-        // A knob says which end was up.
+        // A knob marks the end that was up at first.
         let above = |y: f32| Transform::from_xyz(0.0, SIZE.y * 0.5 + y, 0.0);
         world.spawn((ChildOf(brick), stick.clone(), steel.clone(), above(0.1)));
         world.spawn((ChildOf(brick), knob.clone(), white.clone(), above(0.22)));

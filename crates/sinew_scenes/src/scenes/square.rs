@@ -1,4 +1,4 @@
-//! The lectures' box in 2D: 4 particles and 6 distances, falling in a plane.
+//! A 2D box of 4 particles and 6 distances that falls in a plane.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -43,19 +43,19 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// How the blue square is turned, radians.
+/// Rotation of the blue square, radians.
 const TURN: f32 = 0.62;
-/// Height of its middle, metres.
+/// Height of its centre, metres.
 const HIGH: f32 = 3.3;
 
-/// From the middle of the blue square to the corner that is pushed, metres, from its edge.
+/// Offset from the centre of the blue square to the corner that is pushed, metres.
 fn pushed(edge: f32) -> Vec3 {
     Quat::from_rotation_z(TURN) * Vec3::new(0.5 * edge, -0.5 * edge, 0.0)
 }
 
 fn spawn(world: &mut World) {
     let [impulse, mass, edge] = values(world);
-    // The formula has no air.
+    // The formula ignores air resistance.
     world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let squares = [
@@ -80,7 +80,7 @@ fn spawn(world: &mut World) {
             falls.insert(push.at(Vec3::Y * HIGH + pushed(edge)));
         }
     }
-    // Where and how far it is pushed: 15 cm for each newton second.
+    // Where and how hard it is pushed: 15 cm for each newton second.
     let corner = Vec3::new(0.0, HIGH, 0.1) + pushed(edge);
     let stick = [corner - Vec3::Y * (0.15 * impulse).max(0.01), corner];
     curve(world, &stick, 0.015, Look::color(0xd0342c));

@@ -1,4 +1,4 @@
-//! All of it at once: what a level of a game may have, about a river.
+//! Many kinds of bodies at once, as in a level of a game, around a river.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -38,13 +38,13 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Height of the land, metres, and of the water.
+/// Heights of the land and of the water, metres.
 const LAND: f32 = 0.7;
 const WATER: f32 = 0.52;
 /// The banks of the river along z, and half its length, metres.
 const BANKS: [f32; 2] = [1.9, 4.3];
 const HALF: f32 = 9.0;
-/// Where the wind goes.
+/// Direction of the wind.
 const DOWNWIND: Vec3 = Vec3::new(12.0 / 13.0, 0.0, 5.0 / 13.0);
 
 fn spawn(world: &mut World) {
@@ -69,7 +69,7 @@ fn spawn(world: &mut World) {
     figures(world);
 }
 
-/// Something solid that stands.
+/// A static box.
 fn block(world: &mut World, size: Vec3, at: Vec3, look: Look) -> Entity {
     let skin = mesh(world, rounded_box(size, 0.03, 2));
     let solid = (Collider::cuboid(size), SurfaceMaterial::new(0.6));
@@ -86,7 +86,7 @@ fn land(world: &mut World) {
     block(world, size, Vec3::new(0.0, 0.5 * LAND, BANKS[1] + 0.75), grass);
 }
 
-/// Water that flows at so many m/s.
+/// Water that flows at `current` m/s.
 fn river(world: &mut World, current: f32) {
     let [near, far] = [BANKS[1], BANKS[0]];
     let (wide, middle) = (near - far, 0.5 * (near + far));
@@ -100,7 +100,7 @@ fn river(world: &mut World, current: f32) {
     let slab = mesh(world, Cuboid::new(2.0 * HALF, WATER, wide));
     let blue = Look::color(0x2f86b5).roughness(0.08).opacity(0.62);
     world.spawn((InScene, slab, blue, Transform::from_xyz(0.0, 0.5 * WATER, middle)));
-    // What drifts to the end of the river stays there.
+    // Walls at both ends of the river keep the floats in it.
     let stone = Look::color(0x8c8780).roughness(0.85);
     for x in [-HALF + 0.1, HALF - 0.1] {
         let at = Vec3::new(x, 0.5 * LAND, middle);
@@ -205,9 +205,9 @@ fn cape(world: &mut World, at: Vec3, color: u32) {
     let (head, up) = (mesh(world, ball(0.15)), Vec3::Y * (high + 0.12));
     let solid = Collider::sphere(0.15);
     world.spawn((InScene, solid, head, stone, Transform::from_translation(at + up)));
-    // So wide that its particles leave no gaps for what touches it: then it need not collide by its triangles.
+    // The particles are wide enough to leave no gaps for the colliders here, so that the cape need not collide by its triangles.
     let cloth = Cloth { radius: 0.018, ..Cloth::grid(0.95, 1.15, 23, 23) };
-    // It hangs behind the figure as the wind comes: the wind presses it on, and lifts what is free.
+    // On the leeward side of the figure, so that the wind lifts its free parts.
     let hangs = at + Vec3::new(0.12, high - 0.1 - 0.575, radius + 0.05);
     world.spawn((
         InScene,
@@ -239,7 +239,7 @@ fn lanterns(world: &mut World) {
     for n in 0..6_u32 {
         let x = left + 0.45 + 0.62 * n as f32;
         let down = 0.7 + 0.35 * (n % 3) as f32;
-        // Drawn aside, so that they swing.
+        // Displaced, so that they swing.
         let at = Vec3::new(x - 0.35, middle.y - 0.1 - down - 0.14, z + 0.25);
         let lamp = world
             .spawn((
@@ -257,7 +257,7 @@ fn lanterns(world: &mut World) {
         let rope = Rope { segments: 16, mass: 0.25, radius: 0.014, ..rope };
         world.spawn((InScene, Name::new("lantern rope"), rope, hemp.clone(), Interpolate));
     }
-    // From the flag pole to the beam, and from the posts to the ground. None ends within what stands there.
+    // From the flag pole to the beam, and from the posts to the ground. None ends inside a collider.
     let top = Vec3::new(-5.9, LAND + 2.2, -1.16);
     for (from, to, slack) in [
         (top, Vec3::new(left - 0.12, LAND + 2.8, z), 0.06),
@@ -294,7 +294,7 @@ fn crates(world: &mut World) {
     }
 }
 
-/// Ten figures that nobody holds up: some onto the land, one onto the bridge, one into the river.
+/// Ten ragdolls: most fall onto the land, one onto the bridge, one into the river.
 fn figures(world: &mut World) {
     let colors = [0xd9622b, 0x2f8f83, 0xe0b040, 0x8e6bb0, 0x3d7ea6];
     for n in 0..10_u32 {

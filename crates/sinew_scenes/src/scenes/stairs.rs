@@ -37,7 +37,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Steps, and their depth in metres.
+/// Number of steps, and their depth, metres.
 const STEPS: u32 = 7;
 const GOING: f32 = 0.42;
 

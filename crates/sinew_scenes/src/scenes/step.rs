@@ -1,4 +1,4 @@
-//! One step of position based dynamics in slow motion: predict, project each constraint in its turn, and the velocity that follows.
+//! One step of position based dynamics in slow motion: prediction, projection of each constraint in turn, and the velocity derived from the result.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -44,7 +44,7 @@ pub(super) const SCENE: Scene = Scene {
         },
         expect: |values, _| {
             let [step, mass, spin] = [values[0], values[2], values[3]].map(f64::from);
-            // The ends of a rod go along its turn, and not around: so it is too long.
+            // The ends of a rod move along the tangents of their circle, so the predicted rod is too long.
             let turn = spin * step;
             let excess = f64::from(LENGTH) * (libm::sqrt(1.0 + turn * turn) - 1.0);
             excess / (mass + 1.0) * 1e3
@@ -57,19 +57,19 @@ pub(super) const SCENE: Scene = Scene {
 /// Length of a rod and radius of a ball, metres.
 const LENGTH: f32 = 1.2;
 const RADIUS: f32 = 0.06;
-/// Where the middle of the triangle is when the step begins, metres, and how fast that moves, m/s.
+/// Initial position, metres, and velocity, m/s, of the centre of the triangle.
 const MIDDLE: Vec3 = Vec3::new(-0.25, TABLE + 1.09, 0.0);
 const VELOCITY: Vec3 = Vec3::new(2.4, -1.8, 0.0);
-/// Height of the table that is the floor of the triangle, metres. The triangle is in front of it, so that one sees what sinks.
+/// Height of the table that serves as the floor of the triangle, metres. The triangle is in front of it, so that penetration is visible.
 const TABLE: f32 = 0.42;
-/// Which balls a rod joins. Where it stands in the list is its turn.
+/// The balls that each rod joins, in solving order.
 const RODS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
 /// Size of a peg, metres.
 const PEG: Vec3 = Vec3::new(0.12, 0.18, 0.1);
 /// How far in front of the balls the arrows are drawn, metres.
 const BEFORE: Vec3 = Vec3::new(0.0, 0.0, RADIUS + 0.03);
 
-/// What is done in a stage of the step.
+/// What a stage of the step does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Act {
     Begin,
@@ -79,20 +79,20 @@ enum Act {
     Derive,
 }
 
-/// The places of all balls, metres.
+/// Positions of all balls, metres.
 type Places = [Vec3; 3];
 
-/// A stage of the step: where the balls are when it begins and when it ends, and an arrow for each.
+/// A stage of the step: positions of the balls when it starts and when it ends, and an arrow for each.
 #[derive(Clone, Copy, Debug)]
 struct Stage {
     act: Act,
-    /// Which sweep over the constraints it belongs to; 0 before the first.
+    /// The sweep over the constraints that it belongs to; 0 before the first.
     sweep: usize,
     ways: [Places; 2],
     arrows: [Option<[Vec3; 2]>; 3],
 }
 
-/// A constraint that notes where its particles are whenever the solver looks at them: so the solver itself tells what it did, and when.
+/// A constraint that records the positions of its particles whenever the solver evaluates it. The records show what the solver did, in order.
 #[derive(Debug)]
 struct Watched {
     number: usize,
@@ -102,10 +102,10 @@ struct Watched {
     seen: Seen,
 }
 
-/// What the solver looked at, in its order.
+/// The evaluations by the solver, in order.
 type Seen = Arc<Mutex<Vec<Sight>>>;
 
-/// A constraint that the solver looked at, and where its balls were, metres.
+/// An evaluation: the constraint, and the positions of its balls, metres.
 #[derive(Clone, Debug)]
 struct Sight {
     constraint: usize,
@@ -141,18 +141,18 @@ impl Equation for Watched {
     }
 }
 
-/// Where the balls are when the step begins, and how fast, m/s: a triangle that turns as it falls, one corner down.
+/// Initial position, metres, and velocity, m/s, of a ball: a triangle that turns as it falls, one corner down.
 fn start(i: usize, spin: f32) -> [Vec3; 2] {
     let (sin, cos) = libm::sincosf((10.0 + 120.0 * i as f32).to_radians());
     let out = Vec3::new(cos, sin, 0.0) * (LENGTH / libm::sqrtf(3.0));
     [MIDDLE + out, VELOCITY + (Vec3::Z * spin).cross(out)]
 }
 
-/// The stages of one substep of the solver, in a world of its own; `None` if a number of it is refused.
+/// The stages of one substep of the solver, in a world of its own; `None` if one of its numbers is invalid.
 fn take_step(step: f32, sweeps: u32, mass: f32, spin: f32) -> Option<Vec<Stage>> {
     let seen = Seen::default();
     let mut world = Simulation::default();
-    // As in the lectures: so many sweeps, and nothing put right after them.
+    // Plain position based dynamics: a fixed number of sweeps, and no corrections after them.
     world.settings = SolverSettings {
         substeps: 1,
         max_sweeps: sweeps,
@@ -177,7 +177,7 @@ fn take_step(step: f32, sweeps: u32, mass: f32, spin: f32) -> Option<Vec<Stage>>
     let arrows = |from: Places, to: Places| [0, 1, 2].map(|i| Some([from[i], to[i]]));
     let before = places(&world);
     let first = velocities(&world);
-    // The phases of a substep one by one: what a game's own systems may stand between.
+    // The phases of a substep, one by one. A game's own systems can run between them.
     world.begin_step(step).ok()?;
     world.begin_substep();
     world.accumulate_forces();
@@ -208,8 +208,8 @@ fn take_step(step: f32, sweeps: u32, mass: f32, spin: f32) -> Option<Vec<Stage>>
     Some(stages)
 }
 
-/// What each constraint corrected, from what the solver saw: what has moved since it was last looked at was moved by the constraint that looked at it
-/// then. Corrections of less than a millimetre are left out.
+/// The corrections of each constraint, derived from the recorded evaluations: a particle that has moved since its last evaluation was moved by the constraint
+/// that was evaluated then. Corrections of less than a millimetre are left out.
 fn corrections(predicted: Places, after: Places, sights: &[Sight]) -> Vec<Stage> {
     let mut stages: Vec<Stage> = Vec::new();
     let (mut known, mut last) = (predicted, [None; 3]);
@@ -221,7 +221,7 @@ fn corrections(predicted: Places, after: Places, sights: &[Sight]) -> Vec<Stage>
         }
         known[row] = place;
     };
-    // The first one that comes again begins another sweep.
+    // A sweep ends where a constraint is evaluated again.
     let (mut sweep, mut turns) = (0, Vec::new());
     for &Sight { constraint, ref places } in sights {
         if turns.is_empty() || turns.contains(&constraint) {
@@ -251,21 +251,21 @@ fn corrections(predicted: Places, after: Places, sights: &[Sight]) -> Vec<Stage>
     stages
 }
 
-/// How far the red ball goes in the first correction of all, metres.
+/// Displacement of the red ball in the first correction, metres.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct FirstCorrection(f32);
 
-/// A step that is played again and again, and what it is drawn with.
+/// A step that is played repeatedly, and the entities that draw it.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct SlowStep {
     stages: Vec<Stage>,
-    /// How long a stage is shown, seconds.
+    /// Time for which a stage is shown, seconds.
     lasts: f64,
     balls: [Entity; 3],
     rods: [Entity; 3],
-    /// Where each ball would go alone.
+    /// Predicted position of each ball.
     rings: [Entity; 3],
-    /// For each act, an arrow for each ball.
+    /// An arrow for each ball, for each act.
     arrows: [(Act, [Arrow; 3]); 5],
     /// One for each stage.
     pegs: Vec<Entity>,
@@ -282,7 +282,7 @@ pub(crate) fn show_step(
         let passed = into_round(clock.seconds, lasts * stages.len() as f64) / lasts;
         let number = (passed as usize).min(stages.len() - 1);
         let stage = &stages[number];
-        // A stage rests at first, so that its arrows are seen, then the balls go, and it rests again.
+        // A stage pauses first, so that its arrows are seen, then moves the balls, and pauses again.
         let share = (2.0 * (passed - number as f64) - 0.6).clamp(0.0, 1.0) as f32;
         let share = share * share * (3.0 - 2.0 * share);
         let places = [0, 1, 2].map(|i| stage.ways[0][i].lerp(stage.ways[1][i], share));
@@ -315,7 +315,7 @@ pub(crate) fn show_step(
     }
 }
 
-/// A peg in front of the table, of that share of its size.
+/// A peg in front of the table, at this fraction of its size.
 fn standing(along: f32, scale: f32) -> Transform {
     Transform::from_xyz(along, FLOOR + 0.5 * PEG.y * scale, 0.5).with_scale(Vec3::splat(scale))
 }

@@ -1,4 +1,4 @@
-//! Beads that stay on a line, and corners that stay in a plane, beside the same without.
+//! Beads kept on a line and corners kept in a plane, beside the same bodies without these constraints.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -55,13 +55,13 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Height of the hooks and distances of the beads from theirs, metres.
+/// Height of the hooks, and distances of the beads from them, metres.
 const TOP: f32 = 1.8;
 const BEADS: [f32; 2] = [0.5, 1.1];
-/// Where the straight pendulum hangs along x, and the other, metres.
+/// Where the straight and the free pendulum hang along x, metres.
 const STRAIGHT: f32 = -1.3;
 const FREE: f32 = -0.1;
-/// Where the squares are, and half of a diagonal of one, metres.
+/// Position of the squares, and half a diagonal of one, metres.
 const SQUARES: Vec3 = Vec3::new(1.35, 1.1, 0.0);
 const HALF: f32 = 0.5;
 
@@ -110,7 +110,7 @@ fn spawn(world: &mut World) {
     square(world, SQUARES.with_z(-0.6), false, 0xd9622b);
 }
 
-/// A square that lies level and is held by two opposite corners: its edges keep their lengths, and it can fold along the line between those.
+/// A horizontal square, pinned at two opposite corners. Its edges keep their lengths, but it can fold along the diagonal between these corners.
 fn square(world: &mut World, middle: Vec3, flat: bool, color: u32) {
     let corners = [Vec3::NEG_X, Vec3::NEG_Z, Vec3::X, Vec3::Z].map(|out| middle + out * HALF);
     let look = Look::color(color).roughness(0.5).double_sided();

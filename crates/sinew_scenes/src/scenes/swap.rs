@@ -1,4 +1,4 @@
-//! Boxes that turn from particles into rigid bodies and back while they fly, and a twin of each that does not.
+//! Boxes that change from particles to rigid bodies and back in flight, each beside a copy that does not change.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -48,13 +48,13 @@ pub(super) const SCENE: Scene = Scene {
 #[derive(Component)]
 pub(crate) struct Swaps;
 
-/// As which it is seen.
+/// The colour of a representation.
 fn look_of(representation: Representation) -> Look {
     let color = if representation == Representation::Particles { 0xd9622b } else { 0x3d7ea6 };
     Look::color(color).roughness(0.45)
 }
 
-/// Changes what is to change; a function of the simulation's time alone.
+/// Changes the representations. They are a function of simulated time alone.
 pub(crate) fn swap_bodies(
     clock: Res<SinewClock>,
     mut bodies: Query<(&mut Representation, &mut Look), With<Swaps>>,
@@ -72,13 +72,13 @@ pub(crate) fn swap_bodies(
 /// Edges of the boxes, metres.
 const SIZES: [Vec3; 3] = [Vec3::new(0.5, 0.7, 1.0), Vec3::splat(0.7), Vec3::new(1.1, 0.35, 0.7)];
 
-/// The spin that a box is thrown with, rad/s: about an axis of its own.
+/// Initial angular velocity of a box, rad/s: about a different axis for each.
 fn thrown(place: usize, spin: f32) -> Vec3 {
     let axis = Vec3::new(1.6, 0.9, 1.4 - place as f32);
     axis * (spin / Vec3::new(1.6, 0.9, 1.4).length())
 }
 
-/// The angular momentum of a solid box, kg m²/s, by its angular velocity in its own axes, rad/s.
+/// The angular momentum of a solid box, kg m²/s, from its angular velocity in its own axes, rad/s.
 fn momentum(size: Vec3, mass: f32, spin: Vec3) -> f64 {
     let square = size.as_dvec3() * size.as_dvec3();
     let inertia = (bevy::math::DVec3::splat(square.element_sum()) - square) / 12.0;
@@ -87,7 +87,7 @@ fn momentum(size: Vec3, mass: f32, spin: Vec3) -> f64 {
 
 fn spawn(world: &mut World) {
     let [spin, mass, gravity] = values(world);
-    // At first as on the Moon, so that there is time to look.
+    // By default as on the Moon, so that there is time to watch.
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.4)));

@@ -1,4 +1,4 @@
-//! Two rods in a cascade: each sweep over both leaves a share of the error that the masses decide.
+//! Two rods that share a ball, solved by Gauss–Seidel: each sweep over both leaves a fraction of the error that depends on the masses.
 
 use bevy::prelude::*;
 use bevy_sinew::SinewClock;
@@ -52,24 +52,24 @@ pub(super) const SCENE: Scene = Scene {
 const LENGTH: f32 = 0.8;
 /// Height of the balls, metres.
 const HIGH: f32 = FLOOR + 0.32;
-/// The most sweeps, and how long each is shown, seconds.
+/// Largest number of sweeps, and time for which each is shown, seconds.
 const MOST: usize = 12;
 const LASTS: f64 = 0.5;
-/// How high a bar is for each metre of error.
+/// Height of a bar for each metre of error.
 const BAR: f32 = 2.2;
-/// Where the bars stand, metres.
+/// Position of the bars, metres.
 const BARS: Vec3 = Vec3::new(0.0, FLOOR + 0.6, -0.3);
 
-/// The error that the solver says is left after as many sweeps as the slider says, metres.
+/// The error that the solver reports after as many sweeps as the slider sets, metres.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct ErrorLeft(f32);
 
-/// Where three balls are after each number of sweeps, and what is drawn of it.
+/// Positions of the three balls after each number of sweeps, and the entities that draw them.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct Cascade {
     places: Vec<[Vec3; 3]>,
     balls: [Entity; 3],
-    /// The rods as long as they should be, at the outer balls.
+    /// The rods at their rest length, at the outer balls.
     sticks: [Entity; 2],
     /// One for each number of sweeps from 0 on, and its height, metres.
     bars: Vec<(Entity, f32)>,
@@ -100,7 +100,7 @@ pub(crate) fn show_sweep(
     }
 }
 
-/// The bar of a number of sweeps, metres high.
+/// The bar for a number of sweeps, `height` metres high.
 fn standing(number: usize, height: f32) -> Transform {
     let height = height.max(2e-3);
     let along = (number as f32 - 0.5 * MOST as f32) * 0.24;
@@ -108,7 +108,7 @@ fn standing(number: usize, height: f32) -> Transform {
         .with_scale(Vec3::new(1.0, height, 1.0))
 }
 
-/// Where the balls are after so many sweeps of the solver, and the error that it says is left, metres; `None` if a number of it is refused.
+/// Positions of the balls after this many sweeps of the solver, and the error that it reports, metres; `None` if one of the numbers is invalid.
 fn solve(sweeps: usize, middle: f32, outer: f32, excess: f32) -> Option<([Vec3; 3], f32)> {
     let mut world = Simulation::default();
     world.forces.gravity = Vec3::ZERO;
@@ -116,7 +116,7 @@ fn solve(sweeps: usize, middle: f32, outer: f32, excess: f32) -> Option<([Vec3; 
         substeps: 1,
         max_sweeps: sweeps.max(1) as u32,
         tolerance: 0.0,
-        // The two are a chain, and would be solved at once.
+        // The two rods form a chain, which the direct solver would solve in one sweep.
         long_range: false,
         ..default()
     };

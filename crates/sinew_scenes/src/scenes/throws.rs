@@ -1,4 +1,4 @@
-//! One throw in four media: nothing, air, water and honey.
+//! The same throw in four media: vacuum, air, water and honey.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -46,20 +46,20 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// After so many seconds all are thrown anew.
+/// All balls are thrown again after this time, seconds.
 const ROUND: f64 = 2.0;
-/// Radius of the balls, where the first lane has its start, and how wide a lane is, metres.
+/// Radius of the balls, start of the first lane before its offset along z, and width of a lane, metres.
 const RADIUS: f32 = 0.09;
 const START: Vec3 = Vec3::new(-2.1, FLOOR + RADIUS, 0.0);
 const LANE: f32 = 0.55;
-/// How high the media reach, and how long a lane is, metres.
+/// Height of the media, and length of a lane, metres.
 const HIGH: f32 = 2.0;
 const LONG: f32 = 4.8;
 
 /// A throw in a medium.
 #[derive(Clone, Copy, Debug)]
 struct Flight {
-    /// To the side and up, m/s.
+    /// Horizontal and vertical velocity at the start, m/s.
     velocity: [f64; 2],
     /// Gravity less buoyancy, m/s².
     gravity: f64,
@@ -68,8 +68,8 @@ struct Flight {
 }
 
 impl Flight {
-    /// From the speed in m/s, the angle in degrees, the density of the medium as a share of the ball's, and the share of its velocity that the ball loses
-    /// in a second.
+    /// From the speed, m/s; the angle, degrees; the density of the medium relative to the ball; and the fraction of its velocity that the ball loses in a
+    /// second.
     fn of(speed: f32, angle: f32, density: f32, drag: f32) -> Self {
         let (sin, cos) = libm::sincos(f64::from(angle).to_radians());
         Self {
@@ -79,17 +79,17 @@ impl Flight {
         }
     }
 
-    /// `(1 - e^(-λt))/λ`: for how many seconds the velocity of the start would have to last.
+    /// `(1 - e^(-λt))/λ`: the time for which the initial velocity would have to last to cover the same distance, seconds.
     fn lasting(self, time: f64) -> f64 {
         if self.rate > 0.0 { -libm::expm1(-self.rate * time) / self.rate } else { time }
     }
 
-    /// How far to the side it is at a time, metres.
+    /// Horizontal distance at a time, metres.
     fn way(self, time: f64) -> f64 {
         self.velocity[0] * self.lasting(time)
     }
 
-    /// How high it is over its start, metres.
+    /// Height above the start at a time, metres.
     fn height(self, time: f64) -> f64 {
         let Self { velocity, gravity, rate } = self;
         if rate > 0.0 {
@@ -100,9 +100,9 @@ impl Flight {
         }
     }
 
-    /// When it is back at the height of its start, seconds.
+    /// Time at which it is back at the height of its start, seconds.
     fn lands(self) -> f64 {
-        // Up it goes faster than down, so it lands after half and before all of what a flight without drag takes.
+        // With drag it lands after more than half and less than all of the time of a flight without drag. The bracket is wider.
         let longest = 2.0 * self.velocity[1] / self.gravity;
         let [mut up, mut down] = [0.25 * longest, 1.001 * longest];
         for _ in 0..60 {
@@ -120,7 +120,7 @@ impl Flight {
 fn spawn(world: &mut World) {
     let [speed, angle, drag, density] = values(world);
     world.insert_resource(AirDrag(0.0));
-    // What lands stays where it is.
+    // Friction that stops the balls where they land.
     let sand = SurfaceMaterial { friction_rule: Combine::Max, ..SurfaceMaterial::new(20.0) };
     let ground = floor(world, Vec2::new(5.4, 4.0 * LANE + 0.4), Look::color(0xcdb891));
     world.entity_mut(ground).insert(sand);
@@ -144,7 +144,7 @@ fn spawn(world: &mut World) {
         world.spawn((InScene, strip.clone(), look.clone(), at));
         if fluid > 0.0 {
             let medium = Fluid { density: fluid, drag, current: Vec3::ZERO };
-            // The upper half of the region is above the surface, and empty.
+            // The upper half of the region is above the surface and has no effect.
             let region = Region::boxed(Vec3::new(LONG + 0.4, 2.0 * HIGH, LANE));
             let at = Transform::from_xyz(0.0, HIGH, z);
             world.spawn((InScene, Name::new("medium"), medium, region, at));

@@ -1,4 +1,4 @@
-//! A time step that changes in flight, and what Verlet's previous position makes of it: corrected, rescaled, and left as it was.
+//! A time step that changes in flight, and three ways to treat Verlet's previous position: corrected by the solver, rescaled, and left as it was.
 
 use bevy::prelude::*;
 use bevy_sinew::SinewClock;
@@ -44,33 +44,33 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// The step changes after each of these many seconds, and after so many the balls are thrown anew.
+/// Interval at which the step changes, and time after which the balls are thrown again, seconds.
 const CHANGE: f64 = 0.25;
 const FLIGHT: f64 = 0.75;
-/// Where they are thrown from, metres: that is where the middle one starts.
+/// Start of the middle ball, metres.
 const START: Vec3 = Vec3::new(-1.1, FLOOR + 0.75, 0.0);
-/// How fast to the side, m/s.
+/// Horizontal velocity, m/s.
 const ALONG: f32 = 2.6;
 
-/// What becomes of the previous position of a ball when the step changes.
+/// How the previous position of a ball is treated when the step changes.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Memory {
-    /// Nothing: the solver knows how long the last step was.
+    /// It is left to the solver, which stores the length of the last step.
     Corrected,
-    /// It is moved along the last way, so that the velocity stays: as if that were the mean over a step of the new length.
+    /// It is moved so that the velocity stays the same, as if that were the mean over a step of the new length.
     Rescaled,
-    /// It stays, and the last way counts as the way of a step of the new length.
+    /// It stays, so that the last displacement counts as that of a step of the new length.
     Kept,
 }
 
-/// Changes the step, and begins anew.
+/// Changes the step, and throws the balls again.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct ChangesStep {
     substeps: [u32; 2],
     throw: Vec3,
 }
 
-/// Changes the step where a round ends, and does to the balls what is to be done to them.
+/// Changes the step where a round ends, and treats the balls accordingly.
 pub(crate) fn change_step(
     clock: Res<SinewClock>,
     mut config: ResMut<SolverConfig>,
@@ -99,7 +99,7 @@ pub(crate) fn change_step(
     }
 }
 
-/// In which lane a ball flies, metres along z.
+/// The lane of a ball, metres along z.
 fn lane(memory: Memory) -> f32 {
     match memory {
         Memory::Corrected => 0.0,

@@ -1,4 +1,4 @@
-//! Verlet's step, frame by frame: the next position out of this one and the one before, and no velocity anywhere.
+//! Verlet integration, frame by frame: the next position from the current and the previous one, without a velocity.
 
 use bevy::prelude::*;
 use bevy_sinew::SinewClock;
@@ -47,7 +47,7 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// How long the ball flies, seconds, where it starts, metres, and how far it comes.
+/// Time of flight, seconds; start, metres; and horizontal range, metres.
 const FLIGHT: f32 = 1.0;
 const START: Vec3 = Vec3::new(-1.45, FLOOR + 0.2, 0.0);
 const RANGE: f32 = 2.9;
@@ -55,22 +55,22 @@ const RANGE: f32 = 2.9;
 const RADIUS: f32 = 0.07;
 const BEFORE: Vec3 = Vec3::new(0.0, 0.0, RADIUS + 0.03);
 
-/// The positions of a ball, step by step, and what is drawn of three of them.
+/// The positions of a ball, step by step, and the entities that draw three of them.
 #[derive(Component, Clone, Debug)]
 pub(crate) struct Film {
     places: Vec<Vec3>,
-    /// How long a frame is shown, seconds.
+    /// Time for which a frame is shown, seconds.
     lasts: f64,
-    /// The ball a step ago, now, and a step from now.
+    /// The ball at the previous, the current and the next step.
     balls: [Entity; 3],
-    /// The last way, the same once more, what the acceleration adds, and the next way.
+    /// The last displacement, the same again, the contribution of the acceleration, and the next displacement.
     arrows: [Arrow; 4],
-    /// One for each position, small until the ball was there.
+    /// A mark for each position, hidden until the ball has been there.
     trail: Vec<Entity>,
 }
 
 impl Film {
-    /// The three positions of the frame that is shown, how far the frame is through, 0 to 1, and its number.
+    /// The three positions of the current frame, its progress from 0 to 1, and its number.
     fn frame(&self, seconds: f64) -> ([Vec3; 3], f32, usize) {
         let frames = self.places.len() - 2;
         let passed = into_round(seconds, self.lasts * frames as f64) / self.lasts;
@@ -80,7 +80,7 @@ impl Film {
     }
 }
 
-/// Shows the frame that is due: first the last way, then the same once more, then what the acceleration adds.
+/// Shows the frame that is due: first the last displacement, then the same again, then the contribution of the acceleration.
 pub(crate) fn show_frame(
     clock: Res<SinewClock>,
     films: Query<&Film>,
@@ -99,7 +99,7 @@ pub(crate) fn show_frame(
             let seen = (share >= from).then(|| way.map(|end| end + BEFORE));
             arrow.point(&mut drawn, seen);
         }
-        // The next one is there when all of its way is.
+        // The next ball grows to full size once its displacement is complete.
         if let Ok(mut ball) = drawn.get_mut(film.balls[2]) {
             ball.scale = Vec3::splat(if share < 0.65 { 0.3 } else { 1.0 });
         }
@@ -111,7 +111,7 @@ pub(crate) fn show_frame(
     }
 }
 
-/// The positions of a thrown ball, step by step, by the solver's Verlet; `None` if a number of it is refused.
+/// The positions of a thrown ball, step by step, by the solver's Verlet integrator; `None` if one of the numbers is invalid.
 fn positions(step: f32, throw: Vec3, gravity: f32) -> Option<Vec<Vec3>> {
     let mut world = Simulation::default();
     world.settings = SolverSettings { integrator: Integrator::Verlet, substeps: 1, ..default() };
@@ -127,7 +127,7 @@ fn positions(step: f32, throw: Vec3, gravity: f32) -> Option<Vec<Vec3>> {
 
 fn spawn(world: &mut World) {
     let [step, gravity, lasts] = values(world);
-    // So that it is back at the height of its start when the flight is over.
+    // So that it returns to the height of its start at the end of the flight.
     let throw = Vec3::new(RANGE / FLIGHT, 0.5 * gravity * FLIGHT, 0.0);
     let Some(places) = positions(step, throw, gravity) else { return };
     floor(world, Vec2::new(4.0, 1.6), Look::color(0x6d5a72).roughness(0.9));
@@ -135,7 +135,7 @@ fn spawn(world: &mut World) {
     let board = mesh(world, rounded_box(size, 0.02, 2));
     let at = Transform::from_xyz(0.0, FLOOR + 0.5 * size.y, -0.3);
     world.spawn((InScene, board, Look::color(0xe9e3d5).roughness(0.9), at));
-    // The parabola that the steps are to be on.
+    // The parabola on which the positions should lie.
     let path = |k: i32| {
         let time = FLIGHT * k as f32 / 32.0;
         let fall = Vec3::NEG_Y * (0.5 * gravity * time * time);

@@ -1,4 +1,4 @@
-//! Two flat cushions that are pumped up to the same volume: one is scaled, the other goes along the gradient.
+//! Two flat ellipsoids that are inflated to the same volume: one is scaled, the other is corrected along the gradient of its volume.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -42,13 +42,13 @@ pub(super) const SCENE: Scene = Scene {
     spawn,
 };
 
-/// Rings of a pancake between its poles, and particles of a ring.
+/// Number of rings of an ellipsoid between its poles, and of particles on a ring.
 const RINGS: u32 = 7;
 const AROUND: u32 = 16;
-/// How fast they are pumped up, Hz.
+/// Frequency of the soft constraint that inflates them, Hz.
 const HERTZ: f32 = 0.6;
 
-/// The points of an ellipsoid of this width and thickness, metres, and its triangles, counter-clockwise from outside.
+/// The points of an ellipsoid of this width and thickness, metres, and its triangles, counter-clockwise seen from outside.
 fn pancake(width: f32, thickness: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let (mut points, mut triangles) = (vec![Vec3::Y], Vec::new());
     for ring in 0..RINGS {
@@ -81,7 +81,8 @@ fn spawn(world: &mut World) {
     floor(world, Vec2::new(4.6, 2.4), Look::color(0x7a5c74).roughness(0.9));
     let (points, triangles) = pancake(width, thickness);
     let volume = Volume::of(triangles.as_slice(), &points).rest;
-    // Twice the area of the triangles around each point: as heavy as the skin there, so that a pole is pushed no farther than its neighbours.
+    // Twice the vector area of the triangles around each point. Each particle is as heavy as the surface around it, so that a pole is pushed no farther than
+    // its neighbours.
     let mut skin_of = vec![Vec3::ZERO; points.len()];
     for triangle in &triangles {
         let [a, b, c] = triangle.map(|i| points[i as usize]);
@@ -114,7 +115,7 @@ fn spawn(world: &mut World) {
             .with_softness(Softness::frequency(HERTZ, 1.0));
         world.spawn((full, ConstraintOf(body)));
         world.entity_mut(body).insert(MeshFollow { vertices: particles });
-        // As far apart as the scaled one becomes wide.
+        // Posts as far apart as the scaled ellipsoid becomes wide.
         let out = 0.5 * width * libm::cbrtf(times) + 0.025;
         for side in [-1.0, 1.0] {
             let stand = post(world, 0.02, 1.5);

@@ -1,5 +1,5 @@
-//! The pointer and the keys: the X server makes events on request (its extension XTEST, which tests of windows are made with), and they come to the window
-//! as those of a mouse and a keyboard do.
+//! Pointer and keys: the X server generates events on request (its extension XTEST, made for testing windows), and they reach the window like those of a mouse
+//! and a keyboard.
 
 use std::cell::Cell;
 use std::io::IoSlice;
@@ -9,7 +9,7 @@ use x11rb::connection::{Connection, RequestConnection};
 use x11rb::protocol::xproto::{AtomEnum, ConnectionExt, InputFocus, Window};
 use x11rb::rust_connection::RustConnection;
 
-/// A key by its place on the keyboard, as the X server numbers them: eight more than Linux does.
+/// A key by its X keycode: the Linux keycode plus eight.
 #[derive(Clone, Copy)]
 pub(super) struct Key(pub(super) u8);
 
@@ -25,7 +25,7 @@ impl Key {
     pub(super) const F5: Self = Self(71);
     pub(super) const F9: Self = Self(75);
 
-    /// The key that types a letter or a point, on the American keyboard that a virtual screen has.
+    /// The key that types a letter, a comma or a point on a US keyboard, which virtual screens have.
     pub(super) fn of(letter: char) -> Option<Self> {
         let rows = [("qwertyuiop", 24), ("asdfghjkl", 38), ("zxcvbnm,.", 52)];
         rows.into_iter().find_map(|(row, first)| {
@@ -35,32 +35,32 @@ impl Key {
     }
 }
 
-/// Kinds of events, as the X protocol numbers them.
+/// Types of events in the X protocol.
 const KEY_PRESS: u8 = 2;
 const KEY_RELEASE: u8 = 3;
 const BUTTON_PRESS: u8 = 4;
 const BUTTON_RELEASE: u8 = 5;
 const MOTION: u8 = 6;
 
-/// The left button, and one turn of the wheel down or up.
+/// The left button, and one notch of the wheel up or down.
 pub(super) const LEFT: u8 = 1;
 pub(super) const WHEEL_UP: u8 = 4;
 pub(super) const WHEEL_DOWN: u8 = 5;
 
-/// A hand at the window.
+/// A connection that sends pointer and key events to the window.
 pub(super) struct Hand {
     server: RustConnection,
-    /// The number of the extension's requests.
+    /// Major opcode of the extension.
     opcode: u8,
     root: Window,
-    /// Where the window begins on the screen, pixels.
+    /// Position of the window on the screen, pixels.
     origin: [i16; 2],
-    /// Where the pointer was put last, pixels of the screen.
+    /// Last position of the pointer, pixels of the screen.
     at: Cell<Option<[i16; 2]>>,
 }
 
 impl Hand {
-    /// Finds the window by its title, and gives it the keyboard: where nothing manages windows, nobody else does.
+    /// Finds the window by its title, and gives it the keyboard focus, because a virtual screen may have no window manager to do so.
     pub(super) fn at(title: &str) -> Result<Self, String> {
         let said = |what: &str| format!("the X server {what}");
         let (server, screen) = RustConnection::connect(None).map_err(|fault| fault.to_string())?;
@@ -76,8 +76,8 @@ impl Hand {
         Ok(Self { server, opcode, root, origin: [place.dst_x, place.dst_y], at: Cell::new(None) })
     }
 
-    /// Puts the pointer at a pixel of the window. Where it is already, it is left alone: the window would hear of a motion as long as from the corner of
-    /// the screen (winit takes the raw place of a pointer that is put somewhere for its way), and a pressed button would turn the camera by that.
+    /// Moves the pointer to a pixel of the window. If it is already there, no event is sent: winit reports the absolute position of a warped pointer as its
+    /// motion, and with a pressed button that would turn the camera.
     pub(super) fn point(&self, x: f32, y: f32) -> Result<(), String> {
         let at = Some([self.origin[0] + x as i16, self.origin[1] + y as i16]);
         if let (Some(to), false) = (at, self.at.replace(at) == at) {
@@ -94,10 +94,10 @@ impl Hand {
         self.fake(if down { KEY_PRESS } else { KEY_RELEASE }, key.0, [0, 0])
     }
 
-    /// The request `FakeInput`, and a round to the server and back, after which the event is on its way.
+    /// Sends the request `FakeInput` and waits for the server's reply, after which the event is queued.
     fn fake(&self, kind: u8, detail: u8, at: [i16; 2]) -> Result<(), String> {
         let mut request = [0; 36];
-        // Its number, and its length in words of four bytes.
+        // The opcode, and the length of the request in words of four bytes.
         (request[0], request[1], request[2]) = (self.opcode, 2, 9);
         (request[4], request[5]) = (kind, detail);
         request[12..16].copy_from_slice(&self.root.to_ne_bytes());
@@ -109,7 +109,7 @@ impl Hand {
     }
 }
 
-/// The window of a title below another one, so deep at most.
+/// The window with this title below another one, at most `depth` levels down.
 fn find(server: &RustConnection, within: Window, title: &str, depth: u32) -> Option<Window> {
     let children = server.query_tree(within).ok()?.reply().ok()?.children;
     children.into_iter().find_map(|child| {

@@ -1,12 +1,13 @@
-//! The gallery driven by a hand that nobody sees: real events of a pointer and of keys go through the X server, the window and egui, as those of a visitor do,
-//! and what came of each is looked up in the app.
+//! The gallery operated automatically: real pointer and key events go through the X server, the window and egui like those of a user, and the result of each is
+//! checked in the app.
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `hand` | the pointer and the keys: events that the X server makes on request |
-//! | `script` | what the hand does, one thing after the other, and what must come of it |
+//! | `hand` | pointer and keys: events that the X server generates on request |
+//! | `script` | the steps of the script, and the checks of their results |
 //!
-//! The script runs in a thread of its own and asks the app questions, one a frame: so it reads as a visitor's hour does, from top to bottom.
+//! The script runs in a thread of its own and sends closures to the app, one executed in each frame, so that it reads from top to bottom like a session of a
+//! user.
 
 mod hand;
 mod script;
@@ -21,26 +22,26 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_egui::{EguiFullOutput, EguiPostUpdateSet, egui};
 use sinew_panel::RecordingConfig;
 
-/// How long the script waits for an answer, seconds: an app that is stuck must not hang CI.
+/// Time for which the script waits for an answer, seconds: an app that is stuck must not hang CI.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A question, asked of the world between two frames.
+/// A closure that runs on the world between two frames.
 type Question = Box<dyn FnOnce(&mut World) + Send>;
 
-/// The questions of the script. One is answered each frame.
+/// The pending closures of the script. One runs in each frame.
 #[derive(Resource)]
 struct Questions(Mutex<Receiver<Question>>);
 
-/// The texts that egui drew in the last frame, where they are seen: the way to a button is what stands on it.
+/// The texts that egui drew in the last frame, and their rectangles: the script finds a button by its text.
 #[derive(Resource, Default)]
 struct Texts(Vec<(String, egui::Rect)>);
 
-/// Hands the app over to the script, which leaves its pictures in a folder.
+/// Starts the script, which writes its pictures to a folder.
 pub(super) fn add(app: &mut App, folder: PathBuf) {
     let (asked, questions) = channel();
     app.insert_resource(Questions(Mutex::new(questions)))
         .init_resource::<Texts>()
-        // A tick a frame, however long a software renderer takes for one.
+        // One tick a frame, however long a software renderer takes for it.
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 64.0)))
         .add_systems(PostStartup, draw_plainly)
         .add_systems(Last, answer)
@@ -57,7 +58,7 @@ pub(super) fn add(app: &mut App, folder: PathBuf) {
             }
             Err(fault) => {
                 eprintln!("gallery: driven by pointer and keys: {fault}");
-                // What the visitor would see now.
+                // The state of the window at the failure.
                 let _ = script::photograph(&app, &folder, "failed");
                 AppExit::error()
             }
@@ -66,7 +67,8 @@ pub(super) fn add(app: &mut App, folder: PathBuf) {
     });
 }
 
-/// A software renderer takes most of its time for smooth edges and shadows, which nobody looks at here, and for the ground, which is in the pictures alone.
+/// Turns off what a software renderer spends most of its time on: multisampling and shadows, which are not needed here, and the ground, which is only shown in
+/// pictures.
 fn draw_plainly(
     mut commands: Commands,
     cameras: Query<Entity, With<Camera>>,
@@ -77,7 +79,7 @@ fn draw_plainly(
     cameras.iter().for_each(|camera| _ = commands.entity(camera).insert(Msaa::Off));
     show_ground(false)(meshes);
     lights.iter_mut().for_each(|mut light| light.shadow_maps_enabled = false);
-    // Each tick, though this machine should be busy with something else: Back goes back by one.
+    // Records every tick even on a busy machine: Back goes back by exactly one.
     recording.max_microseconds = u32::MAX;
 }
 
@@ -92,7 +94,7 @@ fn show_ground(shown: bool) -> impl Fn(Query<(&Name, &mut Visibility), With<Mesh
     }
 }
 
-/// Answers one question.
+/// Runs one closure of the script.
 fn answer(world: &mut World) {
     let asked = {
         let questions = world.resource::<Questions>().0.lock();
@@ -103,7 +105,7 @@ fn answer(world: &mut World) {
     }
 }
 
-/// Where each text is that is seen.
+/// Collects the visible texts and their rectangles.
 fn read_texts(outputs: Query<&EguiFullOutput>, mut texts: ResMut<Texts>) {
     fn read(shape: &egui::Shape, clip: egui::Rect, texts: &mut Vec<(String, egui::Rect)>) {
         match shape {
@@ -125,11 +127,11 @@ fn read_texts(outputs: Query<&EguiFullOutput>, mut texts: ResMut<Texts>) {
     }
 }
 
-/// The script's line to the app.
+/// The script's connection to the app.
 struct AppLine(Sender<Question>);
 
 impl AppLine {
-    /// Asks the world something between two frames.
+    /// Runs a closure on the world between two frames, and returns its result.
     fn ask<T: Send + 'static>(
         &self,
         question: impl FnOnce(&mut World) -> T + Send + 'static,
@@ -147,7 +149,7 @@ impl AppLine {
         (0..count).try_for_each(|_| self.ask(|_| ()))
     }
 
-    /// Lets frames pass until something is so; at most 240.
+    /// Lets frames pass until a condition holds, at most 240.
     fn until(&self, what: &str, is: fn(&mut World) -> bool) -> Result<(), String> {
         for _ in 0..240 {
             if self.ask(is)? {

@@ -1,4 +1,4 @@
-//! What the hand does, one thing after the other, and what must come of it.
+//! The steps of the automatic session, and the checks of their results.
 
 use std::path::Path;
 use std::thread::sleep;
@@ -22,16 +22,16 @@ use super::{AppLine, Texts, show_ground};
 use crate::window::Programme;
 use crate::window::tools::Tools;
 
-/// The file that settings are saved to, in the folder of the pictures. It is typed, so its letters are those of keys that do something elsewhere:
-/// R restarts, N steps and B goes back.
+/// The file that settings are saved to, in the folder of the pictures. Its name is typed, and its letters are also commands: R restarts, N steps and B goes
+/// back.
 const FILE: &str = "brand.new";
 
-/// Frames from an event to what comes of it: the window hears it, egui takes it for a press, the panel answers.
+/// Frames from an event to its effect: the window receives it, egui processes it, the panel reacts.
 const AFTER: usize = 3;
 
-/// Plays all of it; says how many things were looked up.
+/// Runs the session; returns the number of checks.
 pub(super) fn play(app: &AppLine, folder: &Path) -> Result<usize, String> {
-    // A name that is typed without a folder is one of this folder.
+    // A typed name without a folder is relative to the current folder.
     let folder = std::fs::create_dir_all(folder).and_then(|()| folder.canonicalize());
     let folder = &folder.map_err(|fault| fault.to_string())?;
     std::env::set_current_dir(folder).map_err(|fault| fault.to_string())?;
@@ -74,7 +74,7 @@ pub(super) fn photograph(app: &AppLine, folder: &Path, name: &str) -> Result<(),
     Err(format!("no picture {name}"))
 }
 
-/// A visitor of the gallery.
+/// A session of a simulated user.
 struct Visit<'a> {
     hand: Hand,
     app: &'a AppLine,
@@ -94,7 +94,7 @@ impl Visit<'_> {
     fn move_its_slider(&self) -> Result<(), String> {
         let label = self.find("Lantern")?;
         let was = self.app.ask(|world| world.resource::<OnStage>().values[0])?;
-        // The rail stands at the left edge, and the handle of 1.2 kg at a third of it.
+        // The slider's rail starts at the left edge, and the handle for 1.2 kg is at a third of it.
         self.drag([50.0, label.center().y], [100.0, label.center().y])?;
         let now = self.app.ask(|world| world.resource::<OnStage>().values[0])?;
         self.check("the scene has the lantern that the slider asks for", now > was + 0.5)
@@ -161,9 +161,9 @@ impl Visit<'_> {
     }
 
     fn select_and_drag(&self, folder: &Path) -> Result<(), String> {
-        // What a pointer is over is asked of the camera that draws.
+        // Picking needs the camera to be active.
         self.draw_view(true)?;
-        // What stands still is where it was looked for.
+        // While paused, bodies stay where they were found.
         self.key(Key::SPACE)?;
         let line = self.body("slack line")?;
         let [x, y] = self.seen(line)?;
@@ -192,7 +192,7 @@ impl Visit<'_> {
         self.press([x, y - 120.0], false)?;
         self.until("and is let go", |world| world.resource::<MouseDrag>().grabbed.is_none())?;
         self.key(Key::SPACE)?;
-        // The void above everything.
+        // Empty sky above everything.
         self.press([800.0, 30.0], true)?;
         self.press([800.0, 30.0], false)?;
         let selected = self.app.ask(|world| world.resource::<Selection>().body)?;
@@ -221,7 +221,7 @@ impl Visit<'_> {
         let substeps = |world: &mut World| world.resource::<SolverConfig>().substeps;
         let tune = |share: f32| {
             let row = self.scroll_to("Max sweeps")?;
-            // The row above is that of the substeps, whose name another section has, too.
+            // The row above is that of the substeps; their name also occurs in another section.
             let y = row.center().y - 24.0;
             let rail = [row.left() + 92.0, DOCK_WIDTH - 14.0 - 84.0 - 2.0 * 16.0];
             let x = rail[0] + share * (rail[1] - rail[0]);
@@ -314,13 +314,13 @@ impl Visit<'_> {
         self.key(Key::SPACE)?;
         let path = folder.join("playground.ron");
         let _ = std::fs::remove_file(&path);
-        // Not beside the program, where a visitor may have one.
+        // Not the default path beside the program, where the user may have a file.
         let file = path.clone();
         self.app.ask(move |world| world.resource_mut::<Tools>().path = file)?;
         self.key(Key::F5)?;
         self.check("F5 saves everything", path.exists())?;
         self.find("Saved playground.ron")?;
-        // Bit for bit: what is compared are the positions of all particles.
+        // The positions of all particles, compared bit for bit.
         let places = |world: &mut World| {
             let mut all: Vec<[u32; 3]> = world
                 .query::<&Particle>()
@@ -348,7 +348,7 @@ impl Visit<'_> {
         self.draw_view(true)?;
         photograph(self.app, folder, "playground")?;
         self.draw_view(false)?;
-        // It goes on from there.
+        // The simulation continues from there.
         self.key(Key::SPACE)?;
         self.app.frames(8)?;
         self.check("and from there it goes on", self.app.ask(places)? != saved)
@@ -368,7 +368,7 @@ impl Visit<'_> {
         self.app.ask(|world| world.resource::<SinewClock>().tick)
     }
 
-    /// Whether the scene is drawn: a software renderer takes longest for that.
+    /// Switches drawing of the scene on or off: it takes a software renderer the longest.
     fn draw_view(&self, drawn: bool) -> Result<(), String> {
         self.app.ask(move |world| {
             let mut cameras = world.query_filtered::<&mut Camera, With<PanOrbitCamera>>();
@@ -377,7 +377,7 @@ impl Visit<'_> {
         self.app.frames(2)
     }
 
-    /// The body of that name.
+    /// The body with this name.
     fn body(&self, name: &'static str) -> Result<Entity, String> {
         let found = self.app.ask(move |world| {
             let mut all = world.query_filtered::<(Entity, &Name), With<BodyParticles>>();
@@ -386,7 +386,7 @@ impl Visit<'_> {
         found.ok_or_else(|| format!("there is no {name}"))
     }
 
-    /// The pixel where a particle in the middle of a body is seen.
+    /// The pixel at which a particle in the middle of a body is seen.
     fn seen(&self, body: Entity) -> Result<[f32; 2], String> {
         let pixel = self.app.ask(move |world| {
             let members = world.get::<BodyParticles>(body)?;
@@ -401,12 +401,12 @@ impl Visit<'_> {
         pixel.ok_or_else(|| "a body is not in view".to_owned())
     }
 
-    /// Where a text stands that begins so; the first from the top.
+    /// The rectangle of the topmost text that starts like this, once it is stable.
     fn find(&self, text: &'static str) -> Result<egui::Rect, String> {
         let mut last = None;
         for _ in 0..40 {
             let found = self.app.ask(move |world| place(world, text))?;
-            // Two frames long at one place: a panel that is laid out anew, or scrolls, is not to be clicked yet.
+            // It must be at the same place in two frames: a panel that is being laid out or scrolled cannot be clicked yet.
             if let Some(place) = found.filter(|_| found == last) {
                 return Ok(place);
             }
@@ -415,7 +415,7 @@ impl Visit<'_> {
         Err(format!("no \"{text}\" is to be seen"))
     }
 
-    /// Turns the wheel over the panel until a text is seen, from the top on.
+    /// Scrolls the panel from the top until a text is visible.
     fn scroll_to(&self, text: &'static str) -> Result<egui::Rect, String> {
         self.hand.point(150.0, 400.0)?;
         let is_seen = move |world: &mut World| {
@@ -446,7 +446,7 @@ impl Visit<'_> {
         self.app.frames(AFTER)
     }
 
-    /// Clicks on what has a text on it.
+    /// Clicks on the widget with this text.
     fn click(&self, text: &'static str) -> Result<(), String> {
         let at = self.find(text)?.center();
         self.press([at.x, at.y], true)?;
@@ -466,7 +466,7 @@ impl Visit<'_> {
     }
 }
 
-/// Where a text stands in the panel that begins so; the first from the top.
+/// The rectangle of the first text in the panel that starts like this.
 fn place(world: &World, text: &str) -> Option<egui::Rect> {
     let texts = &world.resource::<Texts>().0;
     texts.iter().find(|(its, _)| its.starts_with(text)).map(|(_, place)| *place)

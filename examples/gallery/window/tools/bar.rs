@@ -6,10 +6,10 @@ use sinew_panel::DOCK_WIDTH;
 
 use super::{TOOLS, Tools};
 
-/// Buttons side by side.
+/// Buttons in a row.
 const COLUMNS: usize = 3;
 
-/// Draws the buttons. One that is clicked is in hand until it is clicked again, another one is, or Escape is pressed.
+/// Draws the buttons. A clicked tool stays armed until it is clicked again, another one is clicked, or Escape is pressed.
 pub(in crate::window) fn bar(ui: &mut Ui, tools: &mut Tools) {
     Grid::new("tools").num_columns(COLUMNS).spacing([4.0, 2.0]).show(ui, |ui| {
         let gaps = 4.0 * (COLUMNS - 1) as f32;
@@ -35,13 +35,13 @@ pub(in crate::window) fn bar(ui: &mut Ui, tools: &mut Tools) {
         Some(tool) => format!("{}: press in the view. Escape puts it away.", tool.name()),
     };
     ui.label(RichText::new(hint).weak().small());
-    // Always there, so that nothing below moves.
+    // Always drawn, so that nothing below moves.
     let said = if tools.said.is_empty() { "The pointer drags." } else { &tools.said };
     ui.add(Label::new(RichText::new(said).small()).truncate());
     ui.add_space(6.0);
 }
 
-/// What a key is called on a button.
+/// Name of a key on a button.
 fn short(key: KeyCode) -> String {
     let name = format!("{key:?}").replace("Delete", "Del");
     name.trim_start_matches("Key").trim_start_matches("Digit").to_owned()

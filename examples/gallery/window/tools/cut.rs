@@ -1,4 +1,4 @@
-//! What is cut: distances and springs near the pointer, but for those that make something rigid; and what is drawn of cloth and ropes then.
+//! The cut tool: removes distance constraints and springs near the pointer, except those that make a body rigid, and updates the meshes of cloth and ropes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,13 +12,13 @@ use sinew_scenes::{InScene, Skin};
 
 use super::aim;
 
-/// Half the width of the knife, metres, and how much wider it is for each metre away.
+/// Half the width of the knife, metres, and its increase for each metre of distance.
 const KNIFE: f32 = 0.016;
 const WIDER: f32 = 0.002;
-/// How far behind what the pointer is over it still cuts, metres.
+/// How far behind the first hit it still cuts, metres.
 const BEHIND: f32 = 0.12;
 
-/// Cuts what the knife along a ray goes through; how many threads that were.
+/// Cuts the rods and springs near a ray; returns how many.
 pub(super) fn cut(world: &mut World, ray: Ray3d) -> usize {
     let far = aim::depth(world, ray, false) + BEHIND;
     let particles = world.query::<&Particle>();
@@ -62,9 +62,9 @@ pub(super) fn cut(world: &mut World, ray: Ray3d) -> usize {
     found.len()
 }
 
-/// Where a ray is nearest to the line between two points: how far along it, and how far the two are apart there, metres.
+/// Where a ray is nearest to the segment between two points: the distance along the ray, and between the two there, metres.
 fn crossing(ray: Ray3d, a: Vec3, b: Vec3) -> (f32, f32) {
-    // What is seen of the line from the ray's origin, flattened along the ray.
+    // Projection of a point onto the plane across the ray, relative to the ray.
     let flat = |point: Vec3| {
         let away = point - ray.origin;
         away - *ray.direction * away.dot(*ray.direction)
@@ -74,7 +74,7 @@ fn crossing(ray: Ray3d, a: Vec3, b: Vec3) -> (f32, f32) {
     aim::off_ray(ray, a.lerp(b, share.clamp(0.0, 1.0)))
 }
 
-/// Takes the triangles away that had a thread which is cut: nothing is drawn there, and what comes flying goes through.
+/// Removes the triangles that contain a cut thread: they are no longer drawn, and bodies pass through.
 fn part_surface(world: &mut World, body: Entity, gone: &[[Entity; 2]]) {
     let Some(surface) = world.get::<WindSurface>(body) else { return };
     let sorted = |[a, b]: [Entity; 2]| [a.min(b), a.max(b)];
@@ -101,10 +101,10 @@ fn part_surface(world: &mut World, body: Entity, gone: &[[Entity; 2]]) {
     }
 }
 
-/// Parts the tube of a rope: each further piece is drawn by an entity of its own. A rod is nothing more once it is cut, and goes.
+/// Splits the tube mesh of a rope: each further piece is drawn by an entity of its own. A rod of one segment is despawned.
 fn part_tube(world: &mut World, body: Entity, gone: &[[Entity; 2]]) {
     let mut tubes = world.query::<(Entity, &TubeMesh)>();
-    // The pieces of a rope that was cut before stand by themselves.
+    // Pieces of a rope that was cut before are entities of their own.
     let drawn: Vec<(Entity, TubeMesh)> =
         tubes.iter(world).map(|(entity, tube)| (entity, tube.clone())).collect();
     let is_cut = |a: Entity, b: Entity| gone.contains(&[a, b]) || gone.contains(&[b, a]);

@@ -1,4 +1,4 @@
-//! Everything saved and loaded: the whole state of the simulation, as text.
+//! Saving and loading the whole state of the simulation, as text.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ use sinew_scenes::InScene;
 
 use super::{Tools, work};
 
-/// Writes the file, and says how that went.
+/// Writes the file; returns a message about the result.
 pub(super) fn save(world: &mut World) -> String {
     let path = world.resource::<Tools>().path.clone();
     let text = SinewSnapshot::capture(world).to_ron(world).map_err(|fault| fault.to_string());
@@ -26,7 +26,7 @@ pub(super) fn save(world: &mut World) -> String {
     }
 }
 
-/// Reads the file, and says how that went. Where that goes wrong nothing has changed.
+/// Reads the file; returns a message about the result. On an error the world is unchanged.
 pub(super) fn load(world: &mut World) -> String {
     let path = world.resource::<Tools>().path.clone();
     let text = fs::read_to_string(&path).map_err(|fault| fault.to_string());
@@ -37,7 +37,7 @@ pub(super) fn load(world: &mut World) -> String {
         Ok(entities) => entities.values().copied().collect(),
         Err(fault) => return format!("Not loaded, nothing has changed: {fault}."),
     };
-    // What stands by itself goes with the scene; all else goes with what it is of.
+    // Root entities are despawned with the scene; all others are despawned with their owner.
     for entity in entities {
         let Ok(mut entity) = world.get_entity_mut(entity) else { continue };
         let is_of_another = entity.contains::<ParticleOf>()
@@ -49,7 +49,7 @@ pub(super) fn load(world: &mut World) -> String {
             entity.insert(InScene);
         }
     }
-    // None of what was held, selected or recorded is there any more.
+    // The entities that were grabbed, selected or recorded no longer exist.
     work::take_first(world);
     world.resource_mut::<MouseDrag>().grabbed = None;
     world.resource_mut::<Recording>().clear();
@@ -57,7 +57,7 @@ pub(super) fn load(world: &mut World) -> String {
     format!("Loaded {}.", told(&path))
 }
 
-/// The name of the file first: of a long line that is what is seen.
+/// The file name first, because a long line is truncated.
 fn told(path: &Path) -> String {
     let name = path.file_name().map(|name| name.to_string_lossy());
     let folder = path.parent().unwrap_or(Path::new("."));

@@ -1,13 +1,13 @@
-//! The tools of the playground: what a visitor does with keys and pointer, and a bar of buttons for the same.
+//! The tools of the playground: keys that act at the pointer, and a bar of buttons for the same tools.
 //!
-//! A key acts where the pointer is, at once. A button arms its tool: every press in the view acts until it is put away.
+//! A key acts at once where the pointer is. A button arms its tool: every press in the view uses it until it is disarmed.
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `aim` | what lies under a pointer, and by what something is tied there |
+//! | `aim` | what is under the pointer, and an anchor to tie something there |
 //! | `work` | what each tool does |
-//! | `cut` | threads, ropes and springs that are cut, and what is drawn of them |
-//! | `file` | all of it saved and loaded |
+//! | `cut` | cutting cloth, ropes and springs, and their meshes |
+//! | `file` | saving and loading |
 //! | `bar` | the buttons |
 
 mod aim;
@@ -34,24 +34,24 @@ pub(super) use bar::bar;
 use aim::Spot;
 use work::Hook;
 
-/// The scene that has them.
+/// The scene that has the tools.
 const SCENE: &str = "playground";
 
-/// Something to do with a pointer.
+/// A tool that acts at the pointer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tool {
-    /// A new body where the pointer is.
+    /// Spawns a body where the pointer is.
     Spawn(Toy),
-    /// Holds a point of a body where it is, or lets it go.
+    /// Pins a point of a body where it is, or removes the pin.
     Pin,
-    /// The first and the second end of a rod, of a rope.
+    /// Places the first and the second end of a rod or of a rope.
     Rod,
     Rope,
     /// Cuts what is near the pointer.
     Cut,
-    /// A ball from the camera.
+    /// Shoots a ball from the camera.
     Shoot,
-    /// Takes a body away.
+    /// Removes a body.
     Remove,
     Save,
     Load,
@@ -108,33 +108,33 @@ impl Tool {
         }
     }
 
-    /// Whether it goes on while the key or the button is down.
+    /// Whether it repeats while the key or the button is down.
     fn goes_on(self) -> bool {
         self == Self::Cut
     }
 
-    /// Whether it needs no place, and is done as soon as its button is clicked.
+    /// Whether it needs no place and acts as soon as its button is clicked.
     fn is_done_at_once(self) -> bool {
         matches!(self, Self::Save | Self::Load)
     }
 }
 
-/// What the visitor is at.
+/// State of the tools.
 #[derive(Resource)]
 pub(super) struct Tools {
-    /// What a press in the view does, instead of dragging.
+    /// The tool that a press in the view uses, instead of dragging.
     armed: Option<Tool>,
-    /// What is to be done in this frame, and along which ray.
+    /// Actions to carry out in this frame, and their rays.
     asked: Vec<(Tool, Ray3d)>,
-    /// What was clicked in the bar and needs no place.
+    /// The tool that was clicked in the bar and needs no place.
     clicked: Option<Tool>,
-    /// The first end of a rod or a rope, and the mark that shows it.
+    /// The first end of a rod or a rope, and the marker at it.
     first: Option<(Spot, Entity)>,
-    /// How many bodies were spawned: each has a colour of its own.
+    /// Number of bodies spawned so far: it selects the colour of the next.
     spawned: usize,
-    /// The file.
+    /// Path of the file to save to and load from.
     pub(super) path: PathBuf,
-    /// What came of it last.
+    /// Message about the last action.
     said: String,
 }
 
@@ -155,13 +155,13 @@ impl Default for Tools {
 }
 
 impl Tools {
-    /// Whether a press in the view is for a tool.
+    /// Whether a press in the view uses a tool.
     pub(super) fn is_armed(&self) -> bool {
         self.armed.is_some()
     }
 }
 
-/// Adds the tools. They work wherever there are pointers with rays, with a window or without.
+/// Adds the tools. They work with any pointer that has a ray, with a window or without.
 pub(super) fn add(app: &mut App) {
     app.init_resource::<Tools>()
         .init_resource::<Recording>()
@@ -170,12 +170,12 @@ pub(super) fn add(app: &mut App) {
         .add_systems(Update, (listen, work::work).chain());
 }
 
-/// Whether the scene with the tools is on.
+/// Whether the current scene has the tools.
 pub(super) fn is_on(stage: Option<&OnStage>) -> bool {
     stage.is_some_and(|stage| stage.scene.name == SCENE)
 }
 
-/// Hears keys, and presses of the pointer while a tool is armed.
+/// Reads keys, and presses of the pointer while a tool is armed.
 fn listen(
     mut commands: Commands,
     mut tools: ResMut<Tools>,
@@ -200,7 +200,7 @@ fn listen(
     let Ok((camera, frame)) = cameras.single() else { return };
     let own = rays.iter().find(|(id, _)| id.pointer == PointerId::Mouse && id.camera == camera);
     let pointed = own.map(|(_, ray)| *ray);
-    // A key that is pressed while the pointer is elsewhere acts in the middle of the view.
+    // A key that is pressed while the pointer is outside acts at the centre of the view.
     let ray = pointed.unwrap_or(Ray3d::new(frame.translation(), frame.forward()));
 
     let mut pressed = false;
@@ -230,14 +230,14 @@ fn listen(
             put_away(&mut commands, &mut tools, &mut drag);
         }
     }
-    // Whoever has a tool in hand drags nothing.
+    // An armed tool disables dragging.
     let button = tools.armed.is_none().then_some(PointerButton::Primary);
     if drag.button != button {
         drag.button = button;
     }
 }
 
-/// The pointer drags again, and nothing is begun.
+/// Disarms the tool and discards pending actions, so that the pointer drags again.
 fn put_away(commands: &mut Commands, tools: &mut Tools, drag: &mut MouseDrag) {
     if tools.armed.take().is_some() {
         drag.button = Some(PointerButton::Primary);

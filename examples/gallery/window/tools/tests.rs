@@ -1,4 +1,4 @@
-//! Real keys and a real pointer, in a world without a window.
+//! Key and pointer events in a world without a window.
 
 use bevy::asset::AssetPlugin;
 use bevy::input::keyboard::{Key, KeyboardInput};
@@ -12,7 +12,7 @@ use sinew_tests::pointer::{self, act, aim};
 
 use super::*;
 
-/// The stage with nothing on it and without gravity. The pointer looks along -z from 10 m away.
+/// The playground, emptied and without gravity. The pointer's ray points along -z from 10 m away.
 fn app() -> App {
     let mut app = pointer::app(|app: &mut App| {
         app.add_plugins((AssetPlugin::default(), InputPlugin)).init_asset::<Mesh>();
@@ -48,7 +48,7 @@ fn press(app: &mut App, key: KeyCode, state: ButtonState) {
     app.update();
 }
 
-/// Presses a key and lets it go, with the pointer over (x, y).
+/// Presses and releases a key, with the pointer over (x, y).
 fn key(app: &mut App, key: KeyCode, x: f32, y: f32) {
     aim(app, x, y);
     press(app, key, ButtonState::Pressed);
@@ -64,7 +64,7 @@ fn button(app: &mut App, action: PointerAction, x: f32, y: f32) {
 const DOWN: PointerAction = PointerAction::Press(PointerButton::Primary);
 const UP: PointerAction = PointerAction::Release(PointerButton::Primary);
 
-/// Everything that is called so.
+/// All entities with this name.
 fn named(app: &mut App, name: &str) -> Vec<Entity> {
     let mut all = app.world_mut().query::<(Entity, &Name)>();
     all.iter(app.world()).filter(|(_, its)| its.as_str() == name).map(|(one, _)| one).collect()
@@ -78,7 +78,7 @@ fn said(app: &App) -> &str {
     &app.world().resource::<Tools>().said
 }
 
-/// A crate of 1 m about a point, in the plane z = 0, called so.
+/// A crate of 1 m with this name, centred at a point in the plane z = 0.
 fn crate_at(app: &mut App, name: &'static str, x: f32, y: f32) -> Entity {
     let body = (RigidBox::new(Vec3::ONE).with_mass(2.0), Transform::from_xyz(x, y, 0.0));
     let body = app.world_mut().spawn((InScene, Name::new(name), body)).id();
@@ -148,7 +148,7 @@ fn a_rod_keeps_two_crates_apart_and_together_and_a_rope_holds_one_at_a_wall() {
         let [from, to] = ends(&app);
         assert!((from.distance(to) - 3.0).abs() < 0.05, "{}", from.distance(to));
     }
-    // What is tied at both ends to one thing is not.
+    // A tie whose ends are on the same body is rejected.
     let at = place(&app, a);
     key(&mut app, KeyCode::KeyY, at.x, at.y);
     key(&mut app, KeyCode::KeyY, at.x + 0.1, at.y);
@@ -176,7 +176,7 @@ fn a_rope_that_is_cut_is_two_and_a_rod_that_is_cut_is_none() {
     let rods =
         |app: &mut App| app.world_mut().query::<&DistanceConstraint>().iter(app.world()).count();
     assert_eq!(rods(&mut app), 20);
-    // Far from it nothing is cut.
+    // Away from the rope nothing is cut.
     key(&mut app, KeyCode::KeyX, 0.05, 0.5);
     assert_eq!(rods(&mut app), 20);
     key(&mut app, KeyCode::KeyX, 0.05, 0.0);
@@ -185,7 +185,7 @@ fn a_rope_that_is_cut_is_two_and_a_rod_that_is_cut_is_none() {
     let mut lengths: Vec<usize> = tubes.iter(app.world()).map(|t| t.particles.len()).collect();
     lengths.sort_unstable();
     assert_eq!(lengths, [10, 11]);
-    // The new piece is cut as the old one is.
+    // The new piece can be cut like the old one.
     key(&mut app, KeyCode::KeyX, 0.55, 0.0);
     let mut tubes = app.world_mut().query::<&TubeMesh>();
     assert_eq!(tubes.iter(app.world()).map(|tube| tube.particles.len()).sum::<usize>(), 21);
@@ -202,7 +202,7 @@ fn a_rope_that_is_cut_is_two_and_a_rod_that_is_cut_is_none() {
     key(&mut app, KeyCode::KeyX, 0.2, 3.0);
     assert_eq!(said(&app), "Cut one.");
     assert!(named(&mut app, "rod").is_empty());
-    // A crate is rigid, and no knife goes through it.
+    // A crate is rigid and cannot be cut.
     let before = rods(&mut app);
     key(&mut app, KeyCode::KeyX, -1.5, 3.0);
     assert_eq!(rods(&mut app), before);
@@ -257,7 +257,7 @@ fn a_shot_hits_what_the_pointer_is_over_and_a_body_is_taken_away() {
     assert_eq!(said(&app), "No body there.");
 }
 
-/// What there is to see: how many meshes, and how many of them have a look.
+/// The number of meshes, and how many of them have a look.
 fn seen(app: &mut App) -> [usize; 2] {
     let mut meshes = app.world_mut().query::<(&Mesh3d, Option<&sinew_scenes::Look>)>();
     let all: Vec<bool> = meshes.iter(app.world()).map(|(_, look)| look.is_some()).collect();
@@ -281,7 +281,7 @@ fn all_of_it_is_saved_and_comes_back_in_another_run_as_it_was_and_looks_as_it_di
     let hash = |app: &App| SinewSnapshot::capture(app.world()).hash();
     key(&mut first, KeyCode::F5, 0.0, 0.0);
     assert!(said(&first).starts_with("Saved"), "{}", said(&first));
-    // Two frames have passed since it was written: in the pressed and in the released one.
+    // Two frames have passed since it was written: one for pressing the key, one for releasing it.
     let mut second = app();
     second.world_mut().resource_mut::<Tools>().path.clone_from(&path);
     second.world_mut().resource_mut::<SinewControl>().paused = true;
@@ -296,7 +296,7 @@ fn all_of_it_is_saved_and_comes_back_in_another_run_as_it_was_and_looks_as_it_di
     assert_eq!([drawn, dressed], seen(&mut first), "and all of it is drawn");
     assert_eq!(drawn, dressed);
 
-    // A broken file changes nothing; the next scene clears away what came from the file.
+    // A broken file changes nothing; the next scene despawns what came from the file.
     std::fs::write(&path, &text[..text.len() / 2]).unwrap();
     second.world_mut().resource_mut::<SinewControl>().pause();
     run(&mut second, 2);
@@ -311,7 +311,7 @@ fn all_of_it_is_saved_and_comes_back_in_another_run_as_it_was_and_looks_as_it_di
     assert_eq!(particles.iter(second.world()).count(), 12);
 }
 
-/// Draws the bar with some events; where each text stands.
+/// Draws the bar with these events; returns its texts and their centres.
 fn draw_bar(
     app: &mut App,
     ctx: &egui::Context,
@@ -343,7 +343,7 @@ fn draw_bar(
     found
 }
 
-/// Clicks the button whose text begins so.
+/// Clicks the button whose text starts like this.
 fn click(app: &mut App, ctx: &egui::Context, text: &str) {
     draw_bar(app, ctx, Vec::new());
     let all = draw_bar(app, ctx, Vec::new());
@@ -386,7 +386,7 @@ fn a_button_takes_a_tool_in_hand_and_a_press_works_instead_of_dragging_until_it_
     button(&mut app, UP, 0.2, 0.2);
     assert!(app.world().get_entity(body).is_ok(), "and removes nothing");
 
-    // Another scene has no tools.
+    // Other scenes have no tools.
     click(&mut app, &ctx, "Shoot");
     sinew_scenes::load(app.world_mut(), sinew_scenes::find("square").unwrap());
     run(&mut app, 2);

@@ -1,4 +1,4 @@
-//! What each tool does.
+//! The actions of the tools.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -8,7 +8,7 @@ use sinew_scenes::{InScene, Look, Skin, SkinShape, Toy};
 use super::aim::{self, Spot};
 use super::{Tool, Tools, cut, file};
 
-/// What a pin holds a body by: it stands where it is. Part of the state, so that it can be pulled after loading, too.
+/// A static hook that a body is pinned to. It is part of the state, so that it can be removed after loading.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub(super) struct Hook;
@@ -19,17 +19,17 @@ struct Shot;
 
 /// Radius of a hook, metres.
 const HOOK: f32 = 0.035;
-/// How far beside the pointer a hook may be to be meant, metres.
+/// Largest distance of a hook from the pointer at which it is picked, metres.
 const NEAR_HOOK: f32 = 0.09;
-/// A ball that is shot: its radius, metres, its mass, kg, and its speed, m/s.
+/// Radius, metres, mass, kg, and speed, m/s, of a ball that is shot.
 const SHOT: (f32, f32, f32) = (0.11, 4.0, 13.0);
-/// How many balls lie about at most: the oldest goes.
+/// Largest number of balls: the oldest is despawned.
 const SHOTS: usize = 24;
-/// Length of a piece of a rope, metres, and how many there are at most.
+/// Length of a segment of a rope, metres, and largest number of segments.
 const PIECE: f32 = 0.08;
 const PIECES: u32 = 60;
 
-/// Does what was asked for in this frame.
+/// Carries out the actions of this frame.
 pub(super) fn work(world: &mut World) {
     let asked = core::mem::take(&mut world.resource_mut::<Tools>().asked);
     for (tool, ray) in asked {
@@ -38,7 +38,7 @@ pub(super) fn work(world: &mut World) {
             Tool::Pin => pin(world, ray),
             Tool::Rod => tie(world, ray, true),
             Tool::Rope => tie(world, ray, false),
-            // It goes on while the key is down: what it says stays until it cuts something.
+            // It repeats while the key is down: the last message stays until something is cut.
             Tool::Cut => match cut::cut(world, ray) {
                 0 => continue,
                 1 => "Cut one.".into(),
@@ -62,19 +62,19 @@ fn spawn(world: &mut World, toy: Toy, ray: Ray3d) -> String {
     format!("A {}.", toy.name().to_lowercase())
 }
 
-/// What is tied to nothing else is tied to this: it stands where it is.
+/// Spawns a static hook to tie a body to.
 fn hook(world: &mut World, point: Vec3, color: u32) -> Entity {
     let skin =
         Skin::new(SkinShape::Ball { radius: HOOK }, Look::color(color).roughness(0.3).metal());
     let at = Transform::from_translation(point);
-    // With a place in the order of creation it is part of the simulation, and comes and goes with it.
+    // With a `CreationOrder` it is part of the simulation's state, and is saved and restored with it.
     let hook = (Hook, CreationOrder::default(), skin, at);
     world.spawn((InScene, Name::new("pin"), hook)).id()
 }
 
-/// The hook that is meant by a pointer: the nearest, if it is near.
+/// The hook under the pointer: the nearest one within reach.
 fn hook_under(world: &mut World, ray: Ray3d) -> Option<Entity> {
-    // What hangs on it may hide it.
+    // The body that hangs on it may hide it.
     let far = aim::depth(world, ray, true) + NEAR_HOOK;
     let mut hooks = world.query_filtered::<(Entity, &Transform), With<Hook>>();
     let near = hooks.iter(world).filter_map(|(entity, at)| {
@@ -84,7 +84,7 @@ fn hook_under(world: &mut World, ray: Ray3d) -> Option<Entity> {
     near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, entity)| entity)
 }
 
-/// Takes a hook away, with what ties something to it.
+/// Removes a hook and the attachments to it.
 fn unhook(world: &mut World, hook: Entity) {
     let mut ties = world.query::<(Entity, &AttachTo)>();
     let ties: Vec<Entity> =
@@ -109,7 +109,7 @@ fn pin(world: &mut World, ray: Ray3d) -> String {
     "Pinned. The same on the pin lets go.".into()
 }
 
-/// Notes the first end; with the second one a rod or a rope is between them.
+/// Stores the first end; with the second one, spawns a rod or a rope between them.
 fn tie(world: &mut World, ray: Ray3d, rigid: bool) -> String {
     let Some(spot) = aim::spot(world, ray) else { return "Nothing to tie there.".into() };
     let Some(first) = take_first(world) else {
@@ -118,7 +118,7 @@ fn tie(world: &mut World, ray: Ray3d, rigid: bool) -> String {
         world.resource_mut::<Tools>().first = Some((spot, mark));
         return "And the other end?".into();
     };
-    // What has been despawned meanwhile is no end.
+    // An end may have been despawned meanwhile.
     let there = |spot: &Spot| world.get_entity(spot.entity).is_ok();
     if !there(&first) || !there(&spot) {
         return "The first end is gone.".into();
@@ -151,14 +151,14 @@ fn tie(world: &mut World, ray: Ray3d, rigid: bool) -> String {
     format!("A {name} of {length:.2} m.")
 }
 
-/// The first end of a tie, with its mark taken away.
+/// Takes the first end of a tie, and despawns its marker.
 pub(super) fn take_first(world: &mut World) -> Option<Spot> {
     let (spot, mark) = world.resource_mut::<Tools>().first.take()?;
     world.try_despawn(mark).ok();
     Some(spot)
 }
 
-/// Where a spot is by now: its body may have moved since.
+/// Current position of a spot: its body may have moved since.
 fn now(world: &World, spot: &Spot) -> Vec3 {
     let particle = world.get::<Particle>(spot.entity).map(|particle| particle.position);
     match (&spot.anchor, world.get::<Transform>(spot.entity)) {
@@ -192,7 +192,7 @@ fn remove(world: &mut World, ray: Ray3d) -> String {
     let Some(body) = aim::spot(world, ray).and_then(|spot| spot.body) else {
         return "No body there.".into();
     };
-    // Nobody holds what is gone.
+    // Releases the body before it is despawned.
     world.resource_mut::<MouseDrag>().grabbed = None;
     world.despawn(body);
     "Removed.".into()
