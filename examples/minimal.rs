@@ -18,18 +18,18 @@ fn setup(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    // What Bevy needs to show anything: a camera and a light.
+    // A camera and a light.
     let (eye, sun) = (Transform::from_xyz(-2.2, 2.4, 6.4), Transform::from_xyz(-3.0, 6.0, 4.0));
     commands.spawn((Camera3d::default(), eye.looking_at(Vec3::new(-0.2, 1.3, 0.0), Vec3::Y)));
     let light = DirectionalLight { shadow_maps_enabled: true, illuminance: 6000.0, ..default() };
     commands.spawn((light, sun.looking_at(Vec3::ZERO, Vec3::Y)));
     let mut paint = |color| MeshMaterial3d(materials.add(Color::Srgba(color)));
 
-    // The ground is a plane without end; its mesh is only what is seen of it.
+    // The ground is an infinite plane; its mesh is the part that is drawn.
     let floor = Mesh3d(meshes.add(Plane3d::default().mesh().size(200.0, 200.0)));
     commands.spawn((Ground, floor, paint(Srgba::rgb(0.35, 0.45, 0.3))));
 
-    // A wall of crates: rigid bodies, whose transforms follow the simulation.
+    // A wall of crates: rigid bodies. Their transforms follow the simulation.
     let (cube, wood) =
         (Mesh3d(meshes.add(Cuboid::from_length(0.6))), paint(Srgba::rgb(0.7, 0.4, 0.15)));
     for row in 0..4 {
@@ -41,7 +41,7 @@ fn setup(
         }
     }
 
-    // A wrecking ball: two particles and the rod between them, which are entities like any others.
+    // A wrecking ball: a pinned particle, a heavy one and a rod between them. Each is an entity.
     let (ball, iron) = (Mesh3d(meshes.add(Sphere::new(0.35))), paint(Srgba::rgb(0.15, 0.15, 0.2)));
     let hook = commands.spawn((Particle::at(Vec3::new(0.0, 3.9, 0.8)), Pinned::HERE)).id();
     let ball = (Particle::at(Vec3::new(-0.4, 2.7, 2.9)), Mass(20.0), Radius(0.35), ball);
@@ -49,7 +49,7 @@ fn setup(
     commands.spawn(DistanceConstraint::new(hook, ball, 2.45));
     commands.spawn((TubeMesh { particles: vec![hook, ball], ..default() }, iron.clone()));
 
-    // A flag, which brings its own mesh, on a pole; and a wind.
+    // A flag on a pole, and wind. Cloth builds its own mesh.
     let pole = Mesh3d(meshes.add(Cylinder::new(0.04, 3.4)));
     commands.spawn((pole, iron, Transform::from_xyz(-2.6, 1.7, -0.5)));
     let red = StandardMaterial {
