@@ -22,7 +22,7 @@ const NO_STATE: [(&str, &str); 21] = [
     ("SinewWorkers", "threads, which change no result"),
     ("TickTime", "wall-clock time"),
     ("PhaseSteps", "what is shown of a tick that was taken"),
-    ("Pace", "scratch: counted anew in each fixed tick"),
+    ("FixedTick", "scratch: counted anew in each fixed tick"),
     ("PlayedTransform", "what is drawn between two ticks"),
     ("RelaxWorld", "a command: done and taken off in the next tick"),
     ("MouseDrag", "settings of a tool"),

@@ -64,13 +64,13 @@ impl Plugin for EasePlugin {
                 .before(SinewSystems::Extract)
                 .run_if(schedule::time_passes.and_then(anything_eased)),
         )
-        .add_systems(FixedLast, ease::play.after(Easing::UpdateEnd).run_if(anything_eased))
+        .add_systems(FixedLast, ease::record_played.after(Easing::UpdateEnd).run_if(anything_eased))
         .add_systems(
             RunFixedMainLoop,
             ease::ease_played
                 .after(Easing::Ease)
                 .before(Easing::UpdateEasingTick)
-                .run_if(schedule::is_uneven),
+                .run_if(schedule::is_time_scaled),
         );
         // A game may have added the plugin for its own transforms; its settings then apply.
         if app.is_plugin_added::<TransformInterpolationPlugin>() {
@@ -135,7 +135,7 @@ impl Plugin for SinewPlugin {
             .init_resource::<SinewControl>()
             .init_resource::<TickTime>()
             .init_resource::<PhaseSteps>()
-            .init_resource::<schedule::Pace>()
+            .init_resource::<schedule::FixedTick>()
             .init_resource::<SinewWorkers>()
             .init_resource::<components::Orphans>()
             .init_resource::<SolverConfig>()

@@ -176,12 +176,12 @@ pub struct SinewClock {
 
 /// Which of several ticks is being run, and how the result is drawn. Scratch.
 #[derive(Resource, Clone, Copy, Debug, Default)]
-pub(crate) struct Pace {
+pub(crate) struct FixedTick {
     /// Number of ticks that remain in this fixed tick, including this one; 0 if time does not pass in it.
-    pub(crate) left: u32,
+    pub(crate) remaining: u32,
     /// Whether the last fixed tick played anything but one whole tick or none: what is drawn is then not an interpolation between the start and the end of the
     /// last tick.
-    pub(crate) uneven: bool,
+    pub(crate) time_scaled: bool,
     /// Whether a game has added a run condition to one of the phases.
     conditional: bool,
     /// Wall-clock time at which the tick began.
@@ -267,14 +267,14 @@ pub(crate) fn configure(app: &mut App, within: InternedScheduleLabel) {
 }
 
 /// Run condition: whether this tick is to be simulated.
-pub(crate) fn time_passes(pace: Res<Pace>) -> bool {
-    pace.left > 0
+pub(crate) fn time_passes(fixed_tick: Res<FixedTick>) -> bool {
+    fixed_tick.remaining > 0
 }
 
 /// Run condition: whether what is drawn is not an interpolation between the start and the end of the last tick.
 #[cfg(feature = "interpolation")]
-pub(crate) fn is_uneven(pace: Res<Pace>) -> bool {
-    pace.uneven
+pub(crate) fn is_time_scaled(fixed_tick: Res<FixedTick>) -> bool {
+    fixed_tick.time_scaled
 }
 
 /// Runs the ticks that are due: one at normal speed. If none is due, what was spawned or moved is still built, gathered and extracted.
@@ -283,8 +283,8 @@ fn run_tick(world: &mut World) {
     let due = ticks_due(world);
     for taken in 0..due.max(1) {
         let began = Instant::now();
-        let mut pace = world.resource_mut::<Pace>();
-        (pace.left, pace.began) = (due.saturating_sub(taken), Some(began));
+        let mut fixed_tick = world.resource_mut::<FixedTick>();
+        (fixed_tick.remaining, fixed_tick.began) = (due.saturating_sub(taken), Some(began));
         let ran = world.try_run_schedule(SinewTick);
         debug_assert!(ran.is_ok(), "the schedule of a tick was taken out from under its driver");
         if due > 0 {
@@ -292,9 +292,10 @@ fn run_tick(world: &mut World) {
             took.scatter = began.elapsed().saturating_sub(took.gather + took.substeps);
         }
     }
-    let (ahead, uneven) = (world.resource::<SinewClock>().ahead, world.resource::<Pace>().uneven);
-    if uneven {
-        world.resource_mut::<SinewWorld>().play(ahead as f32, due > 0);
+    let (ahead, time_scaled) =
+        (world.resource::<SinewClock>().ahead, world.resource::<FixedTick>().time_scaled);
+    if time_scaled {
+        world.resource_mut::<SinewWorld>().record_played(ahead as f32, due > 0);
     }
     phases::show(world);
 }
@@ -320,9 +321,10 @@ fn ticks_due(world: &mut World) -> u32 {
         due
     };
     let even = before == 0.0 && clock.ahead == 0.0 && due <= 1;
-    let was_uneven = core::mem::replace(&mut world.resource_mut::<Pace>().uneven, !even);
-    if !even && !was_uneven {
-        world.resource_mut::<SinewWorld>().play(0.0, false);
+    let was_time_scaled =
+        core::mem::replace(&mut world.resource_mut::<FixedTick>().time_scaled, !even);
+    if !even && !was_time_scaled {
+        world.resource_mut::<SinewWorld>().record_played(0.0, false);
     }
     due
 }
@@ -392,14 +394,14 @@ fn runs_our_phases_alone(world: &mut World) -> bool {
     let conditional = sets.iter().any(|(_, _, conditions)| !conditions.is_empty());
     // Systems that were added since are counted when the schedule is built again, which happens when it runs.
     let counted = !schedule.is_changed() && schedule.systems_len() == PHASES;
-    let mut pace = world.resource_mut::<Pace>();
-    pace.conditional |= conditional;
-    counted && !pace.conditional
+    let mut fixed_tick = world.resource_mut::<FixedTick>();
+    fixed_tick.conditional |= conditional;
+    counted && !fixed_tick.conditional
 }
 
 /// Stores how long the parts of a tick took; `began` is the start of the substeps.
 fn note_times(world: &mut World, began: Instant, watch: Option<Box<PhaseWatch>>) {
-    let whole = world.resource::<Pace>().began.unwrap_or(began);
+    let whole = world.resource::<FixedTick>().began.unwrap_or(began);
     let mut took = world.resource_mut::<TickTime>();
     took.substeps = began.elapsed();
     took.gather = began.duration_since(whole);

@@ -14,22 +14,22 @@ use crate::schedule::SinewClock;
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct PlayedTransform {
     /// At the start of the last tick.
-    before: Transform,
+    tick_start: Transform,
     /// At the end of the previous fixed tick.
-    from: Transform,
+    previous: Transform,
     /// At the end of this fixed tick.
-    to: Transform,
+    current: Transform,
 }
 
 /// Stores the transforms at the start of the tick.
 pub(crate) fn note_start(mut eased: Query<(&Transform, &mut PlayedTransform)>) {
     for (transform, mut played) in &mut eased {
-        played.before = *transform;
+        played.tick_start = *transform;
     }
 }
 
 /// Stores the transforms that a fixed tick has played.
-pub(crate) fn play(
+pub(crate) fn record_played(
     mut commands: Commands,
     clock: Res<SinewClock>,
     mut eased: Query<(&Transform, &mut PlayedTransform), With<TransformInterpolation>>,
@@ -40,11 +40,11 @@ pub(crate) fn play(
 ) {
     let share = 1.0 - clock.ahead as f32;
     for (now, mut played) in &mut eased {
-        played.from = played.to;
-        played.to = if share < 1.0 { between(&played.before, now, share) } else { *now };
+        played.previous = played.current;
+        played.current = if share < 1.0 { between(&played.tick_start, now, share) } else { *now };
     }
     for (entity, &now) in &new {
-        let played = PlayedTransform { before: now, from: now, to: now };
+        let played = PlayedTransform { tick_start: now, previous: now, current: now };
         commands.entity(entity).try_insert(played);
     }
 }
@@ -61,13 +61,13 @@ pub(crate) fn ease_played(
 ) {
     let share = time.overstep_fraction();
     for (mut transform, played, translation, rotation) in &mut eased {
-        let PlayedTransform { from, to, .. } = played;
+        let PlayedTransform { previous, current, .. } = played;
         // A transform that the game has changed since is not interpolated.
         if translation.start.is_some() && translation.end.is_some() {
-            transform.translation = from.translation.lerp(to.translation, share);
+            transform.translation = previous.translation.lerp(current.translation, share);
         }
         if rotation.start.is_some() && rotation.end.is_some() {
-            transform.rotation = from.rotation.slerp(to.rotation, share);
+            transform.rotation = previous.rotation.slerp(current.rotation, share);
         }
     }
 }

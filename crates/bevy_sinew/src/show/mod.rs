@@ -23,7 +23,7 @@ use bevy::math::{Mat3A, Vec3A};
 use bevy::prelude::*;
 use bevy::transform::helper::TransformHelper;
 
-use crate::schedule::{Pace, SinewControl};
+use crate::schedule::{FixedTick, SinewControl};
 use crate::world::SinewWorld;
 
 /// The transform from the world into an entity's own frame.
@@ -48,11 +48,11 @@ impl Frame {
     pub(crate) fn place(&self, world: &SinewWorld, row: u32, ease: Option<Ease>) -> Vec3A {
         let i = row as usize;
         let drawn = match ease {
-            Some(Ease { share, uneven: true }) => match world.played_at(i, share) {
+            Some(Ease { share, time_scaled: true }) => match world.played_at(i, share) {
                 Some(place) => place - self.origin,
                 None => world.simulation.particles.relative_to(i, self.origin),
             },
-            Some(Ease { share, uneven: false }) => {
+            Some(Ease { share, time_scaled: false }) => {
                 let now = world.simulation.particles.relative_to(i, self.origin);
                 let before = world.simulation.step_start(i) - self.origin;
                 before + (now - before) * share
@@ -69,14 +69,14 @@ pub(crate) struct Ease {
     /// Fraction of the fixed tick that has passed since it began, 0 to 1.
     pub(crate) share: f32,
     /// Whether that differs from the fraction of the simulation's tick.
-    pub(crate) uneven: bool,
+    pub(crate) time_scaled: bool,
 }
 
 /// Parameters of the interpolation between two ticks.
 #[derive(SystemParam)]
 pub(crate) struct Easing<'w> {
     control: Res<'w, SinewControl>,
-    pace: Res<'w, Pace>,
+    fixed_tick: Res<'w, FixedTick>,
     time: Res<'w, Time<Fixed>>,
 }
 
@@ -88,7 +88,10 @@ impl Easing<'_> {
 
     /// The interpolation of an entity, if it has one (`eased`). A paused world is not interpolated.
     pub(crate) fn now(&self, eased: bool) -> Option<Ease> {
-        let ease = || Ease { share: self.time.overstep_fraction(), uneven: self.pace.uneven };
+        let ease = || Ease {
+            share: self.time.overstep_fraction(),
+            time_scaled: self.fixed_tick.time_scaled,
+        };
         (eased && self.running()).then(ease)
     }
 }

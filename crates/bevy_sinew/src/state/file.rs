@@ -31,7 +31,7 @@ const MAGIC: [u8; 4] = *b"SNEW";
 /// The version of the format. Files of another version are refused.
 const VERSION: u32 = 1;
 /// The index that stands for no entity.
-const NOBODY: u32 = u32::MAX;
+const NO_ENTITY: u32 = u32::MAX;
 
 /// Why a snapshot cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -366,11 +366,11 @@ impl<'de> Visitor<'de> for ColumnIn<'_> {
         let numbers: Vec<u32> = next(&mut parts)?;
         let ascending = numbers.is_sorted_by(|a, b| a < b);
         let is_resource = kind.role() == StateRole::Resource;
-        let sound = match is_resource {
+        let valid = match is_resource {
             true => numbers == [0],
             false => ascending && numbers.last().is_none_or(|&last| last < entities),
         };
-        if !sound {
+        if !valid {
             return Err(A::Error::custom("an entity is not there, or twice"));
         }
         let values = ValuesIn { kind: &**kind, registration, registry };
@@ -430,8 +430,8 @@ impl ReflectSerializerProcessor for Leaves {
         serializer: S,
     ) -> Result<Result<S::Ok, S>, S::Error> {
         Ok(Ok(if let Some(entity) = value.try_downcast_ref::<Entity>() {
-            let nobody = *entity == Entity::PLACEHOLDER;
-            serializer.serialize_u32(if nobody { NOBODY } else { entity.index_u32() })?
+            let is_placeholder = *entity == Entity::PLACEHOLDER;
+            serializer.serialize_u32(if is_placeholder { NO_ENTITY } else { entity.index_u32() })?
         } else if let Some(ColliderShape(shape)) = value.try_downcast_ref::<ColliderShape>() {
             shape.to_words().serialize(serializer)?
         } else if let Some(ContactCache(cached)) = value.try_downcast_ref::<ContactCache>() {
@@ -456,7 +456,8 @@ impl ReflectDeserializerProcessor for Leaves {
     ) -> Result<Result<Box<dyn PartialReflect>, D>, D::Error> {
         let id = registration.type_id();
         let made: Box<dyn PartialReflect> = if id == TypeId::of::<Entity>() {
-            let number = Some(u32::deserialize(deserializer)?).filter(|&number| number != NOBODY);
+            let number =
+                Some(u32::deserialize(deserializer)?).filter(|&number| number != NO_ENTITY);
             Box::new(number.and_then(Entity::from_raw_u32).unwrap_or(Entity::PLACEHOLDER))
         } else if id == TypeId::of::<ColliderShape>() {
             let words = Vec::<u32>::deserialize(deserializer)?;

@@ -49,23 +49,23 @@ pub struct RollbackHistory {
     /// The oldest frame first.
     frames: VecDeque<(i32, SinewSnapshot)>,
     /// The entity with the checksum.
-    part: Option<Entity>,
+    checksum_entity: Option<Entity>,
 }
 
 /// Maximum number of frames: more than any prediction window.
-const MOST: usize = 256;
+const MAX_FRAMES: usize = 256;
 
 impl RollbackHistory {
     /// The state at the beginning of a frame, if it is still stored.
     pub fn at(&self, frame: i32) -> Option<&SinewSnapshot> {
-        self.frames.iter().find(|(held, _)| *held == frame).map(|(_, snapshot)| snapshot)
+        self.frames.iter().find(|(saved, _)| *saved == frame).map(|(_, snapshot)| snapshot)
     }
 
     /// Adds a frame. Later frames have been undone, and frames before the confirmed one are not needed any more.
     fn push(&mut self, frame: i32, confirmed: i32, snapshot: SinewSnapshot) {
-        self.frames.retain(|&(held, _)| held < frame && held >= confirmed);
+        self.frames.retain(|&(saved, _)| saved < frame && saved >= confirmed);
         self.frames.push_back((frame, snapshot));
-        if self.frames.len() > MOST {
+        if self.frames.len() > MAX_FRAMES {
             self.frames.pop_front();
         }
     }
@@ -78,13 +78,16 @@ fn save(world: &mut World) {
     let sum = u128::from(snapshot.hash());
     let mut history = world.resource_mut::<RollbackHistory>();
     history.push(frame, confirmed, snapshot);
-    let known = history.part;
-    if let Some(mut part) = known.and_then(|part| world.get_mut::<ChecksumPart>(part)) {
-        part.0 = sum;
+    let known = history.checksum_entity;
+    if let Some(mut checksum_entity) =
+        known.and_then(|checksum_entity| world.get_mut::<ChecksumPart>(checksum_entity))
+    {
+        checksum_entity.0 = sum;
         return;
     }
-    let part = world.spawn((ChecksumPart(sum), ChecksumFlag::<SinewSnapshot>::default())).id();
-    world.resource_mut::<RollbackHistory>().part = Some(part);
+    let checksum_entity =
+        world.spawn((ChecksumPart(sum), ChecksumFlag::<SinewSnapshot>::default())).id();
+    world.resource_mut::<RollbackHistory>().checksum_entity = Some(checksum_entity);
 }
 
 fn load(world: &mut World) {

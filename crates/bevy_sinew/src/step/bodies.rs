@@ -17,7 +17,7 @@ use crate::components::{
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
 use crate::rows::{GONE, Rows};
-use crate::world::{HeldProperties, SinewWorld};
+use crate::world::{GatheredProperties, SinewWorld};
 
 /// Loose particles that others may touch: each is a body of its own.
 type Loose = (
@@ -270,7 +270,7 @@ pub(crate) fn gather_bodies(
         contacts.push(sinew::BodyContacts { events, ..asked });
         tables.bodies.push(entity);
     }
-    write(simulation, &tables.held, of_rows);
+    write(simulation, &tables.properties, of_rows);
     // Written only if different, since writing marks it as changed.
     if *simulation.bodies != *settings {
         (*simulation.bodies).clone_from(settings);
@@ -283,9 +283,9 @@ pub(crate) fn gather_bodies(
 
 /// Writes to rows what particles have from their bodies, where it differs. If the product of the gravity scales of body and particle is not finite, the
 /// particle's applies.
-fn write(simulation: &mut sinew::Simulation, held: &HeldProperties, of_rows: &[OfBody]) {
+fn write(simulation: &mut sinew::Simulation, gathered: &GatheredProperties, of_rows: &[OfBody]) {
     let particles = &mut simulation.particles;
-    for (row, (of_body, &own)) in of_rows.iter().zip(&held.gravity_scale).enumerate() {
+    for (row, (of_body, &own)) in of_rows.iter().zip(&gathered.gravity_scale).enumerate() {
         if particles.body(row) != of_body.body {
             particles.set_body(row, of_body.body);
         }

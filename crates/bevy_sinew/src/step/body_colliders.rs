@@ -90,9 +90,12 @@ pub(crate) fn compile_body_colliders(
     let now = [all[0].0, all[1].0, all[2].0, parts.iter().len()];
     let went = core::mem::replace(counts, now) != now;
     let retied = || {
-        tables.retied || tables.properties_gathered || tables.bodies_changed || segments.are_off()
+        tables.distances_changed
+            || tables.properties_gathered
+            || tables.bodies_changed
+            || segments.are_off()
     };
-    let anew = tables.relinked || went || changed || reshaped.any();
+    let anew = tables.links_compiled || went || changed || reshaped.any();
     // The representation by which an entity collides; `None` if it does not.
     let shape = |owner: Entity| match shaped.get(owner) {
         Ok((_, _, true)) => None,

@@ -14,7 +14,7 @@ use crate::components::{
 };
 use crate::frames::Frames;
 use crate::messages::{Refusal, Refused};
-use crate::schedule::{Pace, SinewClock};
+use crate::schedule::{FixedTick, SinewClock};
 use crate::world::SinewWorld;
 
 /// Static and kinematic colliders: on a body and its parts, a collider is the shape of the body.
@@ -60,7 +60,7 @@ pub(crate) fn gather_colliders(
     mut messages: MessageWriter<Refused>,
     mut colliders: Query<ColliderData, StandsAlone>,
     frames: Frames,
-    pace: Res<Pace>,
+    fixed_tick: Res<FixedTick>,
     mut known: Local<Known>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
@@ -92,7 +92,7 @@ pub(crate) fn gather_colliders(
         let unseen = core::mem::replace(&mut placed.seen, *gathering) + 1 != *gathering;
         let reshaped = unseen || collider.is_changed() || placed.at.scale != at.scale;
         place(placed, &collider, at, reshaped);
-        limit_motion(placed, motion, pace.left);
+        limit_motion(placed, motion, fixed_tick.remaining);
         if let Some(made) = placed.made.as_deref_mut() {
             made.start = motion.map_or(made.end, |motion| began(motion, &placed.at, made.end));
             made.material = material.map_or(default(), |&material| Material::from(material));

@@ -10,7 +10,7 @@ use crate::components::{
 };
 use crate::frames::{into, on_top};
 use crate::rows::{GONE, Rows};
-use crate::schedule::Pace;
+use crate::schedule::FixedTick;
 use crate::world::SinewWorld;
 
 /// A pose and its rows.
@@ -28,14 +28,14 @@ pub(crate) fn extract_poses(
     )>,
     mut children: Query<(Entity, Posed, Option<&mut ExtractedTransform>), With<ChildOf>>,
     parents: Query<&ChildOf>,
-    pace: Res<Pace>,
+    fixed_tick: Res<FixedTick>,
     mut order: Local<Vec<(usize, Entity)>>,
 ) {
     if world.tables.rested {
         return;
     }
     // While time is paused nothing moves: a pose that is computed again may differ in its last digits, but it is the same pose.
-    let stands = pace.left == 0;
+    let stands = fixed_tick.remaining == 0;
     let stays = |known: Option<&ExtractedTransform>, found: &Pose| {
         let known = known.and_then(|known| known.0);
         known.filter(|known| stands && is_at(known, found))

@@ -16,7 +16,7 @@ use crate::components::{
     Radius,
 };
 use crate::messages::{Refusal, Refused, refuse};
-use crate::world::{HeldProperties, SinewWorld, Tables};
+use crate::world::{GatheredProperties, SinewWorld, Tables};
 
 /// The components of a particle.
 type ParticleData = (
@@ -70,10 +70,10 @@ pub(crate) fn gather_particles(
     }
     let SinewWorld { simulation, tables } = &mut *world;
     let layout = tables.layout.number;
-    let is_relaid = core::mem::replace(&mut tables.held.layout, layout) != layout;
+    let is_relaid = core::mem::replace(&mut tables.properties.layout, layout) != layout;
     // As many components may have been removed as were added, which the counts do not show.
     let removed =
-        core::mem::replace(&mut tables.held.counts, counts) != counts || added || is_relaid;
+        core::mem::replace(&mut tables.properties.counts, counts) != counts || added || is_relaid;
     let which = match tables.edits != simulation.particles.edits() {
         true => DirtyProperties::All,
         false if changed || removed => DirtyProperties::Changed { removed },
@@ -81,7 +81,7 @@ pub(crate) fn gather_particles(
     };
     tables.bodies_changed = bodies.changed() | is_relaid;
     let any = which != DirtyProperties::None || tables.bodies_changed;
-    note_touched(&mut world, &particles, any);
+    note_dirty_rows(&mut world, &particles, any);
     world.tables.properties_gathered = false;
     (world.tables.rested, world.tables.stepped) = (false, false);
     world.tables.deferred = !any && world.is_settled();
@@ -103,11 +103,11 @@ enum DirtyProperties {
 }
 
 /// If any body sleeps, lists the particles that anything but the simulation has written to.
-fn note_touched(world: &mut SinewWorld, particles: &Query<ParticleData>, all: bool) {
-    let Tables { touched, asleep, scattered, .. } = &mut world.tables;
-    touched.rows.clear();
+fn note_dirty_rows(world: &mut SinewWorld, particles: &Query<ParticleData>, all: bool) {
+    let Tables { dirty, asleep, scattered, .. } = &mut world.tables;
+    dirty.rows.clear();
     let any = asleep.contains(&true);
-    touched.all = all || !any;
+    dirty.all = all || !any;
     if !any {
         return;
     }
@@ -116,7 +116,7 @@ fn note_touched(world: &mut SinewWorld, particles: &Query<ParticleData>, all: bo
         if change_ticks.any_changed() {
             let by_others = |&place: &usize| Some(change_ticks.when(place)) != *scattered;
             let rows = change_ticks.changed().filter(by_others).map(|place| table.2[place].0);
-            touched.rows.extend(rows);
+            dirty.rows.extend(rows);
         }
     }
 }
@@ -132,7 +132,7 @@ fn gather_tables(
     let mut dirty = Vec::new();
     for table in particles.contiguous_iter().into_iter().flatten() {
         let (states, rows) = (&*table.1, table.2);
-        mark_dirty(&world.tables.held, &table, which, &mut dirty);
+        mark_dirty(&world.tables.properties, &table, which, &mut dirty);
         let mut i = 0;
         while i < rows.len() {
             if dirty.get(i) == Some(&true) {
@@ -163,7 +163,12 @@ fn gather_tables(
 }
 
 /// Marks the entries of a table whose properties must be copied; empty if there are none.
-fn mark_dirty(held: &HeldProperties, table: &Table, which: DirtyProperties, dirty: &mut Vec<bool>) {
+fn mark_dirty(
+    gathered: &GatheredProperties,
+    table: &Table,
+    which: DirtyProperties,
+    dirty: &mut Vec<bool>,
+) {
     let rows = table.2;
     dirty.clear();
     let removed = match which {
@@ -173,7 +178,7 @@ fn mark_dirty(held: &HeldProperties, table: &Table, which: DirtyProperties, dirt
     };
     if removed {
         let kinds = kinds(table);
-        let others = |row: &ParticleRow| held.kinds.get(row.0 as usize) != Some(&kinds);
+        let others = |row: &ParticleRow| gathered.kinds.get(row.0 as usize) != Some(&kinds);
         dirty.extend(rows.iter().map(others));
     }
     dirty.resize(rows.len(), false);
@@ -216,7 +221,7 @@ fn gather_one(
         tables.set_aside += usize::from(fault.is_some());
         tables.set_aside -= usize::from(tables.refused[row].is_some());
         tables.refused[row] = fault;
-        tables.stale = true;
+        tables.links_stale = true;
         if let Some(fault) = fault {
             refuse(messages, entities[i], Refusal::Particle(fault));
         }
@@ -224,8 +229,8 @@ fn gather_one(
     if fault.is_some() && !(is_new || anew) {
         return false;
     }
-    tables.held.kinds[row] = kinds(table);
-    tables.held.gravity_scale[row] = 1.0;
+    tables.properties.kinds[row] = kinds(table);
+    tables.properties.gravity_scale[row] = 1.0;
     if fault.is_some() {
         // The last valid position, infinite mass and no charge: it has no effect on others.
         let last = ParticleSeed::at(simulation.particles.position(row)).pinned();
@@ -233,9 +238,9 @@ fn gather_one(
         debug_assert!(put.is_ok(), "columns hold only finite positions");
         return true;
     }
-    tables.held.gravity_scale[row] = seed.gravity_scale;
-    let held = pinned.is_some() || pinned_to.is_some();
-    let put = simulation.particles.set(row, if held { seed.pinned() } else { seed });
+    tables.properties.gravity_scale[row] = seed.gravity_scale;
+    let is_pinned = pinned.is_some() || pinned_to.is_some();
+    let put = simulation.particles.set(row, if is_pinned { seed.pinned() } else { seed });
     debug_assert!(put.is_ok(), "the seed was checked above");
     // `set` has cleared the force.
     if external != Vec3::ZERO {

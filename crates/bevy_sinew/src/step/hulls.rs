@@ -47,7 +47,7 @@ pub(crate) fn compile_hulls(
         now.iter_mut().zip(there).for_each(|(count, there)| *count += usize::from(there));
     }
     let went = core::mem::replace(&mut *count, now) != now;
-    if !tables.relinked && !went && changed.is_empty() {
+    if !tables.links_compiled && !went && changed.is_empty() {
         return;
     }
     let mut bodies: Vec<_> = floating.iter().collect();

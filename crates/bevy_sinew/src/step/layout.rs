@@ -51,7 +51,7 @@ pub(crate) fn lay_out(
     } else {
         last.extend_from_slice(new);
     }
-    tables.stale = true;
+    tables.links_stale = true;
     let is_same = same == last.len() && same == tables.entities.len();
     if !is_same {
         assign_rows(simulation, tables, &mut particles, (last, same));
@@ -111,7 +111,7 @@ fn carry_over(simulation: &mut Simulation, tables: &mut Tables, order: &[(Creati
     tables.set_aside = tables.refused.iter().flatten().count();
     tables.mass.truncate(same);
     tables.mass.resize(order.len(), 0.0);
-    tables.held.lay_out(same, order.len());
+    tables.properties.lay_out(same, order.len());
     let row_of = &mut tables.layout.row_of;
     for entity in tables.entities.drain(same..) {
         row_of.remove(&entity);

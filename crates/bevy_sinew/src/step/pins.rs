@@ -8,7 +8,7 @@ use sinew::Pin;
 
 use crate::components::{Particle, ParticleRow, Pinned, PinnedTo};
 use crate::messages::{Refusal, Refused, refuse};
-use crate::schedule::Pace;
+use crate::schedule::FixedTick;
 use crate::world::SinewWorld;
 
 /// Lists the targets of particles that are pinned to a point or to another entity; releases those whose entity is gone.
@@ -19,7 +19,7 @@ pub(crate) fn gather_pins(
     pinned: Query<(Entity, &Pinned, &ParticleRow), With<Particle>>,
     pinned_to: Query<(Entity, &PinnedTo, &ParticleRow), With<Particle>>,
     transforms: TransformHelper,
-    pace: Res<Pace>,
+    fixed_tick: Res<FixedTick>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     let particles = &simulation.particles;
@@ -48,8 +48,8 @@ pub(crate) fn gather_pins(
                 if target.is_finite() {
                     // If several ticks are run in a row, each moves by its share of the way.
                     let way = particles.relative_to(row, target);
-                    let target = if pace.left > 1 {
-                        target + way * (1.0 - 1.0 / pace.left as f32)
+                    let target = if fixed_tick.remaining > 1 {
+                        target + way * (1.0 - 1.0 / fixed_tick.remaining as f32)
                     } else {
                         target
                     };

@@ -22,10 +22,10 @@ pub(crate) fn compile_compounds(
     // A removal is not detected as a change, but it changes the count.
     let now = bodies.iter().len();
     let went = core::mem::replace(&mut *count, now) != now;
-    if !tables.stale && !went && changed.is_empty() {
+    if !tables.links_stale && !went && changed.is_empty() {
         return;
     }
-    tables.stale = true;
+    tables.links_stale = true;
     for entity in changed.iter().filter(|&entity| unposed.contains(entity)) {
         refuse(&mut messages, entity, Refusal::Representation);
     }

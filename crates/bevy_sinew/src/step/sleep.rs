@@ -162,11 +162,11 @@ pub(crate) fn gather_sleep(
         (*simulation.sleep).clone_from(gathered);
     }
     tables.asleep.extend(simulation.sleep.iter().map(|body| body.asleep));
-    if !tables.touched.all {
+    if !tables.dirty.all {
         tables.unmoved.clone_from(&tables.asleep);
     }
     let mut written = false;
-    for &row in &tables.touched.rows {
+    for &row in &tables.dirty.rows {
         let known = (row as usize) < simulation.particles.len();
         let body = known.then(|| simulation.particles.body(row as usize)).flatten();
         let Some(body) = body.map(|body| body as usize) else { continue };

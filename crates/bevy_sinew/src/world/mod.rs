@@ -31,13 +31,13 @@ pub struct SinewWorld {
 
 /// The positions between which rows are drawn if the simulation has a speed of its own. The simulation does not depend on it.
 #[derive(Default)]
-pub(crate) struct Played {
+pub(crate) struct PlayedPositions {
     /// Positions at the end of the previous fixed tick, as far as it was played, metres.
-    from: Vec<Vec3>,
+    previous: Vec<Vec3>,
     /// Positions at the end of this one, metres.
-    to: Vec<Vec3>,
+    current: Vec<Vec3>,
     /// Positions at the start of the last tick, metres.
-    began: Vec<Vec3>,
+    tick_start: Vec<Vec3>,
     /// The layout of the rows.
     layout: u64,
 }
@@ -83,30 +83,31 @@ impl SinewWorld {
 
     /// Stores what a fixed tick has played of the last tick, of which the fraction `ahead` is still to be played; and where that tick began, if it has just
     /// been `taken`, since the next gather discards that.
-    pub(crate) fn play(&mut self, ahead: f32, taken: bool) {
+    pub(crate) fn record_played(&mut self, ahead: f32, taken: bool) {
         let Self { simulation, tables: Tables { played, layout, .. } } = self;
         let layout = layout.number;
         let rows = simulation.particles.len();
-        if taken || played.began.len() != rows || played.layout != layout {
-            played.began.clear();
-            played.began.extend((0..rows).map(|row| simulation.step_start(row)));
+        if taken || played.tick_start.len() != rows || played.layout != layout {
+            played.tick_start.clear();
+            played.tick_start.extend((0..rows).map(|row| simulation.step_start(row)));
         }
-        core::mem::swap(&mut played.from, &mut played.to);
-        played.to.clear();
-        played.to.extend(played.began.iter().enumerate().map(|(row, &before)| {
+        core::mem::swap(&mut played.previous, &mut played.current);
+        played.current.clear();
+        played.current.extend(played.tick_start.iter().enumerate().map(|(row, &before)| {
             let now = simulation.particles.position(row);
             now + (before - now) * ahead
         }));
-        if played.layout != layout || played.from.len() != played.to.len() {
+        if played.layout != layout || played.previous.len() != played.current.len() {
             played.layout = layout;
-            played.from.clone_from(&played.to);
+            played.previous.clone_from(&played.current);
         }
     }
 
     /// The position of a row, metres, at a fraction (`share`) of the fixed tick, as played; `None` for a new row.
     pub(crate) fn played_at(&self, row: usize, share: f32) -> Option<Vec3> {
-        let (from, to) = (self.tables.played.from.get(row)?, self.tables.played.to.get(row)?);
-        Some(*from + (*to - *from) * share)
+        let (previous, current) =
+            (self.tables.played.previous.get(row)?, self.tables.played.current.get(row)?);
+        Some(*previous + (*current - *previous) * share)
     }
 
     /// Energies and momenta of everything at the end of the last tick, J, kg·m/s and kg·m²/s.
@@ -210,7 +211,7 @@ pub(crate) struct Tables {
     /// The number of rows that are set aside.
     pub(crate) set_aside: usize,
     /// The properties of particles that the columns have.
-    pub(crate) held: HeldProperties,
+    pub(crate) properties: GatheredProperties,
     /// The solver's count of property edits at the end of the gather. Edits by a game are valid for one tick, and change the count.
     pub(crate) edits: u64,
     /// Whether properties of any particle were copied in this tick.
@@ -232,17 +233,17 @@ pub(crate) struct Tables {
     /// The places of links in the solver's lists.
     pub(crate) links: Links,
     /// Whether distances, springs or surfaces must be compiled again.
-    pub(crate) stale: bool,
+    pub(crate) links_stale: bool,
     /// Whether they were compiled in this tick.
-    pub(crate) relinked: bool,
+    pub(crate) links_compiled: bool,
     /// Whether distances were added, removed or changed before this tick.
-    pub(crate) retied: bool,
+    pub(crate) distances_changed: bool,
     /// Where rows are drawn.
-    pub(crate) played: Played,
+    pub(crate) played: PlayedPositions,
     /// The change tick at which particles were last written back.
     pub(crate) scattered: Option<Tick>,
     /// Rows of particles that anything but the simulation has written to since they were last gathered.
-    pub(crate) touched: Touched,
+    pub(crate) dirty: DirtyRows,
     /// Whether loading the particles is deferred until a change is found.
     pub(crate) deferred: bool,
     /// Whether nothing but the time changed in this tick.
@@ -265,7 +266,7 @@ pub(crate) struct Tables {
 
 /// The properties that the columns have.
 #[derive(Debug, Default)]
-pub(crate) struct HeldProperties {
+pub(crate) struct GatheredProperties {
     /// The layout of their rows.
     pub(crate) layout: u64,
     /// The number of particles with each of the property components.
@@ -276,7 +277,7 @@ pub(crate) struct HeldProperties {
     pub(crate) gravity_scale: Vec<f32>,
 }
 
-impl HeldProperties {
+impl GatheredProperties {
     /// Resizes to this number of rows, of which the first `same` are kept.
     pub(crate) fn lay_out(&mut self, same: usize, rows: usize) {
         self.kinds.truncate(same);
@@ -288,7 +289,7 @@ impl HeldProperties {
 
 /// The particles that were written to since they were last gathered.
 #[derive(Default)]
-pub(crate) struct Touched {
+pub(crate) struct DirtyRows {
     /// Whether any particle may have been written to.
     pub(crate) all: bool,
     /// The rows that were written to, in any order.
@@ -308,8 +309,8 @@ impl SinewWorld {
 
     /// Whether bodies that slept through the last tick need not be loaded: nothing has written to any of them, neither to a component nor to the columns.
     pub(crate) fn keeps_sleepers(&self) -> bool {
-        let Tables { touched, set_aside, .. } = &self.tables;
-        let as_they_were = !touched.all && touched.rows.is_empty() && *set_aside == 0;
+        let Tables { dirty, set_aside, .. } = &self.tables;
+        let as_they_were = !dirty.all && dirty.rows.is_empty() && *set_aside == 0;
         as_they_were && self.simulation.are_sleepers_untouched()
     }
 
@@ -362,8 +363,8 @@ impl SinewWorld {
 
     /// Whether all rows are as the last tick left them, and that tick did not change them; they need not be gathered then.
     pub(crate) fn is_settled(&self) -> bool {
-        let Tables { touched, set_aside, .. } = &self.tables;
-        !touched.all && touched.rows.is_empty() && *set_aside == 0 && self.simulation.is_settled()
+        let Tables { dirty, set_aside, .. } = &self.tables;
+        !dirty.all && dirty.rows.is_empty() && *set_aside == 0 && self.simulation.is_settled()
     }
 
     /// If nothing but the time changes in a tick of `dt` seconds, takes it at once, and records that there is nothing to scatter or to extract. Returns whether

@@ -9,9 +9,9 @@ use sinew::Particles;
 use super::SinewWorld;
 
 /// Maximum memory of the recorded particles, bytes: enough for 60 phases of 28 000 particles.
-const MOST: usize = 256 << 20;
+const MAX_RECORDED_BYTES: usize = 256 << 20;
 /// Memory of one recorded row, bytes.
-const ROW: usize = 160;
+const ROW_BYTES: usize = 160;
 
 /// The record of the phases.
 #[derive(Debug, Default)]
@@ -52,7 +52,7 @@ impl SinewWorld {
         if let Some(frames) = &mut watch.frames {
             let particles = &self.simulation.particles;
             // Without gaps: the first copy that does not fit ends the recording.
-            if (frames.len() + 1) * particles.len() * ROW <= MOST {
+            if (frames.len() + 1) * particles.len() * ROW_BYTES <= MAX_RECORDED_BYTES {
                 frames.push(particles.clone());
             }
             watch.since = Some(Instant::now());

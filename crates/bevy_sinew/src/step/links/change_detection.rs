@@ -8,10 +8,10 @@ use bevy::prelude::*;
 use crate::changes::ChangeTicks;
 
 /// Maximum number of changes that are handled one by one.
-const MOST: usize = 16;
+const MAX_INCREMENTAL: usize = 16;
 
 /// Maximum number of removals that are recorded until the next check: a game may be paused, and continue for any time.
-const NOTED: usize = 1 << 16;
+const MAX_RECORDED: usize = 1 << 16;
 
 /// Detects changes of all components of one type. Not by hooks, which a game may need for itself, nor by observers, since a body is spawned and despawned with
 /// tens of thousands of components.
@@ -23,7 +23,7 @@ pub(crate) struct ChangeDetector {
     /// Entities whose component was removed, as far as recorded.
     pub(super) gone: Vec<Entity>,
     /// Removals recorded since the last check, and the position up to which Bevy's messages were read.
-    noted: Vec<Entity>,
+    recorded: Vec<Entity>,
     cursor: MessageCursor<RemovedComponentEntity>,
     /// Increase of the count.
     pub(super) grown: isize,
@@ -33,8 +33,8 @@ impl ChangeDetector {
     /// Records removals. Bevy keeps them for two frames, while the next tick may be later.
     pub(super) fn note_gone(&mut self, removed: Option<&Messages<RemovedComponentEntity>>) {
         let gone = removed.map(|removed| self.cursor.read(removed)).into_iter().flatten();
-        let room = NOTED.saturating_sub(self.noted.len());
-        self.noted.extend(gone.cloned().map(Entity::from).take(room));
+        let room = MAX_RECORDED.saturating_sub(self.recorded.len());
+        self.recorded.extend(gone.cloned().map(Entity::from).take(room));
     }
 
     /// Compares all components, and the recorded removals, with the last check.
@@ -61,7 +61,7 @@ impl ChangeDetector {
                 }
             }),
         }
-        self.gone.extend(self.noted.drain(..).filter(|&entity| !all.contains(entity)));
+        self.gone.extend(self.recorded.drain(..).filter(|&entity| !all.contains(entity)));
         self.grown = count as isize - self.count as isize;
         self.count = count;
     }
@@ -78,7 +78,7 @@ impl ChangeDetector {
 
     /// Whether the changes are few enough to be handled one by one.
     pub(super) fn is_few(&self) -> bool {
-        self.added.len().max(self.gone.len()) <= MOST
+        self.added.len().max(self.gone.len()) <= MAX_INCREMENTAL
     }
 }
 

@@ -89,20 +89,20 @@ impl Kinds {
             kind.number(world);
             kind.refresh(world);
             any |= kind.detector().is_any();
-            tables.stale |= !kind.detector().is_few();
+            tables.links_stale |= !kind.detector().is_few();
         }
-        tables.stale |= any && !tables.links.sound;
+        tables.links_stale |= any && !tables.links.sound;
         for (number, kind) in (FIRST..).zip(&mut self.kinds) {
-            if !tables.stale && kind.detector().is_any() {
+            if !tables.links_stale && kind.detector().is_any() {
                 let mut entries = Vec::new();
                 kind.collect_changed(world, tables, number, &mut entries);
                 let places = &mut tables.links.constraints;
-                tables.stale =
+                tables.links_stale =
                     !update_incrementally(simulation, places, entries, (number, kind.detector()));
                 tables.links.version += 1;
             }
         }
-        if tables.stale {
+        if tables.links_stale {
             let changed = self.collect_from(world, (simulation, tables));
             self.collected = changed.unwrap_or_else(|| {
                 let mut all = Vec::new();

@@ -51,17 +51,17 @@ pub(crate) fn notice_links(
     detector.note_gone(removed.messages());
     detector.detect(&distances);
     let SinewWorld { simulation, tables } = &mut *world;
-    tables.retied = detector.is_any();
-    tables.stale |= went || found.iter().any(|&(_, changed)| changed);
-    if !detector.is_any() || tables.stale {
+    tables.distances_changed = detector.is_any();
+    tables.links_stale |= went || found.iter().any(|&(_, changed)| changed);
+    if !detector.is_any() || tables.links_stale {
         return;
     }
-    tables.stale = !tables.links.sound || !detector.is_few();
-    if !tables.stale {
+    tables.links_stale = !tables.links.sound || !detector.is_few();
+    if !tables.links_stale {
         let added = detector.added.iter().filter_map(|&entity| numbered.get(entity).ok());
         let entries: Vec<_> = added.map(|one| entry(tables, one)).collect();
         let places = &mut tables.links.distances;
-        tables.stale =
+        tables.links_stale =
             !update_incrementally(simulation, places, entries, (kinds::DISTANCES, detector));
         tables.links.version += 1;
     }
@@ -89,8 +89,8 @@ pub(crate) fn compile_links(
     mut surfaces: Query<(Ref<WindSurface>, &mut Rows<WindSurface>)>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    tables.relinked = core::mem::take(&mut tables.stale);
-    if !tables.relinked {
+    tables.links_compiled = core::mem::take(&mut tables.links_stale);
+    if !tables.links_compiled {
         return;
     }
 
