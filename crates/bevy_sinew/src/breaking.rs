@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use sinew::Bound;
 
 use crate::attach::{AttachTo, AttachmentJoints, AttachmentOf};
-use crate::changes::census;
+use crate::changes::count_and_changed;
 use crate::components::{BodyConstraints, BreakAt, ConstraintOf, CreationOrder};
 use crate::schedule::SinewClock;
 use crate::world::{LinkAt, SinewWorld};
@@ -77,7 +77,7 @@ pub(crate) fn gather_breakables(
     orders: Query<&CreationOrder>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    let (count, changed) = census(&limits);
+    let (count, changed) = count_and_changed(&limits);
     let went = core::mem::replace(&mut breakables.count, count) != count;
     if count == 0 {
         if went {

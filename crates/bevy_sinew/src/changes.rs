@@ -72,7 +72,7 @@ impl<'w> ChangeTicks<'w> {
 }
 
 /// The number of components in all tables that a query matches, and whether any of them changed since the calling system last ran.
-pub(crate) fn census<'a, T: Component, F: ArchetypeFilter>(
+pub(crate) fn count_and_changed<'a, T: Component, F: ArchetypeFilter>(
     query: &Query<Ref<'a, T>, F>,
 ) -> (usize, bool) {
     match query.contiguous_iter() {
@@ -88,7 +88,7 @@ pub(crate) fn census<'a, T: Component, F: ArchetypeFilter>(
 
 /// Run condition: whether a body may be at another place in the world than the simulation left it. A body with a parent has to be examined to find out, so the
 /// condition holds while there is one, and for one more tick.
-pub(crate) fn any_may_have_moved(
+pub(crate) fn any_body_may_have_moved(
     transforms: Query<Ref<Transform>, With<ExtractedTransform>>,
     known: Query<Ref<ExtractedTransform>>,
     parented: Query<(), (With<ExtractedTransform>, With<ChildOf>)>,
@@ -96,5 +96,5 @@ pub(crate) fn any_may_have_moved(
 ) -> bool {
     let parented = !parented.is_empty();
     let were_parented = core::mem::replace(&mut *were_parented, parented);
-    parented || were_parented || census(&transforms).1 || census(&known).1
+    parented || were_parented || count_and_changed(&transforms).1 || count_and_changed(&known).1
 }

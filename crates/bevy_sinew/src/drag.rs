@@ -302,8 +302,8 @@ impl ParticleConstraint for GrabConstraint {
     }
 
     fn fault(&self) -> Option<ConstraintFault> {
-        let sound = self.shares.iter().all(|share| share.is_finite()) && self.target.is_finite();
-        (!sound).then_some(ConstraintFault::Number)
+        let valid = self.shares.iter().all(|share| share.is_finite()) && self.target.is_finite();
+        (!valid).then_some(ConstraintFault::Number)
     }
 }
 

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 
 use crate::attach;
 use crate::breaking::{self, Breakables, Broke};
-use crate::changes::any_may_have_moved;
+use crate::changes::any_body_may_have_moved;
 use crate::commands;
 use crate::components::{self, AirDrag, Charge, CreationCounter, Drag, Electric, Gravity};
 use crate::components::{
@@ -163,7 +163,7 @@ impl Plugin for SinewPlugin {
             (
                 (
                     shares::share_out,
-                    teleports::follow_teleports.run_if(any_may_have_moved),
+                    teleports::follow_teleports.run_if(any_body_may_have_moved),
                     motion::follow_velocities.run_if(motion::any_velocity_changed),
                     commands::apply_pending,
                     motion::apply_impulses,

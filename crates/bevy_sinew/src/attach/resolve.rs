@@ -214,8 +214,8 @@ impl Holding<'_> {
                 Transform::from_translation(found.translation).with_rotation(found.rotation)
             }
         };
-        let sound = frame.is_finite() && frame.scale.abs().min_element() > 0.0;
-        if sound { Ok(Some(frame)) } else { Err(AttachFault::NoPlace) }
+        let valid = frame.is_finite() && frame.scale.abs().min_element() > 0.0;
+        if valid { Ok(Some(frame)) } else { Err(AttachFault::NoPlace) }
     }
 
     /// The position in the frame at which each point is kept. Previous positions (`before`) are kept; if the number of points has changed, only their middle

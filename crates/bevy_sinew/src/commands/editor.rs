@@ -224,16 +224,16 @@ impl Editor<'_, '_> {
             let (&particle, &Mass(mass), pinned, pinned_to) = self.particles.get(entity).ok()?;
             Some(Member { entity, particle, mass, held: pinned || pinned_to })
         };
-        let sound = |member: &Member| member.as_free().fault().is_none();
-        let (sound, faulty) = members.filter_map(copy).partition(sound);
-        Group { sound, faulty }
+        let valid = |member: &Member| member.as_free().fault().is_none();
+        let (valid, invalid) = members.filter_map(copy).partition(valid);
+        Group { valid, invalid }
     }
 
     fn commit(&mut self, group: &Group) -> Result<(), EditFault> {
-        if group.sound.iter().any(|member| member.as_free().fault().is_some()) {
+        if group.valid.iter().any(|member| member.as_free().fault().is_some()) {
             return Err(EditFault::NotFinite);
         }
-        for member in group.sound.iter().chain(&group.faulty) {
+        for member in group.valid.iter().chain(&group.invalid) {
             if let Ok((mut particle, ..)) = self.particles.get_mut(member.entity) {
                 particle.set_if_neq(member.particle);
             }
@@ -244,9 +244,9 @@ impl Editor<'_, '_> {
 
 /// Particles that are edited as one.
 struct Group {
-    sound: Vec<Member>,
+    valid: Vec<Member>,
     /// Particles that are set aside for an invalid number: they are not edited, but teleported with the others.
-    faulty: Vec<Member>,
+    invalid: Vec<Member>,
 }
 
 struct Member {
@@ -308,7 +308,7 @@ impl Group {
             }
             BodyEdit::Turn(by) => {
                 let Some(found) = self.motion(true) else { return Ok(()) };
-                let near = self.sound.first().map_or(Vec3::ZERO, |first| first.particle.position);
+                let near = self.valid.first().map_or(Vec3::ZERO, |first| first.particle.position);
                 let centre = near.as_dvec3() + found.barycentre.as_dvec3();
                 let carry = Carry::about(centre, by).ok_or(EditFault::NotFinite)?;
                 self.carry(&carry);
@@ -338,12 +338,12 @@ impl Group {
     fn push(&mut self, push: impl FnOnce(&mut Particles, &[u32])) {
         let (mut columns, mut rows) = (Particles::default(), Vec::new());
         // None of these particles has a fault, so each gets a row.
-        rows.extend(self.sound.iter().filter_map(|member| columns.push(member.seed()).ok()));
-        if rows.len() < self.sound.len() {
+        rows.extend(self.valid.iter().filter_map(|member| columns.push(member.seed()).ok()));
+        if rows.len() < self.valid.len() {
             return;
         }
         push(&mut columns, &rows);
-        for (i, member) in self.sound.iter_mut().enumerate().filter(|(_, member)| !member.held) {
+        for (i, member) in self.valid.iter_mut().enumerate().filter(|(_, member)| !member.held) {
             member.particle.velocity = columns.velocity(i);
             member.particle.lag = columns.lag(i);
         }
@@ -354,7 +354,7 @@ impl Group {
         let Some(found) = self.motion(false) else { return };
         let missing = (spin - found.angular_velocity).as_dvec3();
         let near =
-            self.sound.first().map_or(Vec3::ZERO, |first| first.particle.position).as_dvec3();
+            self.valid.first().map_or(Vec3::ZERO, |first| first.particle.position).as_dvec3();
         let centre = near + found.barycentre.as_dvec3();
         for member in self.free() {
             let turn = missing.cross(member.particle.exact() - centre);
@@ -367,17 +367,17 @@ impl Group {
     }
 
     fn all(&mut self) -> impl Iterator<Item = &mut Member> {
-        self.sound.iter_mut().chain(&mut self.faulty)
+        self.valid.iter_mut().chain(&mut self.invalid)
     }
 
     fn free(&mut self) -> impl Iterator<Item = &mut Member> {
-        self.sound.iter_mut().filter(|member| !member.held)
+        self.valid.iter_mut().filter(|member| !member.held)
     }
 
     /// The rigid motion of the free particles, or of `all`; the centre of mass is relative to the position of the first one.
     fn motion(&self, all: bool) -> Option<Motion> {
-        let near = self.sound.first()?.particle.position;
-        let points = self.sound.iter().filter(|member| all || !member.held).map(|member| {
+        let near = self.valid.first()?.particle.position;
+        let points = self.valid.iter().filter(|member| all || !member.held).map(|member| {
             let Particle { position, remainder, velocity, .. } = member.particle;
             ((position - near) + remainder, velocity, member.mass)
         });

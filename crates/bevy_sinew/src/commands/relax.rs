@@ -174,10 +174,10 @@ pub(crate) fn relax_asked(
         // With the operands in this order, NaN becomes 0.
         let (tolerance, most) = (tolerance.max(0.0), max_steps.clamp(1, 100_000));
         let rows: Vec<u32> = match &list {
-            Some(list) => list.iter().filter_map(|&one| tables.sound_row(one)).collect(),
+            Some(list) => list.iter().filter_map(|&one| tables.valid_row(one)).collect(),
             None => {
                 let all = 0..tables.entities.len() as u32;
-                all.filter(|&row| tables.is_sound(row as usize)).collect()
+                all.filter(|&row| tables.is_valid(row as usize)).collect()
             }
         };
         let name = entity.unwrap_or(Entity::PLACEHOLDER);

@@ -28,7 +28,7 @@ pub use soft::{SoftBody, SoftShape};
 
 use bevy::prelude::*;
 
-use crate::changes::any_may_have_moved;
+use crate::changes::any_body_may_have_moved;
 use crate::schedule::{SinewSystems, SinewTick};
 
 /// Adds the systems that build the recipes.
@@ -39,7 +39,7 @@ pub(crate) fn add(app: &mut App) {
         SinewTick,
         (
             build::notice_scale
-                .run_if(any_may_have_moved.or_else(any_with_component::<build::AwaitsPlace>)),
+                .run_if(any_body_may_have_moved.or_else(any_with_component::<build::AwaitsPlace>)),
             // Large bodies first: when something is despawned or cut, everything that was created after it is laid out and compiled again.
             build::build::<Cloth>,
             build::build::<SoftBody>,

@@ -39,8 +39,8 @@ impl Frame {
     pub(crate) fn of(transforms: &TransformHelper, entity: Entity) -> Option<Self> {
         let transform = transforms.compute_global_transform(entity).ok()?.affine();
         let (origin, linear) = (transform.translation.into(), transform.matrix3.inverse());
-        let sound = Vec3::is_finite(origin) && linear.is_finite();
-        sound.then_some(Self { origin, linear })
+        let valid = Vec3::is_finite(origin) && linear.is_finite();
+        valid.then_some(Self { origin, linear })
     }
 
     /// The position at which a row is drawn, in the frame: at the end of the last tick, or interpolated.

@@ -20,7 +20,7 @@ pub(super) fn draw_colliders(
     for (collider, placed, transform, sensor, part) in &colliders {
         let (at, color) = if part {
             (transform.with_scale(Vec3::ONE), Color::srgb(0.4, 0.5, 1.0))
-        } else if placed.sound().is_none() {
+        } else if placed.valid().is_none() {
             (placed.at, Color::srgb(1.0, 0.2, 0.2))
         } else if sensor {
             (placed.at, Color::srgb(0.3, 0.9, 0.5))

@@ -7,8 +7,8 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::{BodySettings, Material};
 
-use super::pins::sound;
-use crate::changes::{ChangeTicks, census};
+use super::pins::check_once;
+use crate::changes::{ChangeTicks, count_and_changed};
 use crate::components::{
     BodyContacts, BodyParticles, CollisionLayers, ContactEvents, ContactShape, ContactsDisabled,
     CreationOrder, GravityScale, Particle, ParticleOf, ParticleRow, Radius, Representation,
@@ -114,15 +114,15 @@ impl Bodies<'_, '_> {
             changed |= change_ticks.iter().flatten().any(ChangeTicks::any_changed);
         }
         if with_itself {
-            let (count, moved) = census(&self.places);
+            let (count, moved) = count_and_changed(&self.places);
             now[10] = count;
             changed |= moved;
         }
-        let (count, came) = census(&self.events);
+        let (count, came) = count_and_changed(&self.events);
         now[11] = count;
         changed |= came;
         now[12] = self.sleepers.iter().len();
-        let (count, came) = census(&self.disabled);
+        let (count, came) = count_and_changed(&self.disabled);
         now[13] = count;
         changed |= came;
         let went = core::mem::replace(&mut *self.counts, now) != now;
@@ -216,7 +216,7 @@ pub(crate) fn gather_bodies(
         OfBody { body: None, gravity_scale: 1.0, has_rest: false },
     );
     let places_changed = {
-        let (now, moved) = census(&places);
+        let (now, moved) = count_and_changed(&places);
         core::mem::replace(count, now) != now || moved
     };
     // The solver does not depend on the order of bodies, but the contact report is sorted by it.
@@ -233,10 +233,10 @@ pub(crate) fn gather_bodies(
             let asked = contacts_of(materials, &mut messages, entity, asked);
             let scale = scale.map_or(1.0, |scale| scale.0);
             let reason = (!scale.is_finite()).then_some(Refusal::GravityScale);
-            let sound = sound(scales, &mut messages, entity, reason);
+            let valid = check_once(scales, &mut messages, entity, reason);
             let of_particle = OfBody {
                 body,
-                gravity_scale: if sound { scale } else { 1.0 },
+                gravity_scale: if valid { scale } else { 1.0 },
                 has_rest: asked.with_itself,
             };
             for &row in rows.iter().filter(|&&row| row != GONE) {
@@ -313,14 +313,14 @@ fn contacts_of(
 ) -> sinew::BodyContacts {
     let its_material = material.map_or(Material::default(), |&material| material.into());
     let reason = (!its_material.is_valid()).then_some(Refusal::Material);
-    let sound = sound(broken, messages, entity, reason);
+    let valid = check_once(broken, messages, entity, reason);
     let contacts = contacts.copied().unwrap_or_default();
     let shape = match (contacts.shape, resolved) {
         (ContactShape::Auto, Some(resolved)) => resolved.shape,
         (shape, _) => shape,
     };
     sinew::BodyContacts {
-        material: if sound { its_material } else { Material::default() },
+        material: if valid { its_material } else { Material::default() },
         layers: layers.copied().unwrap_or_default().layers(),
         with_bodies: contacts.with_bodies,
         with_itself: contacts.with_itself,

@@ -6,9 +6,9 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::BodyCollider;
 
-use super::pins::sound;
+use super::pins::check_once;
 use super::segments::Segments;
-use crate::changes::census;
+use crate::changes::count_and_changed;
 use crate::components::{
     BodyContacts, BodyParticles, Collider, ContactShape, ContactsDisabled, CreationOrder, PartOf,
     ParticleBody, ResolvedShape, RigidPose, WindSurface,
@@ -27,7 +27,9 @@ pub(crate) struct Reshaped<'w, 's> {
 
 impl Reshaped<'_, '_> {
     fn any(&self) -> bool {
-        census(&self.shapes).1 || census(&self.poses).1 || census(&self.owners).1
+        count_and_changed(&self.shapes).1
+            || count_and_changed(&self.poses).1
+            || count_and_changed(&self.owners).1
     }
 }
 
@@ -84,7 +86,8 @@ pub(crate) fn compile_body_colliders(
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     let Known { shapes, bodies, counts, bends: any_bends } = &mut *known;
-    let all = [census(&contacts), census(&resolved), census(&disabled)];
+    let all =
+        [count_and_changed(&contacts), count_and_changed(&resolved), count_and_changed(&disabled)];
     let changed = all.iter().any(|&(_, changed)| changed);
     // Change detection finds additions; a removal changes the count.
     let now = [all[0].0, all[1].0, all[2].0, parts.iter().len()];
@@ -133,7 +136,7 @@ pub(crate) fn compile_body_colliders(
             Err(reason) => (None, Some(reason)),
         };
         owners.push(owner);
-        sound(shapes, &mut messages, part, reason);
+        check_once(shapes, &mut messages, part, reason);
         body_colliders.extend(solid.map(|solid| (*order, part, solid)));
     }
     // A body with rigid parts collides by those, unless it explicitly uses segments.
@@ -161,7 +164,7 @@ pub(crate) fn compile_body_colliders(
             _ => Refusal::NotSolid,
         };
         let reason = (lacks && !waits).then_some(what);
-        sound(bodies, &mut messages, body, reason);
+        check_once(bodies, &mut messages, body, reason);
     }
     tables.parts.clear();
     tables.parts.extend(body_colliders.iter().map(|&(_, part, _)| part));
@@ -190,7 +193,7 @@ fn solid(
     let shape = collider.shape().map_err(|fault| Refusal::Collider(fault.into()))?;
     let rest = pose.rest.as_slice().into();
     let solid = BodyCollider { rows: rows.to_vec(), rest, shape, id: order.0 };
-    if !rows.iter().all(|&row| row != GONE && tables.is_sound(row as usize)) {
+    if !rows.iter().all(|&row| row != GONE && tables.is_valid(row as usize)) {
         return Ok(None);
     }
     match solid.fault(tables.entities.len()) {

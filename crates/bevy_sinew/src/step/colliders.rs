@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use bevy::prelude::*;
 use sinew::{Frame, Material};
 
-use super::pins::sound;
+use super::pins::check_once;
 use crate::components::{
     BoundingBox, Collider, ColliderFault, ColliderMotion, CollisionLayers, ContactEvents,
     ContactsDisabled, CreationOrder, Particle, ParticleBody, PlacedCollider, RigidPose, Sensor,
@@ -102,7 +102,7 @@ pub(crate) fn gather_colliders(
         }
         let reason = misplaced.or_else(|| placed.fault.clone().map(Refusal::Collider));
         placed.misplaced = matches!(reason, Some(Refusal::Sheared));
-        if !sound(broken, &mut messages, entity, reason) {
+        if !check_once(broken, &mut messages, entity, reason) {
             continue;
         }
         count += 1;
@@ -126,8 +126,8 @@ pub(crate) fn gather_colliders(
 
     *listing += 1;
     ordered.clear();
-    let sound = colliders.iter().filter(|told| told.10.sound().is_some());
-    ordered.extend(sound.map(|told| (*told.1, told.0)));
+    let valid = colliders.iter().filter(|told| told.10.valid().is_some());
+    ordered.extend(valid.map(|told| (*told.1, told.0)));
     ordered.sort_unstable();
     list.clear();
     tables.colliders.clear();
@@ -213,7 +213,7 @@ pub(crate) fn keep_places(
         return;
     }
     for (entity, placed, motion) in &mut colliders {
-        let now = ColliderMotion(placed.sound().map(|_| isometry(&placed.at)));
+        let now = ColliderMotion(placed.valid().map(|_| isometry(&placed.at)));
         match motion {
             Some(mut motion) => drop(motion.set_if_neq(now)),
             None => drop(commands.entity(entity).try_insert(now)),

@@ -3,7 +3,7 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use crate::changes::census;
+use crate::changes::count_and_changed;
 use crate::components::{
     BodyConstraints, BodyParticles, Bound, ContactShape, DistanceConstraint, ParticleOf,
     ResolvedShape, RestPlace, WindSurface,
@@ -35,7 +35,7 @@ pub(crate) fn resolve_shapes(
 ) {
     let (particles, tables) = (&world.simulation.particles, &world.tables);
     let of_particles = tables.properties_gathered || tables.bodies_changed;
-    if !(of_particles || census(&surfaces).1 || census(&constraints).1) {
+    if !(of_particles || count_and_changed(&surfaces).1 || count_and_changed(&constraints).1) {
         return;
     }
     for (body, members, mut rows, surface, constraints, mut resolved) in &mut bodies {

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use sinew::forces::Control;
 use sinew::pose::Pose;
 
-use super::pins::sound;
+use super::pins::check_once;
 use crate::components::{
     BodyParticles, ControlForce, CreationOrder, ExternalForce, ExternalTorque, Particle,
     ParticleBody, ParticleRow, ResolvedTarget, RigidPose, TickForces,
@@ -99,7 +99,7 @@ pub(crate) fn gather_controls(
         } else {
             None
         };
-        if sound(&mut broken, &mut messages, entity, reason.map(Refusal::Control)) {
+        if check_once(&mut broken, &mut messages, entity, reason.map(Refusal::Control)) {
             used += 1;
         }
     }
@@ -109,7 +109,7 @@ pub(crate) fn gather_controls(
 
 /// Whether a row exists and is not set aside.
 fn takes_part(tables: &Tables, row: u32) -> bool {
-    row != GONE && tables.is_sound(row as usize)
+    row != GONE && tables.is_valid(row as usize)
 }
 
 /// Clears the forces of the tick at its end.
@@ -212,7 +212,7 @@ impl Wholes<'_, '_> {
                 valid &= slot.is_valid();
             }
             let reason = (!valid).then_some(Refusal::Control(EditFault::NotFinite));
-            if !sound(broken, messages, entity, reason) {
+            if !check_once(broken, messages, entity, reason) {
                 *used = first;
             }
         }

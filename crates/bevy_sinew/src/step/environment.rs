@@ -58,12 +58,12 @@ pub(crate) struct Everywhere<'w, 's> {
 impl Everywhere<'_, '_> {
     fn add_to(&self, forces: &mut sinew::Forces, validator: &mut FieldValidator) {
         let Gravity(gravity) = *self.gravity;
-        let sound = validator.resource("Gravity", &self.gravity_at, gravity.is_finite());
-        forces.gravity = if sound { gravity } else { Vec3::ZERO };
+        let valid = validator.resource("Gravity", &self.gravity_at, gravity.is_finite());
+        forces.gravity = if valid { gravity } else { Vec3::ZERO };
 
         let AirDrag(drag) = *self.drag;
-        let sound = validator.resource("AirDrag", &self.drag_at, (0.0..=1.0).contains(&drag));
-        forces.drag = if sound { drag } else { 0.0 };
+        let valid = validator.resource("AirDrag", &self.drag_at, (0.0..=1.0).contains(&drag));
+        forces.drag = if valid { drag } else { 0.0 };
 
         // The solver ignores invalid electric settings by itself.
         forces.electric = (*self.electric).into();
@@ -200,7 +200,7 @@ impl FieldValidator<'_, '_> {
                     list.push(entry);
                 }
                 Err(misplaced) => {
-                    self.sound(entity, false, || misplaced.into());
+                    self.check(entity, false, || misplaced.into());
                 }
             }
         }
@@ -217,7 +217,7 @@ impl FieldValidator<'_, '_> {
         list.retain(|entry| {
             let place = self.places[next];
             next += 1;
-            self.sound(place.1, valid(entry), || Refusal::Surroundings)
+            self.check(place.1, valid(entry), || Refusal::Surroundings)
         });
     }
 
@@ -230,10 +230,10 @@ impl FieldValidator<'_, '_> {
     ) -> bool {
         self.kind += 1;
         let entity = at.iter().next().unwrap_or(Entity::PLACEHOLDER);
-        self.sound(entity, valid, || Refusal::Resource(name))
+        self.check(entity, valid, || Refusal::Resource(name))
     }
 
-    fn sound(&mut self, entity: Entity, valid: bool, reason: impl FnOnce() -> Refusal) -> bool {
+    fn check(&mut self, entity: Entity, valid: bool, reason: impl FnOnce() -> Refusal) -> bool {
         if !valid {
             let broken = (entity, self.kind);
             if !self.before.contains(&broken) {

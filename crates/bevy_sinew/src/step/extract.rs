@@ -150,13 +150,13 @@ fn found(
 ) -> Option<Pose> {
     let (particles, tables) = (&world.simulation.particles, &world.tables);
     let rows = rows.resolve(&tables.layout, rigid.is_changed(), rigid.particles.iter().copied());
-    let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
+    let valid = |row: u32| row != GONE && tables.refused[row as usize].is_none();
     // Relative to a nearby point: far from the origin, world positions do not have enough digits for a rotation.
-    let &first = rows.iter().find(|&&row| sound(row))?;
+    let &first = rows.iter().find(|&&row| valid(row))?;
     let near = particles.position(first as usize);
     let points = rows.iter().zip(&rigid.rest).filter_map(|(&row, &rest)| {
         let i = row as usize;
-        sound(row).then(|| (particles.relative_to(i, near), rest, tables.mass[i]))
+        valid(row).then(|| (particles.relative_to(i, near), rest, tables.mass[i]))
     });
     let found = pose(points, before)?;
     Some(Pose { translation: near + found.translation, ..found })
@@ -199,7 +199,7 @@ pub(crate) fn extract_motion(
             continue;
         }
         let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
-        let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
+        let valid = |row: u32| row != GONE && tables.refused[row as usize].is_none();
         let is_written = |entity| particles.get(entity).is_ok_and(|one| one.is_changed());
         let moves = tables.stepped || is_stale(&known, || members.iter().any(is_written));
         // If the body is one rigid part, its motion is that of the part.
@@ -207,7 +207,7 @@ pub(crate) fn extract_motion(
             .filter(|part| part.current(&tables.layout) == rows)
             .and_then(|part| world.rigid_motion(part.collider?));
         let found = at_hand.or_else(|| {
-            let there = rows.iter().filter(|&&row| sound(row));
+            let there = rows.iter().filter(|&&row| valid(row));
             simulation.motion(there.map(|&row| (row, tables.mass[row as usize])))
         });
         if let Some(found) = found {
@@ -236,8 +236,8 @@ pub(crate) fn extract_particle_velocities(
         return;
     }
     for (particle, row, mut linear, mut known) in &mut particles {
-        let is_sound = |&i: &usize| tables.refused.get(i).is_some_and(Option::is_none);
-        let Some(i) = row.get().filter(is_sound) else { continue };
+        let is_valid = |&i: &usize| tables.refused.get(i).is_some_and(Option::is_none);
+        let Some(i) = row.get().filter(is_valid) else { continue };
         if !tables.stepped && !is_stale(&known, || particle.is_changed()) {
             continue;
         }

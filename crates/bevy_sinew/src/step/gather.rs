@@ -149,7 +149,7 @@ fn gather_tables(
                 }
                 end = i + world.waking_run(&rows[..end], i);
             }
-            let run = world.tables.sound_run(&rows[i..end]);
+            let run = world.tables.valid_run(&rows[i..end]);
             let loaded = world.load(&states[..end], &rows[..end], i);
             i += loaded;
             // The run ended at a particle that is or was set aside.

@@ -100,8 +100,8 @@ fn posed(
         return Err(HullFault::Count);
     }
     let carriers = pose.particles.iter().zip(&pose.rest);
-    let sound = carriers.filter_map(|(&p, &rest)| Some((tables.sound_row(p)?, rest)));
-    let (rows, rest): (Vec<u32>, Vec<Vec3>) = sound.unzip();
+    let valid = carriers.filter_map(|(&p, &rest)| Some((tables.valid_row(p)?, rest)));
+    let (rows, rest): (Vec<u32>, Vec<Vec3>) = valid.unzip();
     let skin = Skin::Posed { vertices, rest };
     made(tables, rows, triangles, skin, pose.particles.iter().copied())
 }
@@ -109,15 +109,15 @@ fn posed(
 /// A hull whose corners are particles; a triangle with a missing corner is left out, as for the wind.
 fn carried(tables: &Tables, surface: Option<&WindSurface>) -> Result<Option<Hull>, HullFault> {
     let corners = &surface.ok_or(HullFault::Empty)?.triangles;
-    let row = |corner| tables.sound_row(corner);
-    let sound: Vec<[u32; 3]> =
+    let row = |corner| tables.valid_row(corner);
+    let valid: Vec<[u32; 3]> =
         corners.iter().filter_map(|&[a, b, c]| Some([row(a)?, row(b)?, row(c)?])).collect();
-    let mut rows: Vec<u32> = sound.iter().flatten().copied().collect();
+    let mut rows: Vec<u32> = valid.iter().flatten().copied().collect();
     rows.sort_unstable();
     rows.dedup();
     // Every row is in the list, which was made from them.
     let place = |row: u32| rows.partition_point(|&other| other < row) as u32;
-    let triangles = sound.iter().map(|corners| corners.map(place)).collect();
+    let triangles = valid.iter().map(|corners| corners.map(place)).collect();
     made(tables, rows.clone(), triangles, Skin::Carriers, corners.iter().flatten().copied())
 }
 

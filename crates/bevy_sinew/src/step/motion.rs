@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::changes::census;
+use crate::changes::count_and_changed;
 use crate::commands::{BodyEdit, Editor};
 use crate::components::{
     AngularVelocity, BodyParticles, CreationOrder, ExternalImpulse, ExtractedVelocity,
@@ -25,7 +25,7 @@ pub(crate) fn any_velocity_changed(
     angular: Query<Ref<AngularVelocity>, Moves>,
     known: Query<Ref<ExtractedVelocity>, Moves>,
 ) -> bool {
-    census(&linear).1 || census(&angular).1 || census(&known).1
+    count_and_changed(&linear).1 || count_and_changed(&angular).1 || count_and_changed(&known).1
 }
 
 /// Applies the velocities that a game spawned with bodies and single particles, or has changed since the last tick.

@@ -29,7 +29,7 @@ pub(crate) fn gather_pins(
         let Some(row) = row.get() else { continue };
         let Some(target) = pin.target.filter(|_| tables.refused[row].is_none()) else { continue };
         let reason = (!target.is_finite()).then_some(Refusal::PinPoint);
-        if sound(&mut tables.broken, &mut messages, entity, reason) {
+        if check_once(&mut tables.broken, &mut messages, entity, reason) {
             pins.push(Pin { particle: row as u32, target });
         }
     }
@@ -67,7 +67,7 @@ pub(crate) fn gather_pins(
 }
 
 /// Whether there is no error; an error is reported once, until it is corrected.
-pub(crate) fn sound(
+pub(crate) fn check_once(
     broken: &mut BTreeSet<Entity>,
     messages: &mut MessageWriter<Refused>,
     entity: Entity,

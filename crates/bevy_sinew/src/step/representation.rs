@@ -33,8 +33,8 @@ pub(crate) fn compile_compounds(
     for (order, representation, pose, mut rows) in &mut bodies {
         let Representation::Rigid(integrator) = *representation else { continue };
         let rows = rows.resolve(&tables.layout, pose.is_changed(), pose.particles.iter().copied());
-        let sound = |&row: &u32| row != GONE && tables.refused[row as usize].is_none();
-        if rows.len() == pose.rest.len() && rows.iter().all(sound) {
+        let valid = |&row: &u32| row != GONE && tables.refused[row as usize].is_none();
+        if rows.len() == pose.rest.len() && rows.iter().all(valid) {
             let rows = rows.iter().map(|&row| row as usize);
             let compound = sinew::Compound::new(rows, pose.rest.clone());
             compounds.push((*order, sinew::Compound { integrator: integrator.into(), ..compound }));

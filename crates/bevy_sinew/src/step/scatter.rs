@@ -32,7 +32,7 @@ pub(crate) fn scatter(
         for (mut states, rows) in found {
             let mut i = 0;
             while i < rows.len() {
-                let run = tables.sound_run(&rows[i..]).max(1);
+                let run = tables.valid_run(&rows[i..]).max(1);
                 let first = rows[i].0 as usize;
                 let read = columns.states(first..first.saturating_add(run));
                 states[i..i + run].iter_mut().zip(read).for_each(|(to, from)| *to = from.into());
@@ -41,7 +41,7 @@ pub(crate) fn scatter(
         }
     } else {
         for (mut to, row) in &mut particles {
-            let Some(row) = row.get().filter(|&row| tables.is_sound(row)) else { continue };
+            let Some(row) = row.get().filter(|&row| tables.is_valid(row)) else { continue };
             columns.states(row..row + 1).for_each(|from| *to = from.into());
         }
     }
@@ -60,7 +60,7 @@ fn list_awake(world: &SinewWorld, awake: &mut Vec<bool>) {
     let sleeps = |body: u32| tables.asleep.get(body as usize) == Some(&true);
     awake
         .extend((0..simulation.particles.len()).map(|row| {
-            tables.is_sound(row) && !simulation.particles.body(row).is_some_and(sleeps)
+            tables.is_valid(row) && !simulation.particles.body(row).is_some_and(sleeps)
         }));
 }
 

@@ -67,7 +67,7 @@ impl Segments<'_, '_> {
                 **listed += 1;
             }
         };
-        if !tables.links.sound {
+        if !tables.links.complete {
             all.iter().for_each(take);
             return;
         }
@@ -97,7 +97,7 @@ fn segment(
     tables: &Tables,
     last: &mut Option<([f32; 2], BodyCollider)>,
 ) -> Option<BodyCollider> {
-    let rows = [tables.sound_row(rod.a)?, tables.sound_row(rod.b)?];
+    let rows = [tables.valid_row(rod.a)?, tables.valid_row(rod.b)?];
     let [one, other] = rows.map(|row| particles.radius(row as usize));
     let size = [rod.rest, one.min(other)];
     if last.as_ref().is_none_or(|(known, _)| *known != size) {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use bevy::prelude::*;
 use sinew::{ParticleFault, ParticleSeed};
 
-use super::pins::sound;
+use super::pins::check_once;
 use crate::bevy_version::OnRemove;
 use crate::components::{BodyParticles, Charge, Drag, Mass, Particle, Radius};
 use crate::messages::{Refusal, Refused};
@@ -55,7 +55,7 @@ pub(crate) fn share_out(
             continue;
         }
         let fault = fault(mass.as_deref(), radius.as_deref(), charge.as_deref(), drag.as_deref());
-        if !sound(&mut broken, &mut messages, body, fault.map(Refusal::Body)) {
+        if !check_once(&mut broken, &mut messages, body, fault.map(Refusal::Body)) {
             continue;
         }
         let [heavy, wide, charged, dragged] = says;

@@ -3,7 +3,7 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use crate::changes::census;
+use crate::changes::count_and_changed;
 use crate::components::{
     AirDrag, AirFlow, Attractor, BodyParticles, ContactEvents, Electric, ElectricField, Gravity,
     Region, RegionShape, Sleep, SleepingDisabled, Touching,
@@ -106,7 +106,8 @@ pub(crate) fn any_sleep_changed(
     disabled: Query<Ref<SleepingDisabled>>,
     mut before: Local<(bool, u64, usize, usize)>,
 ) -> bool {
-    let ((sleepers, changed), (disabled, came)) = (census(&sleepers), census(&disabled));
+    let ((sleepers, changed), (disabled, came)) =
+        (count_and_changed(&sleepers), count_and_changed(&disabled));
     let now = (world.tables.deferred, surroundings.number(), sleepers, disabled);
     let same = core::mem::replace(&mut *before, now) == now;
     let asked = asking.iter().any(|events| *events == ContactEvents::Every);

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use bevy::prelude::*;
 
-use super::pins::sound;
+use super::pins::check_once;
 use crate::components::{Collider, PlacedCollider, Weighs};
 use crate::messages::{Refusal, Refused};
 use crate::world::SinewWorld;
@@ -21,9 +21,9 @@ pub(crate) fn gather_weights(
     let mut list: Vec<(usize, Weighs)> = Vec::new();
     for (entity, weighs, placed) in &weights {
         let reason = (!weighs.is_valid()).then_some(Refusal::Weight);
-        let sound = sound(&mut broken, &mut messages, entity, reason);
+        let valid = check_once(&mut broken, &mut messages, entity, reason);
         let listed = tables.colliders.get(placed.number) == Some(&entity);
-        if sound && listed && placed.sound().is_some_and(|collider| !collider.sensor) {
+        if valid && listed && placed.valid().is_some_and(|collider| !collider.sensor) {
             list.push((placed.number, *weighs));
         }
     }

@@ -11,7 +11,7 @@ pub(crate) struct Links {
     pub(crate) constraints: Vec<Place>,
     pub(crate) springs: Vec<Place>,
     /// Whether all links are in the lists: none is invalid or waits.
-    pub(crate) sound: bool,
+    pub(crate) complete: bool,
     /// The layout of the rows that they refer to.
     pub(crate) layout: u64,
     /// A counter of changes of the lists.
@@ -25,7 +25,7 @@ pub(crate) struct CompiledSurfaces {
     /// The number of surfaces.
     pub(crate) count: usize,
     /// Whether no particle was set aside.
-    pub(crate) all_sound: bool,
+    pub(crate) all_valid: bool,
     /// The layout of rows, and the end of the rows that the triangles refer to.
     pub(crate) layout: u64,
     pub(crate) end: usize,

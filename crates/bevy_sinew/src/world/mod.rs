@@ -356,7 +356,7 @@ impl SinewWorld {
 
     /// Loads particles of a table, starting at `from`, as long as they have consecutive rows and none is set aside. Returns how many.
     pub(crate) fn load(&mut self, states: &[Particle], rows: &[ParticleRow], from: usize) -> usize {
-        let run = self.tables.sound_run(&rows[from..]);
+        let run = self.tables.valid_run(&rows[from..]);
         let some = states[from..from + run].iter().map(|&particle| particle.into());
         self.simulation.particles.load(rows[from].0 as usize, some)
     }
@@ -421,26 +421,26 @@ impl Tables {
     /// Whether an entity is a particle that is set aside.
     pub(crate) fn is_set_aside(&self, entity: Entity) -> bool {
         self.set_aside > 0
-            && self.layout.row_of.get(&entity).is_some_and(|&row| !self.is_sound(row as usize))
+            && self.layout.row_of.get(&entity).is_some_and(|&row| !self.is_valid(row as usize))
     }
 
     /// Whether a row exists, and is not set aside.
-    pub(crate) fn is_sound(&self, row: usize) -> bool {
+    pub(crate) fn is_valid(&self, row: usize) -> bool {
         self.refused.get(row).is_some_and(Option::is_none)
     }
 
     /// The number of leading particles that have consecutive rows, none of them set aside. 0 if the first one is set aside, or has no row.
-    pub(crate) fn sound_run(&self, rows: &[ParticleRow]) -> usize {
+    pub(crate) fn valid_run(&self, rows: &[ParticleRow]) -> usize {
         let Some(first) = rows.first().and_then(|row| row.get()) else { return 0 };
-        let sound = |row: usize| self.set_aside == 0 || self.is_sound(row);
+        let valid = |row: usize| self.set_aside == 0 || self.is_valid(row);
         let mut wanted = (first..self.refused.len()).zip(rows);
         wanted
-            .position(|(wanted, row)| row.0 as usize != wanted || !sound(wanted))
+            .position(|(wanted, row)| row.0 as usize != wanted || !valid(wanted))
             .unwrap_or_else(|| rows.len().min(self.refused.len().saturating_sub(first)))
     }
 
     /// The row of a particle that takes part; `None` if it is gone or set aside.
-    pub(crate) fn sound_row(&self, entity: Entity) -> Option<u32> {
+    pub(crate) fn valid_row(&self, entity: Entity) -> Option<u32> {
         let row = *self.layout.row_of.get(&entity)?;
         self.refused[row as usize].is_none().then_some(row)
     }

@@ -34,7 +34,7 @@ pub(crate) struct PlacedCollider {
 
 impl PlacedCollider {
     /// The solver's collider, if it has no fault.
-    pub(crate) fn sound(&self) -> Option<&sinew::Collider> {
+    pub(crate) fn valid(&self) -> Option<&sinew::Collider> {
         self.made.as_deref().filter(|_| self.fault.is_none() && !self.misplaced)
     }
 }

@@ -41,7 +41,7 @@ impl Weighs {
 
     /// Whether its numbers are in their ranges.
     pub(crate) fn is_valid(&self) -> bool {
-        let sound = |x: f32| x.is_finite() && x >= 0.0;
-        sound(self.mass) && sound(self.reach)
+        let valid = |x: f32| x.is_finite() && x >= 0.0;
+        valid(self.mass) && valid(self.reach)
     }
 }

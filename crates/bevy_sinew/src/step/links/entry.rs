@@ -86,10 +86,10 @@ pub(super) struct Entry<L> {
 }
 
 enum Outcome<L> {
-    Sound(L),
-    Faulty(Refusal),
+    Valid(L),
+    Invalid(Refusal),
     /// One of its particles is set aside.
-    Waits,
+    Waiting,
 }
 
 impl<L: Link> Entry<L> {
@@ -101,16 +101,16 @@ impl<L: Link> Entry<L> {
         link: impl FnOnce(Rows) -> Result<L, Refusal>,
     ) -> Self {
         let outcome = if particles.iter().any(|&particle| tables.is_set_aside(particle)) {
-            Outcome::Waits
+            Outcome::Waiting
         } else {
-            let rows = particles.iter().map(|&particle| tables.sound_row(particle)).collect();
+            let rows = particles.iter().map(|&particle| tables.valid_row(particle)).collect();
             let link = Option::<Rows>::ok_or(rows, L::MISSING).and_then(link);
             match link {
                 Ok(link) => match link.refusal(tables.entities.len()) {
-                    None => Outcome::Sound(link),
-                    Some(reason) => Outcome::Faulty(reason),
+                    None => Outcome::Valid(link),
+                    Some(reason) => Outcome::Invalid(reason),
                 },
-                Err(reason) => Outcome::Faulty(reason),
+                Err(reason) => Outcome::Invalid(reason),
             }
         };
         Self { place, outcome }
@@ -135,7 +135,7 @@ pub(super) fn update_incrementally<L: Incremental>(
         }
     }
     for Entry { place, outcome } in entries {
-        let Outcome::Sound(link) = outcome else { return false };
+        let Outcome::Valid(link) = outcome else { return false };
         let at = match places.binary_search(&place) {
             Ok(at) => {
                 L::remove(simulation, at);
@@ -194,7 +194,7 @@ pub(super) fn refill<L>(
     places.truncate(kept);
     let links = entries.into_iter().map(|Entry { place, outcome }| {
         places.push(place);
-        if let Outcome::Sound(link) = outcome { Some(link) } else { None }
+        if let Outcome::Valid(link) = outcome { Some(link) } else { None }
     });
     Some((kept, links.collect::<Option<_>>()?))
 }
@@ -228,20 +228,20 @@ impl<'a, 'w> LinkValidator<'a, 'w> {
         places.clear();
         for Entry { place, outcome } in entries {
             let Place { entity, kind, .. } = place;
-            self.all &= matches!(outcome, Outcome::Sound(_));
+            self.all &= matches!(outcome, Outcome::Valid(_));
             match outcome {
-                Outcome::Sound(link) => {
+                Outcome::Valid(link) => {
                     list.push(link);
                     places.push(place);
                 }
-                Outcome::Faulty(reason) => {
+                Outcome::Invalid(reason) => {
                     if self.before.get(&(entity, kind)) != Some(&reason) {
                         refuse(self.messages, entity, reason.clone());
                     }
                     self.now.insert((entity, kind), reason);
                 }
                 // An earlier error may persist, so it stays recorded.
-                Outcome::Waits => {
+                Outcome::Waiting => {
                     let old = self.before.remove(&(entity, kind));
                     self.now.extend(old.map(|reason| ((entity, kind), reason)));
                 }

@@ -91,7 +91,7 @@ impl Kinds {
             any |= kind.detector().is_any();
             tables.links_stale |= !kind.detector().is_few();
         }
-        tables.links_stale |= any && !tables.links.sound;
+        tables.links_stale |= any && !tables.links.complete;
         for (number, kind) in (FIRST..).zip(&mut self.kinds) {
             if !tables.links_stale && kind.detector().is_any() {
                 let mut entries = Vec::new();
@@ -120,7 +120,7 @@ impl Kinds {
         world: &World,
         (simulation, tables): (&Simulation, &mut Tables),
     ) -> Option<Collected> {
-        if !tables.links.sound || tables.set_aside > 0 {
+        if !tables.links.complete || tables.set_aside > 0 {
             return None;
         }
         let changes = self.kinds.iter().map(|kind| kind.detector());

@@ -12,7 +12,7 @@ use bevy::ecs::lifecycle::RemovedComponentMessages;
 use bevy::prelude::*;
 use sinew::Simulation;
 
-use crate::changes::census;
+use crate::changes::count_and_changed;
 use crate::components::{CreationOrder, DistanceConstraint, Spring, WindSurface};
 use crate::messages::Refused;
 use crate::rows::Rows;
@@ -44,7 +44,7 @@ pub(crate) fn notice_links(
     mut counts: Local<[usize; 2]>,
 ) {
     // A component that replaces a removed one is detected as a change, so the counts are sufficient.
-    let found = [census(&springs), census(&surfaces)];
+    let found = [count_and_changed(&springs), count_and_changed(&surfaces)];
     let now = found.map(|(count, _)| count);
     let went = core::mem::replace(&mut *counts, now) != now;
     let detector = &mut kinds.distances;
@@ -56,7 +56,7 @@ pub(crate) fn notice_links(
     if !detector.is_any() || tables.links_stale {
         return;
     }
-    tables.links_stale = !tables.links.sound || !detector.is_few();
+    tables.links_stale = !tables.links.complete || !detector.is_few();
     if !tables.links_stale {
         let added = detector.added.iter().filter_map(|&entity| numbered.get(entity).ok());
         let entries: Vec<_> = added.map(|one| entry(tables, one)).collect();
@@ -96,7 +96,7 @@ pub(crate) fn compile_links(
 
     let before = core::mem::take(&mut tables.reported_errors);
     let mut links = core::mem::take(&mut tables.links);
-    let stay = links.sound && tables.set_aside == 0;
+    let stay = links.complete && tables.set_aside == 0;
     let mut validator = LinkValidator::new(before, &mut messages);
     let same_rows = tables.layout.same_since(links.layout);
     let lists = (&*tables, &mut links.distances);
@@ -127,7 +127,7 @@ pub(crate) fn compile_links(
             simulation.replace_constraints_from(0, list);
         }
     }
-    links.sound = validator.passed_all();
+    links.complete = validator.passed_all();
     links.layout = tables.layout.number;
     links.version += 1;
     tables.reported_errors = validator.reported_errors();
@@ -145,10 +145,10 @@ fn compile_surfaces(
     surfaces: &mut Query<(Ref<WindSurface>, &mut Rows<WindSurface>)>,
 ) {
     let (known, count) = (tables.links.surfaces, surfaces.iter().len());
-    let all_sound = tables.set_aside == 0;
+    let all_valid = tables.set_aside == 0;
     let unmoved = known.end <= tables.layout.same_since(known.layout);
     tables.links.surfaces.layout = tables.layout.number;
-    let stays = known.all_sound && all_sound && known.count == count && unmoved;
+    let stays = known.all_valid && all_valid && known.count == count && unmoved;
     if stays && !surfaces.iter().any(|(surface, _)| surface.is_changed()) {
         return;
     }
@@ -158,13 +158,13 @@ fn compile_surfaces(
     for (surface, mut rows) in surfaces {
         let corners = surface.triangles.iter().flatten().copied();
         let rows = rows.resolve(&tables.layout, surface.is_changed(), corners);
-        let sound = |corners: &&[u32; 3]| corners.iter().all(|&row| tables.is_sound(row as usize));
-        list.extend(rows.as_chunks().0.iter().filter(sound));
+        let valid = |corners: &&[u32; 3]| corners.iter().all(|&row| tables.is_valid(row as usize));
+        list.extend(rows.as_chunks().0.iter().filter(valid));
         end = rows.iter().fold(end, |end, &row| end.max((row as usize).saturating_add(1)));
     }
     list.sort_unstable();
     let layout = tables.layout.number;
-    tables.links.surfaces = CompiledSurfaces { count, all_sound, layout, end };
+    tables.links.surfaces = CompiledSurfaces { count, all_valid, layout, end };
 }
 
 /// Compiles the distances from the first one on that differs; returns false if all must be compiled.
