@@ -10,14 +10,14 @@ use crate::components::Particle;
 
 /// A rigid motion of the world, applied to some particles.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Carry {
+pub(crate) struct RigidMotion {
     from: DVec3,
     to: DVec3,
     /// `None` keeps every bit of the shape and of the velocities.
     turn: Option<DQuat>,
 }
 
-impl Carry {
+impl RigidMotion {
     /// The motion from one placement of a frame to another, without scale. `None` if one of them is invalid: not finite, or without a rotation.
     pub(crate) fn between(from: &Transform, to: &Transform) -> Option<Self> {
         let (a, b) = (unit(from.rotation)?, unit(to.rotation)?);
@@ -35,12 +35,12 @@ impl Carry {
     }
 
     /// Whether it moves nothing.
-    pub(crate) fn is_none(&self) -> bool {
+    pub(crate) fn is_identity(&self) -> bool {
         self.from == self.to && self.turn.is_none()
     }
 
     /// Applies the motion to a particle.
-    pub(crate) fn take(&self, particle: &mut Particle) {
+    pub(crate) fn apply(&self, particle: &mut Particle) {
         let arm = particle.exact() - self.from;
         match self.turn {
             None => particle.place(self.to + arm),
@@ -52,7 +52,7 @@ impl Carry {
     }
 
     /// Applies the motion to a frame; its scale stays.
-    pub(crate) fn take_frame(&self, frame: &mut Transform) {
+    pub(crate) fn apply_to_frame(&self, frame: &mut Transform) {
         let arm = frame.translation.as_dvec3() - self.from;
         match self.turn {
             None => frame.translation = (self.to + arm).as_vec3(),

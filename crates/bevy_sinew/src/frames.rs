@@ -20,19 +20,19 @@ pub(crate) enum Misplaced {
     /// A parent shears it.
     Sheared,
     /// It is round, or a figure, and is scaled non-uniformly.
-    Uneven,
+    NonUniform,
 }
 
 impl Frames<'_, '_> {
     /// The world transform of an entity. An entity without a transform is at its parent.
     pub(crate) fn of(&self, entity: Entity) -> Result<Transform, Misplaced> {
         let own = |entity| self.transforms.get(entity).ok().copied();
-        on_top(own(entity).unwrap_or_default(), entity, own, &self.parents)
+        world_transform(own(entity).unwrap_or_default(), entity, own, &self.parents)
     }
 }
 
 /// The world transform of `inner` in the frame of an entity's parents.
-pub(crate) fn on_top(
+pub(crate) fn world_transform(
     inner: Transform,
     entity: Entity,
     transform: impl Fn(Entity) -> Option<Transform>,
@@ -46,7 +46,7 @@ pub(crate) fn on_top(
 }
 
 /// Converts a world transform to the frame `above`; its scale is kept.
-pub(crate) fn into(above: &Transform, place: &Transform) -> Transform {
+pub(crate) fn to_local(above: &Transform, place: &Transform) -> Transform {
     let back = above.rotation.inverse();
     Transform {
         translation: back * (place.translation - above.translation) / above.scale,
@@ -71,7 +71,7 @@ pub(crate) fn in_world(world: &World, entity: Entity) -> Result<Transform, Mispl
 /// The factor of a uniform scale, without its sign; an error for any other scale.
 pub(crate) fn even_factor(scale: Vec3) -> Result<f32, Misplaced> {
     let factor = scale.abs();
-    if is_even(factor) { Ok(factor.x) } else { Err(Misplaced::Uneven) }
+    if is_even(factor) { Ok(factor.x) } else { Err(Misplaced::NonUniform) }
 }
 
 /// Whether a scale is the same in all directions.

@@ -145,7 +145,7 @@ impl From<Misplaced> for Refusal {
     fn from(misplaced: Misplaced) -> Self {
         match misplaced {
             Misplaced::Sheared => Self::Sheared,
-            Misplaced::Uneven => Self::UnevenScale,
+            Misplaced::NonUniform => Self::UnevenScale,
         }
     }
 }

@@ -151,8 +151,8 @@ impl Plugin for SinewPlugin {
             .add_message::<ContactEnded>()
             .add_message::<ContactImpulse>()
             .add_message::<commands::RelaxFinished>();
-        app.add_observer(shares::take_back::<Charge>)
-            .add_observer(shares::take_back::<Drag>)
+        app.add_observer(shares::remove_from_particles::<Charge>)
+            .add_observer(shares::remove_from_particles::<Drag>)
             .add_observer(touching::note_orphan);
         crate::state::add(app);
         links::register_ours(app);
@@ -162,14 +162,14 @@ impl Plugin for SinewPlugin {
             SinewTick,
             (
                 (
-                    shares::share_out,
+                    shares::distribute,
                     teleports::follow_teleports.run_if(any_body_may_have_moved),
                     motion::follow_velocities.run_if(motion::any_velocity_changed),
                     commands::apply_pending,
                     motion::apply_impulses,
                     attach::resolve::resolve_attachments,
                     layout::lay_out,
-                    threads::lend,
+                    threads::update_workers,
                     gather::gather_particles,
                     contact_shape::resolve_shapes,
                     bodies::gather_bodies,
@@ -192,7 +192,7 @@ impl Plugin for SinewPlugin {
                     weights::gather_weights.run_if(any_with_component::<Weighs>),
                     hulls::compile_hulls,
                     breaking::gather_breakables,
-                    (load_deferred, commands::relax_asked).chain().run_if(commands::is_asked),
+                    (load_deferred, commands::run_relax).chain().run_if(commands::any_relax),
                 )
                     .chain(),
             )

@@ -51,19 +51,19 @@ fn processors() -> usize {
 }
 
 /// Passes the workers to the solver, or removes them.
-pub(crate) fn lend(
+pub(crate) fn update_workers(
     mut world: ResMut<SinewWorld>,
     config: Res<SolverConfig>,
     workers: Res<SinewWorkers>,
 ) {
-    let lent = workers.0.as_ref().filter(|_| config.threads);
-    let has = world.simulation.workers.as_ref();
-    let same = match (has, lent) {
-        (Some(has), Some(lent)) => Arc::ptr_eq(has, lent),
+    let wanted = workers.0.as_ref().filter(|_| config.threads);
+    let current = world.simulation.workers.as_ref();
+    let same = match (current, wanted) {
+        (Some(current), Some(wanted)) => Arc::ptr_eq(current, wanted),
         (None, None) => true,
         _ => false,
     };
     if !same {
-        world.simulation.workers = lent.cloned();
+        world.simulation.workers = wanted.cloned();
     }
 }

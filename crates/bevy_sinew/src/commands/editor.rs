@@ -6,12 +6,12 @@ use sinew::pose::{Motion, motion};
 use sinew::{ParticleSeed, Particles};
 
 use super::{BodyEdit, PendingEdits};
-use crate::carry::Carry;
+use crate::carry::RigidMotion;
 use crate::components::{
     BodyParticles, CreationOrder, ExtractedTransform, Mass, Particle, ParticleBody, Pinned,
     PinnedTo, RigidPose, TickForces,
 };
-use crate::frames::{into, on_top};
+use crate::frames::{to_local, world_transform};
 use crate::messages::{EditFault, Refusal, Refused, refuse};
 
 /// Executes an edit at once. Does nothing in a world without the plugin.
@@ -171,9 +171,9 @@ impl Editor<'_, '_> {
             _ => edit,
         };
         // A `Transform` that the game has changed is applied first: the next tick would do it, but the edit may depend on the position.
-        let moved = known.zip(now).and_then(|(old, new)| Carry::between(&old, &new));
-        if let Some(carry) = moved.filter(|_| known != now) {
-            group.carry(&carry);
+        let moved = known.zip(now).and_then(|(old, new)| RigidMotion::between(&old, &new));
+        if let Some(rigid_motion) = moved.filter(|_| known != now) {
+            group.move_all(&rigid_motion);
         }
         let mut frame = if moved.is_some() || known.is_none() { now } else { known };
         group.edit(edit, frame.as_mut())?;
@@ -192,7 +192,7 @@ impl Editor<'_, '_> {
     /// The world transform of an entity whose own transform is `own`; `None` if its parents shear it.
     fn place(&self, entity: Entity, own: Transform) -> Option<Transform> {
         let of = |entity| self.transforms.get(entity).ok().copied();
-        on_top(own, entity, of, &self.parents).ok()
+        world_transform(own, entity, of, &self.parents).ok()
     }
 
     /// Stores the new placement of an entity: its transform, if the edit `moves` it, and the extracted transform, if that is `known`.
@@ -201,7 +201,7 @@ impl Editor<'_, '_> {
         if moves && let Some(above) = self.place(entity, Transform::IDENTITY) {
             let own = match self.transforms.get_mut(entity) {
                 Ok(mut transform) if self.parents.contains(entity) => {
-                    let own = into(&above, &frame).with_scale(transform.scale);
+                    let own = to_local(&above, &frame).with_scale(transform.scale);
                     transform.set_if_neq(own);
                     own
                 }
@@ -222,7 +222,7 @@ impl Editor<'_, '_> {
     fn group(&self, members: impl Iterator<Item = Entity>) -> Group {
         let copy = |entity| {
             let (&particle, &Mass(mass), pinned, pinned_to) = self.particles.get(entity).ok()?;
-            Some(Member { entity, particle, mass, held: pinned || pinned_to })
+            Some(Member { entity, particle, mass, is_pinned: pinned || pinned_to })
         };
         let valid = |member: &Member| member.as_free().fault().is_none();
         let (valid, invalid) = members.filter_map(copy).partition(valid);
@@ -254,13 +254,13 @@ struct Member {
     particle: Particle,
     /// Mass, kg, whether pinned or not.
     mass: f32,
-    held: bool,
+    is_pinned: bool,
 }
 
 impl Member {
     /// The solver's data of the particle: infinite mass if it is pinned.
     fn seed(&self) -> ParticleSeed {
-        if self.held { self.as_free().pinned() } else { self.as_free() }
+        if self.is_pinned { self.as_free().pinned() } else { self.as_free() }
     }
 
     fn as_free(&self) -> ParticleSeed {
@@ -297,7 +297,7 @@ impl Group {
             BodyEdit::Teleport(to) => {
                 let frame = frame.ok_or(EditFault::NoTransform)?;
                 let to = to.with_scale(frame.scale);
-                self.carry(&Carry::between(frame, &to).ok_or(EditFault::NoTransform)?);
+                self.move_all(&RigidMotion::between(frame, &to).ok_or(EditFault::NoTransform)?);
                 *frame = to;
             }
             BodyEdit::Displace(by) => {
@@ -310,10 +310,10 @@ impl Group {
                 let Some(found) = self.motion(true) else { return Ok(()) };
                 let near = self.valid.first().map_or(Vec3::ZERO, |first| first.particle.position);
                 let centre = near.as_dvec3() + found.barycentre.as_dvec3();
-                let carry = Carry::about(centre, by).ok_or(EditFault::NotFinite)?;
-                self.carry(&carry);
+                let rigid_motion = RigidMotion::about(centre, by).ok_or(EditFault::NotFinite)?;
+                self.move_all(&rigid_motion);
                 if let Some(frame) = frame {
-                    carry.take_frame(frame);
+                    rigid_motion.apply_to_frame(frame);
                 }
             }
             BodyEdit::Reverse => self.free().for_each(|member| member.particle.reverse()),
@@ -343,7 +343,8 @@ impl Group {
             return;
         }
         push(&mut columns, &rows);
-        for (i, member) in self.valid.iter_mut().enumerate().filter(|(_, member)| !member.held) {
+        for (i, member) in self.valid.iter_mut().enumerate().filter(|(_, member)| !member.is_pinned)
+        {
             member.particle.velocity = columns.velocity(i);
             member.particle.lag = columns.lag(i);
         }
@@ -362,8 +363,8 @@ impl Group {
         }
     }
 
-    fn carry(&mut self, carry: &Carry) {
-        self.all().for_each(|member| carry.take(&mut member.particle));
+    fn move_all(&mut self, rigid_motion: &RigidMotion) {
+        self.all().for_each(|member| rigid_motion.apply(&mut member.particle));
     }
 
     fn all(&mut self) -> impl Iterator<Item = &mut Member> {
@@ -371,13 +372,13 @@ impl Group {
     }
 
     fn free(&mut self) -> impl Iterator<Item = &mut Member> {
-        self.valid.iter_mut().filter(|member| !member.held)
+        self.valid.iter_mut().filter(|member| !member.is_pinned)
     }
 
     /// The rigid motion of the free particles, or of `all`; the centre of mass is relative to the position of the first one.
     fn motion(&self, all: bool) -> Option<Motion> {
         let near = self.valid.first()?.particle.position;
-        let points = self.valid.iter().filter(|member| all || !member.held).map(|member| {
+        let points = self.valid.iter().filter(|member| all || !member.is_pinned).map(|member| {
             let Particle { position, remainder, velocity, .. } = member.particle;
             ((position - near) + remainder, velocity, member.mass)
         });

@@ -15,7 +15,7 @@ use bevy::prelude::*;
 
 use editor::run;
 pub(crate) use editor::{Editor, apply_pending};
-pub(crate) use relax::{is_asked, relax_asked};
+pub(crate) use relax::{any_relax, run_relax};
 
 /// Commands that push, move, turn and reverse bodies and particles.
 ///

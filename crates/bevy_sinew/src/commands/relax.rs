@@ -124,7 +124,7 @@ impl SinewCommandsExt for World {
 }
 
 /// An entity with a [`Relax`], and its particles.
-type Asked = (
+type RelaxRequest = (
     Entity,
     Option<&'static CreationOrder>,
     &'static Relax,
@@ -135,28 +135,28 @@ type Asked = (
 );
 
 /// Run condition: whether there is any request.
-pub(crate) fn is_asked(asked: Query<(), With<Relax>>, whole: Option<Res<RelaxWorld>>) -> bool {
-    whole.is_some() || !asked.is_empty()
+pub(crate) fn any_relax(requests: Query<(), With<Relax>>, whole: Option<Res<RelaxWorld>>) -> bool {
+    whole.is_some() || !requests.is_empty()
 }
 
 /// Executes the requests: the world first, then bodies in the order of their creation.
-pub(crate) fn relax_asked(
+pub(crate) fn run_relax(
     mut commands: Commands,
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
     mut finished: MessageWriter<RelaxFinished>,
     whole: Option<Res<RelaxWorld>>,
-    asked: Query<Asked>,
+    requests: Query<RelaxRequest>,
     mut particles: Query<&mut Particle>,
     mut sleepers: Query<&mut Sleep>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    let mut walks = Vec::new();
+    let mut runs = Vec::new();
     if let Some(whole) = whole {
         commands.remove_resource::<RelaxWorld>();
-        walks.push((None, None, whole.0, None));
+        runs.push((None, None, whole.0, None));
     }
-    for (entity, order, relax, members, posed, is_particle, is_body) in &asked {
+    for (entity, order, relax, members, posed, is_particle, is_body) in &requests {
         let list: Vec<Entity> = match (members, posed) {
             (Some(members), _) => members.iter().collect(),
             (None, Some(posed)) => posed.particles.clone(),
@@ -166,13 +166,13 @@ pub(crate) fn relax_asked(
             (None, None) => Vec::new(),
         };
         commands.entity(entity).try_remove::<Relax>();
-        walks.push((order.copied(), Some(entity), *relax, Some(list)));
+        runs.push((order.copied(), Some(entity), *relax, Some(list)));
     }
-    walks.sort_by_key(|&(order, entity, ..)| (entity.is_some(), order, entity));
-    for (_, entity, relax, list) in walks {
+    runs.sort_by_key(|&(order, entity, ..)| (entity.is_some(), order, entity));
+    for (_, entity, relax, list) in runs {
         let Relax { step, tolerance, max_steps } = relax;
         // With the operands in this order, NaN becomes 0.
-        let (tolerance, most) = (tolerance.max(0.0), max_steps.clamp(1, 100_000));
+        let (tolerance, max_steps) = (tolerance.max(0.0), max_steps.clamp(1, 100_000));
         let rows: Vec<u32> = match &list {
             Some(list) => list.iter().filter_map(|&one| tables.valid_row(one)).collect(),
             None => {
@@ -186,8 +186,8 @@ pub(crate) fn relax_asked(
             continue;
         }
         let found = match list {
-            Some(_) => simulation.relax_rows(&rows, step, tolerance, most),
-            None => simulation.relax(step, tolerance, most),
+            Some(_) => simulation.relax_rows(&rows, step, tolerance, max_steps),
+            None => simulation.relax(step, tolerance, max_steps),
         };
         let Ok(sinew::Relaxed { steps, moved, settled }) = found else {
             refuse(&mut messages, name, Refusal::Edit(EditFault::NotFinite));

@@ -8,7 +8,7 @@ use crate::components::{
     AngularVelocity, BodyParticles, BodyReport, ExtractedTransform, ExtractedVelocity, Inertia,
     Interpolate, LinearVelocity, Particle, ParticleRow, RigidPose, WorldCenterOfMass,
 };
-use crate::frames::{into, on_top};
+use crate::frames::{to_local, world_transform};
 use crate::rows::{GONE, Rows};
 use crate::schedule::FixedTick;
 use crate::world::SinewWorld;
@@ -74,7 +74,7 @@ pub(crate) fn extract_poses(
     for &(_, child) in &*order {
         let Ok((_, (rigid, mut rows), known)) = children.get_mut(child) else { continue };
         let of = |entity| transforms.get(entity).ok().copied();
-        let Ok(above) = on_top(Transform::IDENTITY, child, of, &parents) else { continue };
+        let Ok(above) = world_transform(Transform::IDENTITY, child, of, &parents) else { continue };
         let Some(own) = of(child) else { continue };
         let before = above.rotation * own.rotation;
         let Some(found) = found(&world, &rigid, &mut rows, before) else { continue };
@@ -82,14 +82,14 @@ pub(crate) fn extract_poses(
             continue;
         }
         let place = Transform { translation: found.translation, rotation: found.rotation, ..own };
-        let own = into(&above, &place);
+        let own = to_local(&above, &place);
         if let Ok(mut transform) = transforms.get_mut(child) {
             *transform = own;
         }
         if let Some(mut known) = known {
             // Stored as it will be computed in the next tick, to the last bit, if the entity is not moved.
             let of = |entity| transforms.get(entity).ok().copied();
-            known.0 = on_top(own, child, of, &parents).ok();
+            known.0 = world_transform(own, child, of, &parents).ok();
         }
     }
 }
@@ -270,9 +270,9 @@ pub(crate) fn extract_particles(
     let mut transforms = particles.p1();
     for (child, particle) in &children {
         let of = |entity| transforms.get(entity).ok().copied();
-        let above = on_top(Transform::IDENTITY, child, of, &parents);
+        let above = world_transform(Transform::IDENTITY, child, of, &parents);
         let at = Transform::from_translation(particle.position);
-        let place = above.map(|above| into(&above, &at).translation);
+        let place = above.map(|above| to_local(&above, &at).translation);
         // If the parent is sheared, no transform of the child expresses its position.
         if let (Ok(place), Ok(mut transform)) = (place, transforms.get_mut(child))
             && place.is_finite()

@@ -11,19 +11,20 @@ use crate::components::{
 use crate::messages::{EditFault, Refusal, Refused, refuse};
 
 /// The requested edits, in the order of creation.
-type Asked = (Option<CreationOrder>, Entity, BodyEdit);
+type Request = (Option<CreationOrder>, Entity, BodyEdit);
 
 /// A velocity was written, by the game or by the last tick. (For a sleeping body it is not.)
-type Sped = Or<(Changed<LinearVelocity>, Changed<AngularVelocity>, Changed<ExtractedVelocity>)>;
+type VelocityWritten =
+    Or<(Changed<LinearVelocity>, Changed<AngularVelocity>, Changed<ExtractedVelocity>)>;
 
 /// Entities with velocities: bodies, and single particles.
-type Moves = Or<(With<BodyParticles>, With<Particle>)>;
+type HasVelocity = Or<(With<BodyParticles>, With<Particle>)>;
 
 /// Run condition: whether a velocity was written, or extracted.
 pub(crate) fn any_velocity_changed(
-    linear: Query<Ref<LinearVelocity>, Moves>,
-    angular: Query<Ref<AngularVelocity>, Moves>,
-    known: Query<Ref<ExtractedVelocity>, Moves>,
+    linear: Query<Ref<LinearVelocity>, HasVelocity>,
+    angular: Query<Ref<AngularVelocity>, HasVelocity>,
+    known: Query<Ref<ExtractedVelocity>, HasVelocity>,
 ) -> bool {
     count_and_changed(&linear).1 || count_and_changed(&angular).1 || count_and_changed(&known).1
 }
@@ -42,13 +43,13 @@ pub(crate) fn follow_velocities(
             &mut ExtractedVelocity,
             Option<&mut Sleep>,
         ),
-        (Moves, Sped),
+        (HasVelocity, VelocityWritten),
     >,
     mut editor: Editor,
     mut messages: MessageWriter<Refused>,
-    mut asked: Local<Vec<Asked>>,
+    mut requests: Local<Vec<Request>>,
 ) {
-    asked.clear();
+    requests.clear();
     for (entity, order, linear, angular, mut known, sleep) in &mut bodies {
         let now = (linear.0, angular.as_ref().map_or(Vec3::ZERO, |angular| angular.0));
         if known.0 == Some(now) {
@@ -75,12 +76,12 @@ pub(crate) fn follow_velocities(
                 angular.0 = last.1;
             }
         }
-        asked.extend(edits.into_iter().flatten().map(|edit| (order, entity, edit)));
+        requests.extend(edits.into_iter().flatten().map(|edit| (order, entity, edit)));
         if let Some(mut sleep) = sleep {
             sleep.wake();
         }
     }
-    carry_out(&mut asked, &mut editor, &mut messages);
+    carry_out(&mut requests, &mut editor, &mut messages);
 }
 
 /// Applies the impulses that a game has put on bodies, rigid parts and particles, and resets them.
@@ -91,9 +92,9 @@ pub(crate) fn apply_impulses(
     >,
     mut editor: Editor,
     mut messages: MessageWriter<Refused>,
-    mut asked: Local<Vec<Asked>>,
+    mut requests: Local<Vec<Request>>,
 ) {
-    asked.clear();
+    requests.clear();
     for (entity, order, mut pushed, sleep) in &mut pushed {
         if *pushed == ExternalImpulse::default() {
             continue;
@@ -103,22 +104,22 @@ pub(crate) fn apply_impulses(
             Some(point) => BodyEdit::ImpulseAt(impulse, point),
             None => BodyEdit::Impulse(impulse),
         };
-        asked.push((order.copied(), entity, push));
+        requests.push((order.copied(), entity, push));
         if angular_impulse != Vec3::ZERO {
-            asked.push((order.copied(), entity, BodyEdit::AngularImpulse(angular_impulse)));
+            requests.push((order.copied(), entity, BodyEdit::AngularImpulse(angular_impulse)));
         }
         if let Some(mut sleep) = sleep {
             sleep.wake();
         }
     }
-    carry_out(&mut asked, &mut editor, &mut messages);
+    carry_out(&mut requests, &mut editor, &mut messages);
 }
 
 /// Executes the edits, body by body in the order of creation; an edit that fails is refused.
-fn carry_out(asked: &mut [Asked], editor: &mut Editor, messages: &mut MessageWriter<Refused>) {
+fn carry_out(requests: &mut [Request], editor: &mut Editor, messages: &mut MessageWriter<Refused>) {
     // A stable sort: the edits of one body stay in order.
-    asked.sort_by_key(|&(order, entity, _)| (order, entity));
-    for &(_, entity, edit) in &*asked {
+    requests.sort_by_key(|&(order, entity, _)| (order, entity));
+    for &(_, entity, edit) in &*requests {
         let fault = match editor.apply(entity, edit) {
             Ok(true) => continue,
             Ok(false) => EditFault::NoParticles,

@@ -11,7 +11,7 @@ use crate::components::{BodyParticles, Charge, Drag, Mass, Particle, Radius};
 use crate::messages::{Refusal, Refused};
 
 /// The properties of a body.
-type Said = (
+type BodyProperties = (
     Option<Ref<'static, Mass>>,
     Option<Ref<'static, Radius>>,
     Option<Ref<'static, Charge>>,
@@ -19,7 +19,7 @@ type Said = (
 );
 
 /// The properties of a particle.
-type Own = (
+type ParticleProperties = (
     &'static mut Mass,
     Option<&'static mut Radius>,
     Option<&'static mut Charge>,
@@ -32,35 +32,35 @@ const ROUNDING: f64 = 1e-6;
 /// Writes the properties of a body to its particles, if the body was built or a property changed since the last tick.
 ///
 /// A number that is not finite, or out of range, is refused once and changes nothing.
-pub(crate) fn share_out(
+pub(crate) fn distribute(
     mut commands: Commands,
     bodies: Query<
-        (Entity, Ref<BodyParticles>, Said),
+        (Entity, Ref<BodyParticles>, BodyProperties),
         Or<(With<Mass>, With<Radius>, With<Charge>, With<Drag>)>,
     >,
-    mut particles: Query<Own, (With<Particle>, Without<BodyParticles>)>,
+    mut particles: Query<ParticleProperties, (With<Particle>, Without<BodyParticles>)>,
     mut messages: MessageWriter<Refused>,
     mut broken: Local<BTreeSet<Entity>>,
 ) {
     for (body, list, (mass, radius, charge, drag)) in &bodies {
         let anew = list.is_changed();
         let new = |changed: Option<bool>| changed.is_some_and(|changed| changed || anew);
-        let says = [
+        let changed = [
             new(mass.as_ref().map(DetectChanges::is_changed)),
             new(radius.as_ref().map(DetectChanges::is_changed)),
             new(charge.as_ref().map(DetectChanges::is_changed)),
             new(drag.as_ref().map(DetectChanges::is_changed)),
         ];
-        if !says.contains(&true) {
+        if !changed.contains(&true) {
             continue;
         }
         let fault = fault(mass.as_deref(), radius.as_deref(), charge.as_deref(), drag.as_deref());
         if !check_once(&mut broken, &mut messages, body, fault.map(Refusal::Body)) {
             continue;
         }
-        let [heavy, wide, charged, dragged] = says;
+        let [mass_changed, radius_changed, charge_changed, drag_changed] = changed;
         let mut total = sum(&particles, &list);
-        if let (Some(mass), true) = (&mass, heavy) {
+        if let (Some(mass), true) = (&mass, mass_changed) {
             scale_masses(&mut particles, &list, total, f64::from(mass.0));
             total = sum(&particles, &list);
         }
@@ -68,15 +68,15 @@ pub(crate) fn share_out(
             let Ok((mass, own_radius, own_charge, own_drag)) = particles.get_mut(particle) else {
                 continue;
             };
-            if let (Some(radius), true) = (&radius, wide) {
+            if let (Some(radius), true) = (&radius, radius_changed) {
                 put(&mut commands, particle, own_radius, **radius);
             }
             // The charge is distributed as the masses are, so it changes with them, too.
-            if let (Some(charge), true) = (&charge, charged || heavy) {
+            if let (Some(charge), true) = (&charge, charge_changed || mass_changed) {
                 let share = f64::from(charge.0) * f64::from(mass.0) / total;
                 put(&mut commands, particle, own_charge, Charge(share as f32));
             }
-            if let (Some(drag), true) = (&drag, dragged) {
+            if let (Some(drag), true) = (&drag, drag_changed) {
                 put(&mut commands, particle, own_drag, **drag);
             }
         }
@@ -85,7 +85,7 @@ pub(crate) fn share_out(
 
 /// Removes from the particles of a body a component that was removed from the body: its charge, its drag. (An observer, because a removal may no longer be
 /// readable at the next tick.)
-pub(crate) fn take_back<T: Component>(
+pub(crate) fn remove_from_particles<T: Component>(
     removed: OnRemove<T>,
     mut commands: Commands,
     bodies: Query<&BodyParticles>,
@@ -111,13 +111,13 @@ fn fault(
         ..seed
     };
     // An infinite mass pins a particle; a body cannot have one.
-    let heavy = mass.is_some_and(|mass| !mass.0.is_finite()).then_some(ParticleFault::Mass);
-    heavy.or(seed.fault())
+    let infinite = mass.is_some_and(|mass| !mass.0.is_finite()).then_some(ParticleFault::Mass);
+    infinite.or(seed.fault())
 }
 
 /// Total mass of some particles, kg.
 fn sum(
-    particles: &Query<Own, (With<Particle>, Without<BodyParticles>)>,
+    particles: &Query<ParticleProperties, (With<Particle>, Without<BodyParticles>)>,
     list: &BodyParticles,
 ) -> f64 {
     let own = list.iter().filter_map(|particle| particles.get(particle).ok());
@@ -126,7 +126,7 @@ fn sum(
 
 /// Scales the masses of particles with a total of `total` kg to a total of `wanted` kg.
 fn scale_masses(
-    particles: &mut Query<Own, (With<Particle>, Without<BodyParticles>)>,
+    particles: &mut Query<ParticleProperties, (With<Particle>, Without<BodyParticles>)>,
     list: &BodyParticles,
     total: f64,
     wanted: f64,

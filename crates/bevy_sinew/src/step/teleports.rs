@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::carry::Carry;
+use crate::carry::RigidMotion;
 use crate::components::{BodyParticles, ExtractedTransform, Particle, Sleep};
 use crate::frames::Frames;
 
@@ -29,14 +29,14 @@ pub(crate) fn follow_teleports(
         if old == now {
             continue;
         }
-        let Some(carry) = Carry::between(&old, &now) else { continue };
+        let Some(motion) = RigidMotion::between(&old, &now) else { continue };
         known.0 = Some(now);
-        if carry.is_none() {
+        if motion.is_identity() {
             continue;
         }
         for member in members.iter() {
             if let Ok(mut particle) = particles.get_mut(member) {
-                carry.take(&mut particle);
+                motion.apply(&mut particle);
             }
         }
         if let Some(mut sleep) = sleep {
