@@ -78,9 +78,9 @@ pub(crate) fn gather_breakables(
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     let (count, changed) = count_and_changed(&limits);
-    let went = core::mem::replace(&mut breakables.count, count) != count;
+    let count_changed = core::mem::replace(&mut breakables.count, count) != count;
     if count == 0 {
-        if went {
+        if count_changed {
             breakables.all.clear();
             simulation.measure_loads([], []);
             simulation.measure_strains([]);
@@ -88,7 +88,7 @@ pub(crate) fn gather_breakables(
         return;
     }
     let anew = changed
-        || went
+        || count_changed
         || breakables.version != tables.links.version
         || bodies.iter().any(|(.., list)| list.is_changed())
         || attachments.iter().any(|(_, _, joints, _)| joints.is_changed());

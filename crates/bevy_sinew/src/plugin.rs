@@ -179,7 +179,7 @@ impl Plugin for SinewPlugin {
                     .chain(),
                 (
                     environment::gather_environment,
-                    colliders::size_rooms,
+                    colliders::resize_bounding_boxes,
                     colliders::gather_colliders,
                     ignored::gather_ignored,
                     controls::gather_controls,
@@ -204,7 +204,7 @@ impl Plugin for SinewPlugin {
             (
                 sleep::note_sleepers,
                 scatter::scatter,
-                colliders::keep_places,
+                colliders::store_motion,
                 controls::drop_tick_forces,
                 sleep::keep_sleep,
                 contact_cache::keep_contact_cache,

@@ -118,15 +118,15 @@ impl Bodies<'_, '_> {
             now[10] = count;
             changed |= moved;
         }
-        let (count, came) = count_and_changed(&self.events);
+        let (count, any_changed) = count_and_changed(&self.events);
         now[11] = count;
-        changed |= came;
+        changed |= any_changed;
         now[12] = self.sleepers.iter().len();
-        let (count, came) = count_and_changed(&self.disabled);
+        let (count, any_changed) = count_and_changed(&self.disabled);
         now[13] = count;
-        changed |= came;
-        let went = core::mem::replace(&mut *self.counts, now) != now;
-        went || changed
+        changed |= any_changed;
+        let count_changed = core::mem::replace(&mut *self.counts, now) != now;
+        count_changed || changed
     }
 }
 
@@ -141,9 +141,9 @@ fn change_ticks<'w>(
 }
 
 fn body_change_ticks<'w>(
-    (members, solver, scale, told, representation): &BodyTable<'w>,
+    (members, solver, scale, contacts, representation): &BodyTable<'w>,
 ) -> [Option<ChangeTicks<'w>>; 7] {
-    let [contacts, material, layers] = change_ticks(told);
+    let [contacts, material, layers] = change_ticks(contacts);
     [
         Some(ChangeTicks::of(members)),
         solver.as_ref().map(ChangeTicks::of),
@@ -157,7 +157,7 @@ fn body_change_ticks<'w>(
 
 /// Which bodies have errors, so that each is reported once; the settings of bodies; and scratch memory.
 #[derive(Default)]
-pub(crate) struct Known {
+pub(crate) struct BodyScratch {
     scales: BTreeSet<Entity>,
     materials: BTreeSet<Entity>,
     /// The number of particles with a rest position.
@@ -196,15 +196,15 @@ pub(crate) fn gather_bodies(
     loose: Query<(&ParticleRow, ContactsData), Loose>,
     places: Query<Ref<RestPlace>>,
     watched: Res<WatchedContacts>,
-    mut known: Local<Known>,
+    mut scratch: Local<BodyScratch>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     if !(tables.properties_gathered || tables.bodies_changed) {
         tables.edits = simulation.particles.edits();
         return;
     }
-    let Known { scales, materials, places: count, ordered, settings, contacts, of_rows } =
-        &mut *known;
+    let BodyScratch { scales, materials, places: count, ordered, settings, contacts, of_rows } =
+        &mut *scratch;
     scales.retain(|&entity| entities.contains(entity));
     materials.retain(|&entity| entities.contains(entity));
     settings.clear();
@@ -226,48 +226,49 @@ pub(crate) fn gather_bodies(
     for &(_, entity) in &*ordered {
         let is_watched = watched.all || watched.body == Some(entity);
         let body = Some(tables.bodies.len() as u32);
-        let (own, asked) = if let Ok((members, mut rows, solver, scale, representation, asked)) =
-            bodies.get_mut(entity)
-        {
-            let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
-            let asked = contacts_of(materials, &mut messages, entity, asked);
-            let scale = scale.map_or(1.0, |scale| scale.0);
-            let reason = (!scale.is_finite()).then_some(Refusal::GravityScale);
-            let valid = check_once(scales, &mut messages, entity, reason);
-            let of_particle = OfBody {
-                body,
-                gravity_scale: if valid { scale } else { 1.0 },
-                has_rest: asked.with_itself,
-            };
-            for &row in rows.iter().filter(|&&row| row != GONE) {
-                of_rows[row as usize] = of_particle;
-            }
-            if asked.with_itself {
-                let there = rows.iter().zip(members.iter()).filter(|(row, _)| **row != GONE);
-                for (&row, member) in there {
-                    let known = simulation.particles.rest(row as usize);
-                    if places_changed || known.is_none() {
-                        let place = places.get(member).ok().map(|place| place.0);
-                        if place != known {
-                            simulation.particles.set_rest(row as usize, place);
+        let (own, own_contacts) =
+            if let Ok((members, mut rows, solver, scale, representation, own_contacts)) =
+                bodies.get_mut(entity)
+            {
+                let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
+                let own_contacts = contacts_of(materials, &mut messages, entity, own_contacts);
+                let scale = scale.map_or(1.0, |scale| scale.0);
+                let reason = (!scale.is_finite()).then_some(Refusal::GravityScale);
+                let valid = check_once(scales, &mut messages, entity, reason);
+                let of_particle = OfBody {
+                    body,
+                    gravity_scale: if valid { scale } else { 1.0 },
+                    has_rest: own_contacts.with_itself,
+                };
+                for &row in rows.iter().filter(|&&row| row != GONE) {
+                    of_rows[row as usize] = of_particle;
+                }
+                if own_contacts.with_itself {
+                    let there = rows.iter().zip(members.iter()).filter(|(row, _)| **row != GONE);
+                    for (&row, member) in there {
+                        let known = simulation.particles.rest(row as usize);
+                        if places_changed || known.is_none() {
+                            let place = places.get(member).ok().map(|place| place.0);
+                            if place != known {
+                                simulation.particles.set_rest(row as usize, place);
+                            }
                         }
                     }
                 }
-            }
-            let own = solver.map_or(default(), |&solver| BodySettings::from(solver));
-            let representation = representation.copied().unwrap_or_default().within_a_step();
-            (BodySettings { representation, ..own }, asked)
-        } else if let Ok((row, asked)) = loose.get(entity)
-            && let Some(row) = row.get().filter(|&row| row < of_rows.len())
-        {
-            of_rows[row] = OfBody { body, gravity_scale: 1.0, has_rest: false };
-            (default(), contacts_of(materials, &mut messages, entity, asked))
-        } else {
-            continue;
-        };
-        let events = asked.events || is_watched;
+                let own = solver.map_or(default(), |&solver| BodySettings::from(solver));
+                let representation = representation.copied().unwrap_or_default().within_a_step();
+                (BodySettings { representation, ..own }, own_contacts)
+            } else if let Ok((row, own_contacts)) = loose.get(entity)
+                && let Some(row) = row.get().filter(|&row| row < of_rows.len())
+            {
+                of_rows[row] = OfBody { body, gravity_scale: 1.0, has_rest: false };
+                (default(), contacts_of(materials, &mut messages, entity, own_contacts))
+            } else {
+                continue;
+            };
+        let events = own_contacts.events || is_watched;
         settings.push(own);
-        contacts.push(sinew::BodyContacts { events, ..asked });
+        contacts.push(sinew::BodyContacts { events, ..own_contacts });
         tables.bodies.push(entity);
     }
     write(simulation, &tables.properties, of_rows);

@@ -34,7 +34,7 @@ impl Reshaped<'_, '_> {
 }
 
 /// Bodies with explicit contact settings, whether they are built, and their triangles.
-type Asking = (
+type ExplicitContacts = (
     Entity,
     &'static BodyContacts,
     Has<ParticleBody>,
@@ -51,12 +51,12 @@ type Shaped = (
 
 /// Which entities have errors, so that each is reported once; and the counts of components.
 #[derive(Default)]
-pub(crate) struct Known {
+pub(crate) struct BodyColliderScratch {
     shapes: BTreeSet<Entity>,
     bodies: BTreeSet<Entity>,
     counts: [usize; 4],
     /// Whether any body collides by its segments, as of the last check.
-    bends: bool,
+    any_segments: bool,
 }
 
 /// Lists the body colliders again if particles were added, removed or set aside, if the contact settings of a body or the shape of a part changed, or, where a
@@ -71,7 +71,7 @@ pub(crate) fn compile_body_colliders(
     resolved: Query<Ref<ResolvedShape>>,
     disabled: Query<Ref<ContactsDisabled>>,
     shaped: Query<Shaped>,
-    asking: Query<Asking>,
+    explicit_contacts: Query<ExplicitContacts>,
     reshaped: Reshaped,
     mut parts: Query<(
         Entity,
@@ -82,23 +82,23 @@ pub(crate) fn compile_body_colliders(
         &mut Rows<RigidPose>,
     )>,
     mut segments: Segments,
-    mut known: Local<Known>,
+    mut scratch: Local<BodyColliderScratch>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    let Known { shapes, bodies, counts, bends: any_bends } = &mut *known;
+    let BodyColliderScratch { shapes, bodies, counts, any_segments } = &mut *scratch;
     let all =
         [count_and_changed(&contacts), count_and_changed(&resolved), count_and_changed(&disabled)];
     let changed = all.iter().any(|&(_, changed)| changed);
     // Change detection finds additions; a removal changes the count.
     let now = [all[0].0, all[1].0, all[2].0, parts.iter().len()];
-    let went = core::mem::replace(counts, now) != now;
-    let retied = || {
+    let count_changed = core::mem::replace(counts, now) != now;
+    let rods_changed = || {
         tables.distances_changed
             || tables.properties_gathered
             || tables.bodies_changed
             || segments.are_off()
     };
-    let anew = tables.links_compiled || went || changed || reshaped.any();
+    let anew = tables.links_compiled || count_changed || changed || reshaped.any();
     // The representation by which an entity collides; `None` if it does not.
     let shape = |owner: Entity| match shaped.get(owner) {
         Ok((_, _, true)) => None,
@@ -108,12 +108,12 @@ pub(crate) fn compile_body_colliders(
         }
         _ => Some(ContactShape::Auto),
     };
-    let bends = |owner: Entity| shape(owner) == Some(ContactShape::Segments);
+    let uses_segments = |owner: Entity| shape(owner) == Some(ContactShape::Segments);
     if anew {
-        let asks = contacts.iter().any(|own| own.shape == ContactShape::Segments);
-        *any_bends = asks || resolved.iter().any(|own| own.shape == ContactShape::Segments);
+        let explicit = contacts.iter().any(|own| own.shape == ContactShape::Segments);
+        *any_segments = explicit || resolved.iter().any(|own| own.shape == ContactShape::Segments);
     }
-    if !(anew || *any_bends && retied()) {
+    if !(anew || *any_segments && rods_changed()) {
         return;
     }
     tables.cache_kept = None;
@@ -131,26 +131,26 @@ pub(crate) fn compile_body_colliders(
             continue;
         }
         let rows = rows.resolve(&tables.layout, pose.is_changed(), pose.particles.iter().copied());
-        let (solid, reason) = match solid(tables, collider, (&pose, *order), rows) {
-            Ok(solid) => (solid, None),
+        let (body_collider, reason) = match body_collider(tables, collider, (&pose, *order), rows) {
+            Ok(body_collider) => (body_collider, None),
             Err(reason) => (None, Some(reason)),
         };
         owners.push(owner);
         check_once(shapes, &mut messages, part, reason);
-        body_colliders.extend(solid.map(|solid| (*order, part, solid)));
+        body_colliders.extend(body_collider.map(|body_collider| (*order, part, body_collider)));
     }
     // A body with rigid parts collides by those, unless it explicitly uses segments.
     owners.sort_unstable();
     let with_parts = owners.clone();
-    let asks = |body: Entity| {
+    let by_segments = |body: Entity| {
         let explicit = contacts.get(body).is_ok_and(|own| own.shape == ContactShape::Segments);
-        bends(body) && (explicit || with_parts.binary_search(&body).is_err())
+        uses_segments(body) && (explicit || with_parts.binary_search(&body).is_err())
     };
-    let asks = (*any_bends, asks);
-    segments.list((simulation, tables), asks, &mut owners, &mut body_colliders);
+    let by_segments = (*any_segments, by_segments);
+    segments.list((simulation, tables), by_segments, &mut owners, &mut body_colliders);
     body_colliders.sort_unstable_by_key(|&(order, part, _)| (order, part));
     owners.sort_unstable();
-    for (body, own, is_body, is_built, surface) in &asking {
+    for (body, own, is_body, is_built, surface) in &explicit_contacts {
         // A body that is not built yet is no error.
         let waits = is_body && !is_built;
         let lacks = match own.shape {
@@ -174,17 +174,21 @@ pub(crate) fn compile_body_colliders(
         }
     }
     // Rods may have changed without an effect on the segments; the solver's list is then not marked as changed.
-    let same =
-        || simulation.body_colliders().iter().eq(body_colliders.iter().map(|(_, _, solid)| solid));
+    let same = || {
+        simulation
+            .body_colliders()
+            .iter()
+            .eq(body_colliders.iter().map(|(_, _, body_collider)| body_collider))
+    };
     if anew || !same() {
         let list = simulation.body_colliders_mut();
         list.clear();
-        list.extend(body_colliders.into_iter().map(|(_, _, solid)| solid));
+        list.extend(body_colliders.into_iter().map(|(_, _, body_collider)| body_collider));
     }
 }
 
 /// The collider of a part; `None` while one of its particles is gone or set aside.
-fn solid(
+fn body_collider(
     tables: &Tables,
     collider: &Collider,
     (pose, order): (&RigidPose, CreationOrder),
@@ -192,12 +196,12 @@ fn solid(
 ) -> Result<Option<BodyCollider>, Refusal> {
     let shape = collider.shape().map_err(|fault| Refusal::Collider(fault.into()))?;
     let rest = pose.rest.as_slice().into();
-    let solid = BodyCollider { rows: rows.to_vec(), rest, shape, id: order.0 };
+    let body_collider = BodyCollider { rows: rows.to_vec(), rest, shape, id: order.0 };
     if !rows.iter().all(|&row| row != GONE && tables.is_valid(row as usize)) {
         return Ok(None);
     }
-    match solid.fault(tables.entities.len()) {
-        None => Ok(Some(solid)),
+    match body_collider.fault(tables.entities.len()) {
+        None => Ok(Some(body_collider)),
         Some(fault) => Err(Refusal::Part(fault)),
     }
 }

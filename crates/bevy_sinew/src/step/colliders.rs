@@ -18,7 +18,7 @@ use crate::schedule::{FixedTick, SinewClock};
 use crate::world::SinewWorld;
 
 /// Static and kinematic colliders: on a body and its parts, a collider is the shape of the body.
-type StandsAlone =
+type StaticOrKinematic =
     (Without<RigidPose>, Without<ParticleBody>, Without<Particle>, Without<ContactsDisabled>);
 
 /// The components of a collider.
@@ -38,7 +38,7 @@ type ColliderData = (
 
 /// What is kept from tick to tick.
 #[derive(Default)]
-pub(crate) struct Known {
+pub(crate) struct ColliderScratch {
     /// Colliders with an error, so that each is reported once.
     broken: BTreeSet<Entity>,
     gathering: u64,
@@ -48,9 +48,11 @@ pub(crate) struct Known {
 }
 
 /// Updates the colliders of bounding boxes that were resized.
-pub(crate) fn size_rooms(mut rooms: Query<(&BoundingBox, &mut Collider), Changed<BoundingBox>>) {
-    for (room, mut collider) in &mut rooms {
-        collider.set_if_neq(room.collider());
+pub(crate) fn resize_bounding_boxes(
+    mut bounding_boxes: Query<(&BoundingBox, &mut Collider), Changed<BoundingBox>>,
+) {
+    for (bounding_box, mut collider) in &mut bounding_boxes {
+        collider.set_if_neq(bounding_box.collider());
     }
 }
 
@@ -58,18 +60,18 @@ pub(crate) fn size_rooms(mut rooms: Query<(&BoundingBox, &mut Collider), Changed
 pub(crate) fn gather_colliders(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
-    mut colliders: Query<ColliderData, StandsAlone>,
+    mut colliders: Query<ColliderData, StaticOrKinematic>,
     frames: Frames,
     fixed_tick: Res<FixedTick>,
-    mut known: Local<Known>,
+    mut scratch: Local<ColliderScratch>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    let Known { broken, gathering, listing, ordered } = &mut *known;
+    let ColliderScratch { broken, gathering, listing, ordered } = &mut *scratch;
     let list = &mut simulation.colliders;
     broken.retain(|&entity| colliders.contains(entity));
     *gathering += 1;
     let (mut count, mut relist) = (0, false);
-    for told in &mut colliders {
+    for components in &mut colliders {
         let (
             entity,
             order,
@@ -82,19 +84,20 @@ pub(crate) fn gather_colliders(
             sensor,
             events,
             placed,
-        ) = told;
+        ) = components;
         let placed = placed.into_inner();
         let at = if parented { frames.of(entity) } else { Ok(*transform) };
         let misplaced = at.err().map(Refusal::from);
         // A sheared collider stays where it was, and is set aside.
         let at = at.unwrap_or(placed.at);
         // A collider that was not gathered in the last tick may have changed in the meantime.
-        let unseen = core::mem::replace(&mut placed.seen, *gathering) + 1 != *gathering;
-        let reshaped = unseen || collider.is_changed() || placed.at.scale != at.scale;
+        let was_absent = core::mem::replace(&mut placed.last_gather, *gathering) + 1 != *gathering;
+        let reshaped = was_absent || collider.is_changed() || placed.at.scale != at.scale;
         place(placed, &collider, at, reshaped);
         limit_motion(placed, motion, fixed_tick.remaining);
         if let Some(made) = placed.made.as_deref_mut() {
-            made.start = motion.map_or(made.end, |motion| began(motion, &placed.at, made.end));
+            made.start =
+                motion.map_or(made.end, |motion| start_frame(motion, &placed.at, made.end));
             made.material = material.map_or(default(), |&material| Material::from(material));
             made.layers = layers.copied().unwrap_or_default().layers();
             (made.sensor, made.events, made.id) = (sensor, events, order.0);
@@ -126,8 +129,8 @@ pub(crate) fn gather_colliders(
 
     *listing += 1;
     ordered.clear();
-    let valid = colliders.iter().filter(|told| told.10.valid().is_some());
-    ordered.extend(valid.map(|told| (*told.1, told.0)));
+    let valid = colliders.iter().filter(|components| components.10.valid().is_some());
+    ordered.extend(valid.map(|components| (*components.1, components.0)));
     ordered.sort_unstable();
     list.clear();
     tables.colliders.clear();
@@ -177,7 +180,7 @@ fn limit_motion(placed: &mut PlacedCollider, motion: Option<&ColliderMotion>, le
 }
 
 /// The placement of a collider at the end of the last tick; the current one if that is not valid.
-fn began(motion: &ColliderMotion, at: &Transform, now: Frame) -> Frame {
+fn start_frame(motion: &ColliderMotion, at: &Transform, now: Frame) -> Frame {
     let Some(was) = motion.0.filter(|was| *was != isometry(at)) else { return now };
     let start = Frame::new(was.translation.into(), was.rotation);
     if start.is_valid() { start } else { now }
@@ -199,13 +202,13 @@ fn fault(collider: &sinew::Collider) -> Option<ColliderFault> {
 }
 
 /// Stores where each collider was in this tick. A collider that is set aside has no stored placement, so it starts where it is corrected.
-pub(crate) fn keep_places(
+pub(crate) fn store_motion(
     mut commands: Commands,
     world: Res<SinewWorld>,
     clock: Res<SinewClock>,
     mut colliders: Query<
         (Entity, &PlacedCollider, Option<&mut ColliderMotion>),
-        (With<Collider>, StandsAlone),
+        (With<Collider>, StaticOrKinematic),
     >,
 ) {
     // With a time step of zero, no tick was taken.

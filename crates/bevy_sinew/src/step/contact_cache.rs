@@ -10,7 +10,7 @@ use crate::world::SinewWorld;
 /// Copies the contact cache of each part to the solver, unless the solver's is the same.
 pub(crate) fn gather_contact_cache(
     mut world: ResMut<SinewWorld>,
-    memories: Query<&ContactCache>,
+    caches: Query<&ContactCache>,
     kept: Query<Ref<ContactCache>>,
     ticks: SystemChangeTick,
 ) {
@@ -23,10 +23,10 @@ pub(crate) fn gather_contact_cache(
     tables.cache_kept = None;
     simulation.contact_cache.clear();
     for (number, &part) in tables.parts.iter().enumerate() {
-        if let (Some(solid), Ok(own)) =
-            (simulation.body_colliders().get(number), memories.get(part))
+        if let (Some(body_collider), Ok(own)) =
+            (simulation.body_colliders().get(number), caches.get(part))
         {
-            let id = solid.id;
+            let id = body_collider.id;
             simulation.contact_cache.add(id, &own.0);
         }
     }
@@ -35,24 +35,24 @@ pub(crate) fn gather_contact_cache(
 /// Copies the contact cache of each part back.
 pub(crate) fn keep_contact_cache(
     mut world: ResMut<SinewWorld>,
-    mut memories: Query<&mut ContactCache>,
+    mut caches: Query<&mut ContactCache>,
     ticks: SystemChangeTick,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     if tables.rested && tables.cache_kept.is_some() {
-        tables.cache_kept = Some((ticks.this_run(), memories.iter().len()));
+        tables.cache_kept = Some((ticks.this_run(), caches.iter().len()));
         return;
     }
     let mut all = true;
     let each = simulation.contact_cache.each(simulation.body_colliders().iter().map(|one| one.id));
-    let solids = simulation.body_colliders();
-    for ((now, solid), &part) in each.zip(solids).zip(&tables.parts) {
-        let Ok(mut own) = memories.get_mut(part) else {
+    let body_colliders = simulation.body_colliders();
+    for ((now, body_collider), &part) in each.zip(body_colliders).zip(&tables.parts) {
+        let Ok(mut own) = caches.get_mut(part) else {
             all = false;
             continue;
         };
         // For a body that slept through the tick it has not changed. For an awake body it changes in nearly every tick: a comparison costs more than the copy.
-        let row = solid.rows.first().map(|&row| row as usize);
+        let row = body_collider.rows.first().map(|&row| row as usize);
         let body = row.and_then(|row| simulation.particles.body(row)).map(|body| body as usize);
         let sleeps = |bodies: &[bool]| body.and_then(|body| bodies.get(body)) == Some(&true);
         let is_empty = own.0.is_empty() && now.is_empty();
@@ -66,7 +66,7 @@ pub(crate) fn keep_contact_cache(
             own.0.extend_from_slice(now);
         }
     }
-    tables.cache_kept = all.then(|| (ticks.this_run(), memories.iter().len()));
+    tables.cache_kept = all.then(|| (ticks.this_run(), caches.iter().len()));
 }
 
 /// Whether no cache has changed since it was kept, or was added or removed.

@@ -13,10 +13,10 @@ use crate::world::SinewWorld;
 
 /// How far a point of a triangle may be from its nearest corner, as a fraction of the diameter of the balls there, so that no ball of the same size passes
 /// between them. Slightly less than 1, so that rounding does not decide.
-const CLOSED: f32 = 0.995;
+const MAX_GAP: f32 = 0.995;
 
 /// The components of a body that determine its contact shape.
-type Made = (
+type ShapeInputs = (
     Entity,
     Ref<'static, BodyParticles>,
     &'static mut Rows<BodyParticles>,
@@ -28,10 +28,10 @@ type Made = (
 /// Resolves the shape of bodies whose particles, surface or rods have changed.
 pub(crate) fn resolve_shapes(
     world: Res<SinewWorld>,
-    mut bodies: Query<Made>,
+    mut bodies: Query<ShapeInputs>,
     surfaces: Query<Ref<WindSurface>>,
     constraints: Query<Ref<BodyConstraints>>,
-    parts: Parts,
+    rest_shape: RestShape,
 ) {
     let (particles, tables) = (&world.simulation.particles, &world.tables);
     let of_particles = tables.properties_gathered || tables.bodies_changed;
@@ -58,12 +58,12 @@ pub(crate) fn resolve_shapes(
         let triangles = surface.as_ref().map_or(&[][..], |surface| &surface.triangles);
         let rods = constraints.as_deref();
         let shape = if !triangles.is_empty() {
-            match parts.widest_gap(triangles) {
-                Some(gap) if CLOSED * 2.0 * radius < gap => ContactShape::Triangles,
+            match rest_shape.widest_gap(triangles) {
+                Some(gap) if MAX_GAP * 2.0 * radius < gap => ContactShape::Triangles,
                 _ => ContactShape::Particles,
             }
         } else {
-            match rods.and_then(|rods| parts.longest_link(body, rods)) {
+            match rods.and_then(|rods| rest_shape.longest_link(body, rods)) {
                 Some(link) if radius > 0.0 && 2.0 * radius < link => ContactShape::Segments,
                 _ => ContactShape::Particles,
             }
@@ -74,13 +74,13 @@ pub(crate) fn resolve_shapes(
 
 /// Rest positions of particles, and rods.
 #[derive(SystemParam)]
-pub(crate) struct Parts<'w, 's> {
+pub(crate) struct RestShape<'w, 's> {
     places: Query<'w, 's, &'static RestPlace>,
     rods: Query<'w, 's, &'static DistanceConstraint>,
     owners: Query<'w, 's, &'static ParticleOf>,
 }
 
-impl Parts<'_, '_> {
+impl RestShape<'_, '_> {
     /// The maximum distance of a point of the triangles from its nearest corner in the rest shape, metres; `None` if a corner has no rest position.
     fn widest_gap(&self, triangles: &[[Entity; 3]]) -> Option<f32> {
         let mut widest = 0.0_f32;

@@ -43,7 +43,7 @@ pub(crate) fn gather_controls(
     targets: Targets,
     framed: Query<(), (Or<(With<ParticleBody>, With<RigidPose>)>, Without<Particle>)>,
     frames: Frames,
-    mut wholes: Wholes,
+    mut body_forces: BodyForces,
     mut broken: Local<BTreeSet<Entity>>,
     mut ordered: Local<Vec<(CreationOrder, Entity)>>,
 ) {
@@ -51,13 +51,13 @@ pub(crate) fn gather_controls(
     let list = &mut simulation.forces.controls;
     // Read even without controls, since unread messages would accumulate.
     let ungrouped = ungrouped.read().count() > 0;
-    if controls.is_empty() && wholes.are_left_alone() {
+    if controls.is_empty() && body_forces.is_empty() {
         list.clear();
         broken.clear();
         return;
     }
     let regrouped = ungrouped || !regrouped.is_empty();
-    broken.retain(|&entity| controls.contains(entity) || wholes.forced.contains(entity));
+    broken.retain(|&entity| controls.contains(entity) || body_forces.forced.contains(entity));
 
     ordered.clear();
     ordered.extend(controls.iter().map(|(entity, order, ..)| (*order, entity)));
@@ -103,7 +103,7 @@ pub(crate) fn gather_controls(
             used += 1;
         }
     }
-    wholes.add_to(tables, (list, &mut used), &mut broken, &mut messages);
+    body_forces.add_to(tables, (list, &mut used), &mut broken, &mut messages);
     list.truncate(used);
 }
 
@@ -128,8 +128,8 @@ pub(crate) fn drop_tick_forces(
 
 /// Bodies and rigid parts with forces on the whole, and particles with forces of the tick.
 #[derive(SystemParam)]
-pub(crate) struct Wholes<'w, 's> {
-    forced: Query<'w, 's, Forced, OfWholes>,
+pub(crate) struct BodyForces<'w, 's> {
+    forced: Query<'w, 's, Forced, WithBodyForces>,
     ordered: Local<'s, Vec<(Option<CreationOrder>, Entity)>>,
 }
 
@@ -145,7 +145,7 @@ type Forced = (
     Option<&'static TickForces>,
 );
 
-type OfWholes = Or<(
+type WithBodyForces = Or<(
     (With<TickForces>, Or<(With<BodyParticles>, With<RigidPose>, With<ParticleRow>)>),
     (
         Or<(With<ExternalForce>, With<ExternalTorque>)>,
@@ -154,9 +154,9 @@ type OfWholes = Or<(
     ),
 )>;
 
-impl Wholes<'_, '_> {
+impl BodyForces<'_, '_> {
     /// Whether there are none.
-    fn are_left_alone(&self) -> bool {
+    fn is_empty(&self) -> bool {
         self.forced.is_empty()
     }
 

@@ -25,21 +25,22 @@ pub(crate) fn gather_environment(
     clock: Res<SinewClock>,
     everywhere: Everywhere,
     fields: Fields,
-    sheets: Sheets,
+    flatlands: Flatlands,
     frames: Frames,
     mut known: Local<BTreeSet<Broken>>,
-    mut scratch: Local<Scratch>,
+    mut scratch: Local<EnvironmentScratch>,
 ) {
     let simulation = &mut world.simulation;
     simulation.settings = (*config).into();
     simulation.time = clock.seconds;
     let before = core::mem::take(&mut *known);
-    let Scratch { places, planes } = &mut *scratch;
+    let EnvironmentScratch { places, planes } = &mut *scratch;
     let mut validator =
         FieldValidator { before, now: BTreeSet::new(), kind: 0, messages: &mut messages, places };
     everywhere.add_to(&mut simulation.forces, &mut validator);
     fields.add_to(&mut simulation.forces, &frames, &mut validator);
-    simulation.boundaries.plane_constraint = sheet(&sheets, planes, &frames, &mut validator);
+    simulation.boundaries.plane_constraint =
+        plane_constraint(&flatlands, planes, &frames, &mut validator);
     *known = validator.now;
 }
 
@@ -135,23 +136,23 @@ impl Fields<'_, '_> {
 }
 
 /// The planes of 2D worlds.
-type Sheets<'w, 's> = Query<'w, 's, (Entity, &'static CreationOrder), With<Flatland>>;
+type Flatlands<'w, 's> = Query<'w, 's, (Entity, &'static CreationOrder), With<Flatland>>;
 
 /// The plane of a 2D world: of several, the first valid one.
-fn sheet(
-    sheets: &Sheets,
+fn plane_constraint(
+    flatlands: &Flatlands,
     list: &mut Vec<Plane>,
     frames: &Frames,
     validator: &mut FieldValidator,
 ) -> Option<Plane> {
-    let sheet = |(entity, order): (_, &_)| {
+    let entry = |(entity, order): (_, &_)| {
         let plane = frames.of(entity).map(|frame| {
             let (normal, offset) = plane(&frame, Vec3::Z);
             Plane { normal, offset, friction: 0.0, ..Plane::ground(0.0) }
         });
         (*order, entity, plane)
     };
-    validator.fill(list, sheets.iter().map(sheet), Plane::is_valid);
+    validator.fill(list, flatlands.iter().map(entry), Plane::is_valid);
     list.first().copied()
 }
 
@@ -164,7 +165,7 @@ fn plane(frame: &Transform, axis: Vec3) -> (Vec3, f32) {
 
 /// Scratch memory, kept from tick to tick.
 #[derive(Default)]
-pub(crate) struct Scratch {
+pub(crate) struct EnvironmentScratch {
     places: Vec<(CreationOrder, Entity, usize)>,
     planes: Vec<Plane>,
 }

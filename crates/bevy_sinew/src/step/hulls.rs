@@ -12,7 +12,7 @@ use crate::messages::{Refusal, Refused, refuse};
 use crate::world::{SinewWorld, Tables};
 
 /// The components of which a hull may be made.
-type Parts = (
+type HullInputs = (
     &'static Floats,
     Option<&'static RigidPose>,
     Option<&'static WindSurface>,
@@ -28,7 +28,7 @@ type Parts = (
 pub(crate) fn compile_hulls(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
-    floating: Query<(Entity, &CreationOrder, Parts)>,
+    floating: Query<(Entity, &CreationOrder, HullInputs)>,
     changed: Query<
         (),
         (
@@ -46,8 +46,8 @@ pub(crate) fn compile_hulls(
         let there = [true, pose.is_some(), surface.is_some(), part.is_some()];
         now.iter_mut().zip(there).for_each(|(count, there)| *count += usize::from(there));
     }
-    let went = core::mem::replace(&mut *count, now) != now;
-    if !tables.links_compiled && !went && changed.is_empty() {
+    let count_changed = core::mem::replace(&mut *count, now) != now;
+    if !tables.links_compiled && !count_changed && changed.is_empty() {
         return;
     }
     let mut bodies: Vec<_> = floating.iter().collect();
@@ -55,8 +55,8 @@ pub(crate) fn compile_hulls(
     let before = core::mem::take(&mut *known);
     let hulls = &mut simulation.forces.hulls;
     hulls.clear();
-    for (entity, _, parts) in bodies {
-        match hull(tables, parts) {
+    for (entity, _, inputs) in bodies {
+        match hull(tables, inputs) {
             Ok(found) => hulls.extend(found),
             Err(fault) => {
                 if before.get(&entity) != Some(&fault) {
@@ -71,7 +71,7 @@ pub(crate) fn compile_hulls(
 /// The hull of a body; `None` while the body or its particles are missing.
 fn hull(
     tables: &Tables,
-    (floats, pose, surface, part, is_body, is_built): <Parts as bevy::ecs::query::QueryData>::Item<
+    (floats, pose, surface, part, is_body, is_built): <HullInputs as bevy::ecs::query::QueryData>::Item<
         '_,
         '_,
     >,
@@ -80,17 +80,17 @@ fn hull(
         return Ok(None);
     }
     match (&floats.shape, part) {
-        (HullShape::Own, Some(part)) => posed(tables, pose, boxed(part.size)),
-        (HullShape::Own | HullShape::Surface, _) => carried(tables, surface),
-        (HullShape::Box { size }, _) => posed(tables, pose, boxed(*size)),
+        (HullShape::Own, Some(part)) => posed_hull(tables, pose, box_mesh(part.size)),
+        (HullShape::Own | HullShape::Surface, _) => surface_hull(tables, surface),
+        (HullShape::Box { size }, _) => posed_hull(tables, pose, box_mesh(*size)),
         (HullShape::Mesh { vertices, triangles }, _) => {
-            posed(tables, pose, (vertices.clone(), triangles.clone()))
+            posed_hull(tables, pose, (vertices.clone(), triangles.clone()))
         }
     }
 }
 
 /// A hull in the frame of a rigid body, carried by those of its particles that exist and are not set aside.
-fn posed(
+fn posed_hull(
     tables: &Tables,
     pose: Option<&RigidPose>,
     (vertices, triangles): (Vec<Vec3>, Vec<[u32; 3]>),
@@ -103,11 +103,11 @@ fn posed(
     let valid = carriers.filter_map(|(&p, &rest)| Some((tables.valid_row(p)?, rest)));
     let (rows, rest): (Vec<u32>, Vec<Vec3>) = valid.unzip();
     let skin = Skin::Posed { vertices, rest };
-    made(tables, rows, triangles, skin, pose.particles.iter().copied())
+    hull_from_rows(tables, rows, triangles, skin, pose.particles.iter().copied())
 }
 
 /// A hull whose corners are particles; a triangle with a missing corner is left out, as for the wind.
-fn carried(tables: &Tables, surface: Option<&WindSurface>) -> Result<Option<Hull>, HullFault> {
+fn surface_hull(tables: &Tables, surface: Option<&WindSurface>) -> Result<Option<Hull>, HullFault> {
     let corners = &surface.ok_or(HullFault::Empty)?.triangles;
     let row = |corner| tables.valid_row(corner);
     let valid: Vec<[u32; 3]> =
@@ -118,11 +118,17 @@ fn carried(tables: &Tables, surface: Option<&WindSurface>) -> Result<Option<Hull
     // Every row is in the list, which was made from them.
     let place = |row: u32| rows.partition_point(|&other| other < row) as u32;
     let triangles = valid.iter().map(|corners| corners.map(place)).collect();
-    made(tables, rows.clone(), triangles, Skin::Carriers, corners.iter().flatten().copied())
+    hull_from_rows(
+        tables,
+        rows.clone(),
+        triangles,
+        Skin::Carriers,
+        corners.iter().flatten().copied(),
+    )
 }
 
 /// The hull, or its error. If all of its particles are set aside, it waits for them.
-fn made(
+fn hull_from_rows(
     tables: &Tables,
     rows: Vec<u32>,
     triangles: Vec<[u32; 3]>,
@@ -136,7 +142,7 @@ fn made(
 }
 
 /// A solid box about the origin: corner `i` is on the positive side of x, y and z if bit 0, 1 and 2 of `i` is set.
-fn boxed(size: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+fn box_mesh(size: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     // Counter-clockwise from outside, like the faces of `sinew::recipes::box_3d`.
     const FACES: [[u32; 4]; 6] =
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];

@@ -12,7 +12,7 @@ pub(crate) fn lay_out(
     mut counter: ResMut<CreationCounter>,
     mut world: ResMut<SinewWorld>,
     mut particles: Query<(Entity, &mut CreationOrder, &mut ParticleRow), With<Particle>>,
-    mut found: Local<Scratch>,
+    mut scratch: Local<LayoutScratch>,
 ) {
     if !changed.0 {
         return;
@@ -20,7 +20,8 @@ pub(crate) fn lay_out(
     changed.0 = false;
 
     let SinewWorld { simulation, tables } = &mut *world;
-    let (Scratch { present, new }, mut order) = (&mut *found, core::mem::take(&mut tables.order));
+    let (LayoutScratch { present, new }, mut order) =
+        (&mut *scratch, core::mem::take(&mut tables.order));
     let last = &mut order;
     present.clear();
     present.resize(last.len(), false);
@@ -61,7 +62,7 @@ pub(crate) fn lay_out(
 
 /// Scratch memory.
 #[derive(Default)]
-pub(crate) struct Scratch {
+pub(crate) struct LayoutScratch {
     /// For each row, whether its particle still exists.
     present: Vec<bool>,
     new: Vec<(CreationOrder, Entity)>,

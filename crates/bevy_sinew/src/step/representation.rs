@@ -21,8 +21,8 @@ pub(crate) fn compile_compounds(
     let SinewWorld { simulation, tables } = &mut *world;
     // A removal is not detected as a change, but it changes the count.
     let now = bodies.iter().len();
-    let went = core::mem::replace(&mut *count, now) != now;
-    if !tables.links_stale && !went && changed.is_empty() {
+    let count_changed = core::mem::replace(&mut *count, now) != now;
+    if !tables.links_stale && !count_changed && changed.is_empty() {
         return;
     }
     tables.links_stale = true;

@@ -22,7 +22,7 @@ pub(crate) struct Segments<'w, 's> {
         Rod,
     >,
     all: Query<'w, 's, Entity, Rod>,
-    remembering: Query<'w, 's, Entity, (With<ContactCache>, Rod)>,
+    cached: Query<'w, 's, Entity, (With<ContactCache>, Rod)>,
     commands: Commands<'w, 's>,
     /// The number of rods with a contact cache when they were last listed.
     listed: Local<'s, usize>,
@@ -31,54 +31,61 @@ pub(crate) struct Segments<'w, 's> {
 impl Segments<'_, '_> {
     /// Whether rods have gained or lost a contact cache since they were listed, as after a rollback.
     pub(crate) fn are_off(&self) -> bool {
-        self.remembering.iter().len() != *self.listed
+        self.cached.iter().len() != *self.listed
     }
 
-    /// Lists the segments of the bodies that collide by them (`asks`), if there are `any`, and the owners of the segments. The mapping from particles to bodies
+    /// Lists the segments of the bodies that collide by them (`uses_segments`), if there are `any`, and the owners of the segments. The mapping from particles to bodies
     /// must be up to date. A rod that becomes a segment is given a contact cache, which is removed when it is one no longer.
     pub(crate) fn list(
         &mut self,
         (simulation, tables): (&Simulation, &Tables),
-        (any, asks): (bool, impl Fn(Entity) -> bool),
+        (any, uses_segments): (bool, impl Fn(Entity) -> bool),
         owners: &mut Vec<Entity>,
         body_colliders: &mut Vec<(CreationOrder, Entity, BodyCollider)>,
     ) {
-        let Self { rods, all, remembering, commands, listed } = self;
+        let Self { rods, all, cached, commands, listed } = self;
         **listed = 0;
-        if !any && remembering.is_empty() {
+        if !any && cached.is_empty() {
             return;
         }
         let particles = &simulation.particles;
-        let asking: Vec<bool> = tables.bodies.iter().map(|&body| any && asks(body)).collect();
-        let asks = |body: u32| asking.get(body as usize) == Some(&true);
+        let with_segments: Vec<bool> =
+            tables.bodies.iter().map(|&body| any && uses_segments(body)).collect();
+        let uses_segments = |body: u32| with_segments.get(body as usize) == Some(&true);
         let mut last = None;
-        let take = |entity: Entity| {
-            let Ok((order, rod, remembers)) = rods.get(entity) else { return };
-            let owner = owner(rod, particles, tables).filter(|&body| asks(body));
-            let solid = owner.and_then(|_| segment(rod, particles, tables, &mut last));
-            match (&solid, remembers) {
+        let add = |entity: Entity| {
+            let Ok((order, rod, has_cache)) = rods.get(entity) else { return };
+            let owner = owner(rod, particles, tables).filter(|&body| uses_segments(body));
+            let body_collider = owner.and_then(|_| segment(rod, particles, tables, &mut last));
+            match (&body_collider, has_cache) {
                 (Some(_), false) => drop(commands.entity(entity).insert(ContactCache::default())),
                 (None, true) => drop(commands.entity(entity).remove::<ContactCache>()),
                 _ => {}
             }
-            if let (Some(owner), Some(solid)) = (owner, solid) {
+            if let (Some(owner), Some(body_collider)) = (owner, body_collider) {
                 owners.push(tables.bodies[owner as usize]);
-                body_colliders.push((*order, entity, BodyCollider { id: order.0, ..solid }));
+                body_colliders.push((
+                    *order,
+                    entity,
+                    BodyCollider { id: order.0, ..body_collider },
+                ));
                 **listed += 1;
             }
         };
         if !tables.links.complete {
-            all.iter().for_each(take);
+            all.iter().for_each(add);
             return;
         }
         // The solver's list has all rods, in contiguous memory, and there may be many of other bodies.
-        let is_asking = |row: u32| particles.body(row as usize).is_some_and(asks);
-        let mut maybe: Vec<Entity> = remembering.iter().collect();
-        let known = simulation.distances().iter().zip(&tables.links.distances);
-        maybe.extend(known.filter(|(rod, _)| is_asking(rod.a)).map(|(_, place)| place.entity));
-        maybe.sort_unstable();
-        maybe.dedup();
-        maybe.into_iter().for_each(take);
+        let may_be_segment = |row: u32| particles.body(row as usize).is_some_and(uses_segments);
+        let mut candidates: Vec<Entity> = cached.iter().collect();
+        let all_rods = simulation.distances().iter().zip(&tables.links.distances);
+        candidates.extend(
+            all_rods.filter(|(rod, _)| may_be_segment(rod.a)).map(|(_, place)| place.entity),
+        );
+        candidates.sort_unstable();
+        candidates.dedup();
+        candidates.into_iter().for_each(add);
     }
 }
 
@@ -104,6 +111,6 @@ fn segment(
         *last = Some((size, BodyCollider::segment(rows, size[0], size[1], 0).ok()?));
     }
     let (_, like) = last.as_ref()?;
-    let solid = BodyCollider { rows: rows.to_vec(), ..like.clone() };
-    solid.fault(particles.len()).is_none().then_some(solid)
+    let body_collider = BodyCollider { rows: rows.to_vec(), ..like.clone() };
+    body_collider.fault(particles.len()).is_none().then_some(body_collider)
 }

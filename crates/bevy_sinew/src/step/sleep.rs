@@ -15,7 +15,7 @@ use crate::world::SinewWorld;
 
 /// The environment: a change wakes all bodies.
 #[derive(SystemParam)]
-pub(crate) struct Surroundings<'w, 's> {
+pub(crate) struct Environment<'w, 's> {
     gravity: Res<'w, Gravity>,
     air_drag: Res<'w, AirDrag>,
     electric: Res<'w, Electric>,
@@ -27,10 +27,10 @@ pub(crate) struct Surroundings<'w, 's> {
     frames: Frames<'w, 's>,
 }
 
-impl Surroundings<'_, '_> {
+impl Environment<'_, '_> {
     /// A hash of the values of the environment: restoring the same values restores the hash. Computed every tick, since a parent may have moved a field; there
     /// are only a few.
-    fn number(&self) -> u64 {
+    fn hash(&self) -> u64 {
         let (drag, electric) = (self.air_drag.0, *self.electric);
         let everywhere = [drag, electric.constant, electric.softening];
         let everywhere = everywhere
@@ -100,23 +100,23 @@ fn mixed(kind: u64, numbers: impl IntoIterator<Item = f32>) -> u64 {
 /// that changes one writes it back), the environment is the same, and no entity has [`ContactEvents::Every`].
 pub(crate) fn any_sleep_changed(
     world: Res<SinewWorld>,
-    surroundings: Surroundings,
-    asking: Query<&ContactEvents>,
+    environment: Environment,
+    with_events: Query<&ContactEvents>,
     sleepers: Query<Ref<Sleep>>,
     disabled: Query<Ref<SleepingDisabled>>,
     mut before: Local<(bool, u64, usize, usize)>,
 ) -> bool {
-    let ((sleepers, changed), (disabled, came)) =
+    let ((sleepers, changed), (disabled, disabled_changed)) =
         (count_and_changed(&sleepers), count_and_changed(&disabled));
-    let now = (world.tables.deferred, surroundings.number(), sleepers, disabled);
+    let now = (world.tables.deferred, environment.hash(), sleepers, disabled);
     let same = core::mem::replace(&mut *before, now) == now;
-    let asked = asking.iter().any(|events| *events == ContactEvents::Every);
-    !(now.0 && same) || changed || came || asked
+    let any_every = with_events.iter().any(|events| *events == ContactEvents::Every);
+    !(now.0 && same) || changed || disabled_changed || any_every
 }
 
 /// Bodies whose contacts are all reported, and the gathered state by body index; scratch memory.
 #[derive(Default)]
-pub(crate) struct Scratch {
+pub(crate) struct SleepScratch {
     watched: Vec<Entity>,
     gathered: Vec<sinew::Sleep>,
 }
@@ -124,22 +124,22 @@ pub(crate) struct Scratch {
 /// Passes to the solver which bodies may sleep, and which do.
 pub(crate) fn gather_sleep(
     mut world: ResMut<SinewWorld>,
-    surroundings: Surroundings,
-    asking: Query<(Entity, &ContactEvents, &Touching)>,
+    environment: Environment,
+    with_events: Query<(Entity, &ContactEvents, &Touching)>,
     mut bodies: Query<(Entity, &Rows<BodyParticles>, &mut Sleep, Has<SleepingDisabled>)>,
-    mut scratch: Local<Scratch>,
+    mut scratch: Local<SleepScratch>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    let (Scratch { watched, gathered }, number) = (&mut *scratch, simulation.bodies.len());
+    let (SleepScratch { watched, gathered }, count) = (&mut *scratch, simulation.bodies.len());
     tables.asleep.clear();
     tables.unmoved.clear();
     gathered.clear();
-    gathered.resize(if bodies.is_empty() { 0 } else { number }, sinew::Sleep::default());
-    let now = surroundings.number();
+    gathered.resize(if bodies.is_empty() { 0 } else { count }, sinew::Sleep::default());
+    let now = environment.hash();
     // Contacts at rest are reported, too, so bodies in contact with an entity with [`ContactEvents::Every`] are kept awake.
     watched.clear();
-    for (asking, _, touching) in asking.iter().filter(|one| *one.1 == ContactEvents::Every) {
-        watched.push(asking);
+    for (entity, _, touching) in with_events.iter().filter(|one| *one.1 == ContactEvents::Every) {
+        watched.push(entity);
         watched.extend(&touching.0);
     }
     watched.sort_unstable();

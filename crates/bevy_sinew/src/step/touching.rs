@@ -33,58 +33,59 @@ pub(crate) fn write_contact_messages(
     mut started: MessageWriter<ContactStarted>,
     mut ended: MessageWriter<ContactEnded>,
     mut impulses: MessageWriter<ContactImpulse>,
-    mut asking: Query<(Entity, Option<&CreationOrder>, &mut Touching, &ContactEvents)>,
+    mut with_events: Query<(Entity, Option<&CreationOrder>, &mut Touching, &ContactEvents)>,
     resting: Resting,
     (moved, mut rescaled): (Query<Entity, Changed<ChildOf>>, RemovedComponents<Rescaled>),
     mut orphans: ResMut<Orphans>,
     mut anew: Local<Vec<Entity>>,
-    mut told: Local<Vec<TouchingPair>>,
+    mut contacts: Local<Vec<TouchingPair>>,
     mut order: Local<Vec<(Option<CreationOrder>, Entity)>>,
     mut lists: Local<Lists>,
 ) {
     anew.clear();
     anew.extend(moved.iter().chain(rescaled.read()).chain(orphans.0.drain(..)));
-    if asking.is_empty() {
+    if with_events.is_empty() {
         return;
     }
     anew.sort_unstable();
-    told.clear();
+    contacts.clear();
     for impact in &world.report().impacts {
         let participants =
             [impact.first, impact.second].map(|participant| world.entity_of(participant));
         let [Some(first), Some(second)] = participants else { continue };
         for (entity, other, sign) in [(first, second, 1.0), (second, first, -1.0)] {
-            if asking.contains(entity) {
-                told.push((entity, other, *impact, sign));
+            if with_events.contains(entity) {
+                contacts.push((entity, other, *impact, sign));
             }
         }
     }
     // A stable sort: the contacts of one entity stay in the order of the report, which is that of creation, whatever the entity ids.
-    told.sort_by_key(|&(entity, ..)| entity);
+    contacts.sort_by_key(|&(entity, ..)| entity);
     order.clear();
-    order.extend(asking.iter().map(|(entity, order, ..)| (order.copied(), entity)));
+    order.extend(with_events.iter().map(|(entity, order, ..)| (order.copied(), entity)));
     order.sort_unstable();
     for &(_, entity) in &*order {
-        let Ok((_, _, mut touching, events)) = asking.get_mut(entity) else { continue };
-        let from = told.partition_point(|one| one.0 < entity);
-        let now = &told[from..from + told[from..].partition_point(|one| one.0 == entity)];
+        let Ok((_, _, mut touching, events)) = with_events.get_mut(entity) else { continue };
+        let from = contacts.partition_point(|one| one.0 < entity);
+        let now = &contacts[from..from + contacts[from..].partition_point(|one| one.0 == entity)];
         let is_new = |entity: &Entity| !anew.is_empty() && anew.binary_search(entity).is_ok();
-        let goes_on = |other: &Entity| !is_new(&entity) && !is_new(other);
+        let continues = |other: &Entity| !is_new(&entity) && !is_new(other);
         let every = if *events == ContactEvents::Every { now } else { Default::default() };
         let unchanged = now.iter().map(|one| one.1).eq(touching.0.iter().copied());
-        if unchanged && touching.0.iter().all(goes_on) {
+        if unchanged && touching.0.iter().all(continues) {
             report_impulses(every, &mut impulses, &mut commands);
             continue;
         }
         // Sorted, since a floor may touch a thousand bodies.
-        let Lists { met, known } = &mut *lists;
-        sort(met, now.iter().map(|one| one.1));
-        sort(known, touching.0.iter().copied());
+        let Lists { current, previous } = &mut *lists;
+        sort(current, now.iter().map(|one| one.1));
+        sort(previous, touching.0.iter().copied());
         // Two bodies that rest against each other asleep are not solved, but still touch.
-        let met = |other: &Entity| met.binary_search(other).is_ok();
-        let rests = |other: &Entity| !met(other) && resting.do_rest(entity, *other);
-        let touches = |other: &Entity| goes_on(other) && (met(other) || rests(other));
-        let began = |one: &&TouchingPair| !goes_on(&one.1) || known.binary_search(&one.1).is_err();
+        let is_current = |other: &Entity| current.binary_search(other).is_ok();
+        let at_rest = |other: &Entity| !is_current(other) && resting.do_rest(entity, *other);
+        let touches = |other: &Entity| continues(other) && (is_current(other) || at_rest(other));
+        let began =
+            |one: &&TouchingPair| !continues(&one.1) || previous.binary_search(&one.1).is_err();
         if touching.0.iter().all(touches) && !now.iter().any(|one| began(&one)) {
             report_impulses(every, &mut impulses, &mut commands);
             continue;
@@ -103,7 +104,7 @@ pub(crate) fn write_contact_messages(
         }
         report_impulses(every, &mut impulses, &mut commands);
         let resting: Vec<Entity> =
-            touching.0.iter().copied().filter(|other| goes_on(other) && rests(other)).collect();
+            touching.0.iter().copied().filter(|other| continues(other) && at_rest(other)).collect();
         touching.0.clear();
         touching.0.extend(now.iter().map(|one| one.1).chain(resting));
     }
@@ -112,8 +113,8 @@ pub(crate) fn write_contact_messages(
 /// The current and the previous contacts of an entity, sorted. Scratch.
 #[derive(Default)]
 pub(crate) struct Lists {
-    met: Vec<Entity>,
-    known: Vec<Entity>,
+    current: Vec<Entity>,
+    previous: Vec<Entity>,
 }
 
 fn sort(list: &mut Vec<Entity>, all: impl Iterator<Item = Entity>) {

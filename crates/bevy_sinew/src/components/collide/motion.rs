@@ -25,7 +25,7 @@ pub(crate) struct PlacedCollider {
     /// Whether it is set aside because a parent shears it.
     pub(crate) misplaced: bool,
     /// The last gather in which it took part, counted from 1.
-    pub(crate) seen: u64,
+    pub(crate) last_gather: u64,
     /// Its index in the solver's list, the listing in which it was assigned, counted from 1, and the creation order by which it was sorted.
     pub(crate) number: usize,
     pub(crate) listing: u64,

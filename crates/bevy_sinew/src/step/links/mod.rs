@@ -46,13 +46,13 @@ pub(crate) fn notice_links(
     // A component that replaces a removed one is detected as a change, so the counts are sufficient.
     let found = [count_and_changed(&springs), count_and_changed(&surfaces)];
     let now = found.map(|(count, _)| count);
-    let went = core::mem::replace(&mut *counts, now) != now;
+    let count_changed = core::mem::replace(&mut *counts, now) != now;
     let detector = &mut kinds.distances;
     detector.note_gone(removed.messages());
     detector.detect(&distances);
     let SinewWorld { simulation, tables } = &mut *world;
     tables.distances_changed = detector.is_any();
-    tables.links_stale |= went || found.iter().any(|&(_, changed)| changed);
+    tables.links_stale |= count_changed || found.iter().any(|&(_, changed)| changed);
     if !detector.is_any() || tables.links_stale {
         return;
     }
