@@ -10,7 +10,7 @@ use crate::support::app;
 /// Components and resources that are no state, and why not.
 const NO_STATE: [(&str, &str); 21] = [
     ("ParticleRow", "scratch: given anew whenever particles come or go"),
-    ("Rows", "scratch: resolved anew where what it is of has changed"),
+    ("ResolvedRows", "scratch: resolved anew where what it is of has changed"),
     ("ResolvedShape", "scratch: found again where what it follows from has changed"),
     ("ResolvedTarget", "scratch: found again where what it follows from has changed"),
     ("PlacedCollider", "scratch: made anew of the collider and its place"),

@@ -8,7 +8,7 @@ use crate::attach::{AttachTo, AttachmentJoints, AttachmentOf};
 use crate::changes::count_and_changed;
 use crate::components::{BodyConstraints, BreakAt, ConstraintOf, CreationOrder};
 use crate::schedule::SinewClock;
-use crate::world::{LinkAt, SinewWorld};
+use crate::world::{LinkIndex, SinewWorld};
 
 /// A constraint, a spring or an attachment broke, because it exceeded its [`BreakAt`]. It is a message, and an event that can be observed on what broke and, if
 /// that belongs to a body, on the body. What broke still exists when the event is sent, and is despawned right after.
@@ -41,10 +41,10 @@ pub struct Broke {
     pub strain: f32,
 }
 
-/// A constraint that may break, and its place in the solver's lists. Scratch.
+/// A constraint that may break, and its index in the solver's lists. Scratch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Breakable {
-    at: LinkAt,
+    at: LinkIndex,
     limits: BreakAt,
     /// What breaks: the constraint, or the attachment that it belongs to.
     breaks: Entity,
@@ -160,7 +160,7 @@ impl Breakable {
         let particles = &simulation.particles;
         let (mut ends, mut rest, mut sign) = (None, 0.0, 1.0);
         let force = match self.at {
-            LinkAt::Distance(number) => {
+            LinkIndex::Distance(number) => {
                 let distance = simulation.distances().get(number)?;
                 (ends, rest) = (Some([distance.a, distance.b]), distance.rest);
                 if distance.bound == Bound::AtLeast {
@@ -168,12 +168,12 @@ impl Breakable {
                 }
                 simulation.distance_load(number).unwrap_or(0.0) * sign
             }
-            LinkAt::Spring(number) => {
+            LinkIndex::Spring(number) => {
                 let spring = simulation.forces.springs.get(number)?;
                 (ends, rest) = (Some([spring.a, spring.b]), spring.rest);
                 spring.tension(particles)
             }
-            LinkAt::Constraint(number) => simulation.constraint_load(number).unwrap_or(0.0),
+            LinkIndex::Constraint(number) => simulation.constraint_load(number).unwrap_or(0.0),
         };
         let strain = match ends {
             Some([a, b]) if rest > 0.0 => {
@@ -188,7 +188,7 @@ impl Breakable {
         }
         let rows: &[u32] = match (&ends, self.at) {
             (Some(ends), _) => ends,
-            (None, LinkAt::Constraint(number)) => &simulation.constraints().get(number)?.rows,
+            (None, LinkIndex::Constraint(number)) => &simulation.constraints().get(number)?.rows,
             _ => return None,
         };
         let near = particles.position(*rows.first()? as usize);

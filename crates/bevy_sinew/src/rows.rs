@@ -29,7 +29,7 @@ impl Layout {
 
 /// The rows of the particles that the component `T` of the same entity lists, in its order. Scratch.
 #[derive(Component)]
-pub(crate) struct Rows<T: Send + Sync + 'static> {
+pub(crate) struct ResolvedRows<T: Send + Sync + 'static> {
     layout: u64,
     rows: Vec<u32>,
     /// The last tick that was drawn from these rows, for components that draw; counted from 1.
@@ -44,13 +44,13 @@ pub(crate) struct Rows<T: Send + Sync + 'static> {
 /// The row of a particle that is gone.
 pub(crate) const GONE: u32 = u32::MAX;
 
-impl<T: Send + Sync + 'static> Default for Rows<T> {
+impl<T: Send + Sync + 'static> Default for ResolvedRows<T> {
     fn default() -> Self {
         Self { layout: 0, rows: Vec::new(), drawn: 0, plain: None, collider: None, of: PhantomData }
     }
 }
 
-impl<T: Send + Sync + 'static> Rows<T> {
+impl<T: Send + Sync + 'static> ResolvedRows<T> {
     /// The rows, resolved again if the list of entities `changed` or one of its particles has another row. [`GONE`] for an entity that is not a particle (any
     /// more).
     pub(crate) fn resolve(

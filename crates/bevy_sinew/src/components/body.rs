@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::collide::ResolvedShape;
 use super::order::CreationOrder;
-use crate::rows::Rows;
+use crate::rows::ResolvedRows;
 use crate::same::same_variants;
 
 /// A body: an entity to which particles, springs and constraints belong. They are despawned with it.
@@ -22,7 +22,7 @@ use crate::same::same_variants;
 /// A [`LinearVelocity`] and an [`AngularVelocity`] that are spawned with the body are its initial motion.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
-#[require(Transform, ExtractedTransform, Rows<BodyParticles>)]
+#[require(Transform, ExtractedTransform, ResolvedRows<BodyParticles>)]
 #[require(LinearVelocity, AngularVelocity, ExtractedVelocity, WorldCenterOfMass, Inertia)]
 #[require(ResolvedShape)]
 pub struct ParticleBody;
@@ -83,7 +83,7 @@ pub struct BodyConstraints(Vec<Entity>);
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Clone)]
-#[require(Transform, CreationOrder, Rows<RigidPose>)]
+#[require(Transform, CreationOrder, ResolvedRows<RigidPose>)]
 pub struct RigidPose {
     /// The particles that determine the pose.
     #[entities]
@@ -110,7 +110,7 @@ pub struct RigidPose {
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Clone)]
-#[require(Rows<WindSurface>)]
+#[require(ResolvedRows<WindSurface>)]
 pub struct WindSurface {
     /// The corners of each triangle. Counter-clockwise seen from outside, if the surface is closed.
     #[entities]
@@ -132,7 +132,7 @@ pub struct WindSurface {
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Clone)]
-#[require(Transform, Rows<MeshFollow>)]
+#[require(Transform, ResolvedRows<MeshFollow>)]
 pub struct MeshFollow {
     /// The particle that each vertex follows, in the order of the mesh's vertices.
     #[entities]
@@ -157,7 +157,7 @@ pub struct MeshFollow {
 /// ```
 #[derive(Component, Reflect, Clone, Debug)]
 #[reflect(Component, Default, Clone)]
-#[require(Transform, Rows<TubeMesh>)]
+#[require(Transform, ResolvedRows<TubeMesh>)]
 pub struct TubeMesh {
     /// The particles along the centre line of the tube.
     #[entities]

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::order::CreationOrder;
-use crate::rows::Rows;
+use crate::rows::ResolvedRows;
 
 /// A force and a torque that the game applies to a body as a whole, or to one particle, in every substep until they are changed or removed.
 ///
@@ -26,7 +26,7 @@ use crate::rows::Rows;
 /// affected. A component with a number that is not finite is refused once, and has no effect until it is corrected.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(CreationOrder, Rows<ControlForce>, ResolvedTarget)]
+#[require(CreationOrder, ResolvedRows<ControlForce>, ResolvedTarget)]
 pub struct ControlForce {
     /// The body, the rigid part (any entity with a [`RigidPose`](super::RigidPose)) or the particle on which it acts. Default `None`: the entity that has this
     /// component.

@@ -12,13 +12,13 @@ use crate::components::{
 };
 
 /// A relationship whose target is a plain list.
-pub(super) trait Joins:
+pub(super) trait ListRelationship:
     Relationship<RelationshipTarget: RelationshipTarget<Collection = Vec<Entity>>>
 {
 }
 
-impl<R: Relationship<RelationshipTarget: RelationshipTarget<Collection = Vec<Entity>>>> Joins
-    for R
+impl<R: Relationship<RelationshipTarget: RelationshipTarget<Collection = Vec<Entity>>>>
+    ListRelationship for R
 {
 }
 
@@ -42,7 +42,7 @@ pub fn bind(
             softness: distance.softness.into(),
             bound: distance.bound.into(),
         };
-        if !fill(world, entity, ConstraintOf(body), constraint) {
+        if !insert_related(world, entity, ConstraintOf(body), constraint) {
             bound.truncate(done);
             return bound;
         }
@@ -50,7 +50,7 @@ pub fn bind(
     for (done, constraint) in (distances.len()..).zip(constraints) {
         let Some(&entity) = bound.get(done) else { return bound };
         let particles = constraint.rows.iter().map(|&row| particle(row)).collect();
-        if !fill_kind(world, entity, ConstraintOf(body), particles, &constraint.kind) {
+        if !insert_kind(world, entity, ConstraintOf(body), particles, &constraint.kind) {
             bound.truncate(done);
             return bound;
         }
@@ -58,10 +58,10 @@ pub fn bind(
     bound
 }
 
-/// Spawns entities that are in the list of a body (none if the body is gone), but do not have the relationship until they are [filled](fill). Bevy issues a
+/// Spawns entities that are in the list of a body (none if the body is gone), but do not have the relationship until they are [filled](insert_related). Bevy issues a
 /// command for each entity that is added to a list, which takes longer than everything else, so they are added all at once. An observer that despawns the body
 /// despawns them, too.
-pub(super) fn spawn_related<R: Joins>(
+pub(super) fn spawn_related<R: ListRelationship>(
     world: &mut World,
     body: Entity,
     count: usize,
@@ -80,7 +80,12 @@ pub(super) fn spawn_related<R: Joins>(
 }
 
 /// Inserts the components of an entity that was [spawned](spawn_related). Returns whether the body still exists; if it does not, neither does the entity.
-pub(super) fn fill<R: Joins>(world: &mut World, entity: Entity, of: R, rest: impl Bundle) -> bool {
+pub(super) fn insert_related<R: ListRelationship>(
+    world: &mut World,
+    entity: Entity,
+    of: R,
+    rest: impl Bundle,
+) -> bool {
     let Some(mode) = mode::<R>(world, of.get()) else { return false };
     if let Ok(mut entity) = world.get_entity_mut(entity) {
         entity.insert_with_relationship_hook_mode((of, rest), mode);
@@ -89,7 +94,7 @@ pub(super) fn fill<R: Joins>(world: &mut World, entity: Entity, of: R, rest: imp
 }
 
 /// How an entity is added to a body: without the hook, since it is in the list; unless an observer removed the list. `None` if the body is gone.
-fn mode<R: Joins>(world: &World, body: Entity) -> Option<RelationshipHookMode> {
+fn mode<R: ListRelationship>(world: &World, body: Entity) -> Option<RelationshipHookMode> {
     let body = world.get_entity(body).ok()?;
     Some(match body.contains::<R::RelationshipTarget>() {
         true => RelationshipHookMode::Skip,
@@ -98,7 +103,7 @@ fn mode<R: Joins>(world: &World, body: Entity) -> Option<RelationshipHookMode> {
 }
 
 /// Inserts the component of a constraint's kind. A custom constraint, or one with a wrong number of particles, becomes an [`AnyConstraint`].
-fn fill_kind(
+fn insert_kind(
     world: &mut World,
     entity: Entity,
     of: ConstraintOf,
@@ -109,41 +114,53 @@ fn fill_kind(
     let four = <[Entity; 4]>::try_from(particles.as_slice());
     match (kind, three, four) {
         (ConstraintKind::Angle(kind), Ok(p), _) => {
-            fill(world, entity, of, AngleConstraint::from_kind(p, kind))
+            insert_related(world, entity, of, AngleConstraint::from_kind(p, kind))
         }
         (ConstraintKind::Hinge(kind), _, Ok(p)) => {
-            fill(world, entity, of, HingeConstraint::from_kind(p, kind))
+            insert_related(world, entity, of, HingeConstraint::from_kind(p, kind))
         }
         (ConstraintKind::Cone(kind), ..) => {
-            fill(world, entity, of, ConeConstraint::from_kind(particles, kind))
+            insert_related(world, entity, of, ConeConstraint::from_kind(particles, kind))
         }
         (ConstraintKind::Area(kind), Ok(p), _) => {
-            fill(world, entity, of, AreaConstraint::from_kind(p, kind))
+            insert_related(world, entity, of, AreaConstraint::from_kind(p, kind))
         }
         (ConstraintKind::Patch(kind), ..) => {
-            fill(world, entity, of, PatchConstraint::from_kind(particles, kind))
+            insert_related(world, entity, of, PatchConstraint::from_kind(particles, kind))
         }
         (ConstraintKind::Tetrahedron(kind), _, Ok(p)) => {
-            fill(world, entity, of, TetrahedronConstraint::from_kind(p, kind))
+            insert_related(world, entity, of, TetrahedronConstraint::from_kind(p, kind))
         }
         (ConstraintKind::Volume(kind), ..) => {
-            fill(world, entity, of, VolumeConstraint::from_kind(particles, kind))
+            insert_related(world, entity, of, VolumeConstraint::from_kind(particles, kind))
         }
         (ConstraintKind::Bend(kind), _, Ok(p)) => {
-            fill(world, entity, of, BendConstraint::from_kind(p, kind))
+            insert_related(world, entity, of, BendConstraint::from_kind(p, kind))
         }
         (ConstraintKind::Coplanar(kind), ..) => {
             let softness = kind.softness.into();
-            fill(world, entity, of, CoplanarConstraint::new(particles).with_softness(softness))
+            insert_related(
+                world,
+                entity,
+                of,
+                CoplanarConstraint::new(particles).with_softness(softness),
+            )
         }
         (ConstraintKind::Collinear(kind), ..) => {
             let softness = kind.softness.into();
-            fill(world, entity, of, CollinearConstraint::new(particles).with_softness(softness))
+            insert_related(
+                world,
+                entity,
+                of,
+                CollinearConstraint::new(particles).with_softness(softness),
+            )
         }
         (ConstraintKind::Rigid(kind), ..) => {
-            fill(world, entity, of, RigidConstraint::from_kind(particles, kind))
+            insert_related(world, entity, of, RigidConstraint::from_kind(particles, kind))
         }
-        (kind, ..) => fill(world, entity, of, AnyConstraint::new(particles, kind.clone())),
+        (kind, ..) => {
+            insert_related(world, entity, of, AnyConstraint::new(particles, kind.clone()))
+        }
     }
 }
 

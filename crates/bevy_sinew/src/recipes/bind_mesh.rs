@@ -16,9 +16,9 @@ pub(crate) struct MadeFrom {
 
 /// The mesh to make a body from: its `Mesh3d`, or the original if that is the copy.
 pub(crate) fn source_mesh(world: &World, body: Entity) -> Option<&Handle<Mesh>> {
-    let worn = &world.get::<Mesh3d>(body)?.0;
-    let made = world.get::<MadeFrom>(body).filter(|made| made.own == *worn);
-    Some(made.map_or(worn, |made| &made.source))
+    let current_mesh = &world.get::<Mesh3d>(body)?.0;
+    let made = world.get::<MadeFrom>(body).filter(|made| made.own == *current_mesh);
+    Some(made.map_or(current_mesh, |made| &made.source))
 }
 
 /// Replaces the mesh of a body by a copy, which can be deformed.

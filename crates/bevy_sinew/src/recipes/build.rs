@@ -18,7 +18,7 @@ use crate::components::{
 use crate::config::BodySolver;
 use crate::frames::{Frames, Misplaced, in_world, is_even};
 use crate::messages::{Refusal, Refused};
-use crate::recipes::bind::{Joins, attach, bind, fill, spawn_related};
+use crate::recipes::bind::{ListRelationship, attach, bind, insert_related, spawn_related};
 use crate::recipes::bind_mesh::source_mesh;
 use crate::recipes::built::JustBuilt;
 
@@ -127,11 +127,11 @@ pub(crate) struct AwaitsPlace {
 }
 
 /// The result of building a body without an error.
-enum Outcome {
+enum BuildOutcome {
     /// The body is built, at this scale, and has been given this collider, unless the game's is kept.
     Built(Vec3, Option<Collider>),
     /// The mesh, or another body, does not exist yet.
-    Waits,
+    Waiting,
     /// An observer despawned the body during the build.
     Gone,
 }
@@ -200,21 +200,21 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
         let Ok(mut entity) = world.get_entity_mut(body) else { continue };
         entity.remove::<Rescaled>();
         match outcome {
-            Ok(Outcome::Built(scale, collider)) => {
+            Ok(BuildOutcome::Built(scale, collider)) => {
                 let built = Built { recipe, mesh: SourceMesh::Here(mesh), scale, collider };
                 entity.insert(built).remove::<(AwaitsMesh<R>, AwaitsPlace)>();
                 world.get_resource_or_init::<JustBuilt>().0.push(body);
             }
-            Ok(Outcome::Waits) => {
+            Ok(BuildOutcome::Waiting) => {
                 entity.insert_if_new(AwaitsMesh::<R>(PhantomData));
             }
-            Ok(Outcome::Gone) => {}
+            Ok(BuildOutcome::Gone) => {}
             Err(reason) => {
-                if entity.get::<Collider>() == given::<R>(&entity) {
+                if entity.get::<Collider>() == recipe_collider::<R>(&entity) {
                     entity.remove::<Collider>();
                 }
                 entity.remove::<(AwaitsMesh<R>, Built<R>, BuiltBody)>();
-                tear_down(world, body);
+                despawn_built(world, body);
                 if awaits_place(world, body, &reason, at) {
                     continue;
                 }
@@ -261,16 +261,20 @@ fn wanted_mesh<R: Recipe>(world: &World, body: Entity, recipe: &R) -> Option<Ass
 }
 
 /// The collider that the last build of a body added.
-fn given<'a, R: Recipe>(body: &'a EntityWorldMut) -> Option<&'a Collider> {
+fn recipe_collider<'a, R: Recipe>(body: &'a EntityWorldMut) -> Option<&'a Collider> {
     body.get::<Built<R>>().and_then(|built| built.collider.as_ref())
 }
 
 /// Adds the collider of the recipe, unless the game has added one; returns the recipe's collider if it is used.
-fn shape<R: Recipe>(world: &mut World, body: Entity, own: Option<Collider>) -> Option<Collider> {
+fn put_collider<R: Recipe>(
+    world: &mut World,
+    body: Entity,
+    own: Option<Collider>,
+) -> Option<Collider> {
     let mut entity = world.get_entity_mut(body).ok()?;
     let has = entity.get::<Collider>();
     // A collider equal to that of the recipe may have been restored.
-    if has.is_some() && has != given::<R>(&entity) && has != own.as_ref() {
+    if has.is_some() && has != recipe_collider::<R>(&entity) && has != own.as_ref() {
         return None;
     }
     match &own {
@@ -281,7 +285,11 @@ fn shape<R: Recipe>(world: &mut World, body: Entity, own: Option<Collider>) -> O
 }
 
 /// Builds one body. A refused body is left without particles.
-fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<Outcome, Refusal> {
+fn build_one<R: Recipe>(
+    world: &mut World,
+    body: Entity,
+    recipe: &R,
+) -> Result<BuildOutcome, Refusal> {
     if world.get::<Transform>(body).is_none() {
         return Err(Refusal::Transform);
     }
@@ -289,16 +297,16 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
     if !transform.is_finite() || transform.scale.abs().min_element() == 0.0 {
         return Err(Refusal::Transform);
     }
-    let Some(recipe) = &recipe.located(world, body)? else { return Ok(Outcome::Waits) };
+    let Some(recipe) = &recipe.located(world, body)? else { return Ok(BuildOutcome::Waiting) };
     let mesh = if recipe.wants_mesh() {
         match read_mesh(world, body)? {
             Some(mesh) => Some(mesh),
-            None => return Ok(Outcome::Waits),
+            None => return Ok(BuildOutcome::Waiting),
         }
     } else {
         None
     };
-    tear_down(world, body);
+    despawn_built(world, body);
     let blueprint = recipe.blueprint(mesh.as_ref(), transform.scale)?;
     // A rigid body may rotate later, whatever its current rotation is.
     let parent = world.get::<ChildOf>(body).map(ChildOf::parent);
@@ -334,28 +342,28 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
     if world.get_entity(body).is_ok() {
         recipe.finish(world, body, &placed, &particles);
     }
-    let collider = shape::<R>(world, body, recipe.collider(&blueprint));
+    let collider = put_collider::<R>(world, body, recipe.collider(&blueprint));
     if world.get_entity(body).is_ok() {
-        return Ok(Outcome::Built(transform.scale, collider));
+        return Ok(BuildOutcome::Built(transform.scale, collider));
     }
     // The body's list was despawned with it; entities that were not in the list any more would remain.
     for entity in particles.into_iter().chain(bound) {
         world.try_despawn(entity).ok();
     }
-    Ok(Outcome::Gone)
+    Ok(BuildOutcome::Gone)
 }
 
 /// Despawns the entities of an earlier build of this body.
-fn tear_down(world: &mut World, body: Entity) {
-    dismiss::<ParticleOf>(world, body);
-    dismiss::<ConstraintOf>(world, body);
+fn despawn_built(world: &mut World, body: Entity) {
+    despawn_related::<ParticleOf>(world, body);
+    despawn_related::<ConstraintOf>(world, body);
     let Ok(mut entity) = world.get_entity_mut(body) else { return };
     entity.despawn_related::<BodyParts>().remove::<(WindSurface, MeshFollow)>();
 }
 
 /// Despawns all entities of one relationship of a body. The list is taken out first: otherwise each entity would search the list for itself, and move all
 /// entries behind it.
-fn dismiss<R: Joins>(world: &mut World, body: Entity) {
+fn despawn_related<R: ListRelationship>(world: &mut World, body: Entity) {
     let Some(mut list) = world.get_mut::<R::RelationshipTarget>(body) else { return };
     for entity in core::mem::take(list.collection_mut_risky()) {
         // An observer of an earlier entity may have despawned this one.
@@ -417,10 +425,10 @@ fn spawn_particles(
         let (of, drag) = (ParticleOf(body), Drag(seed.drag));
         // All components in one insertion: a further one would move the entity to another table.
         let there = match (pinned, seed.drag > 0.0) {
-            (false, false) => fill(world, entity, of, particle),
-            (false, true) => fill(world, entity, of, (particle, drag)),
-            (true, false) => fill(world, entity, of, (particle, Pinned::HERE)),
-            (true, true) => fill(world, entity, of, (particle, drag, Pinned::HERE)),
+            (false, false) => insert_related(world, entity, of, particle),
+            (false, true) => insert_related(world, entity, of, (particle, drag)),
+            (true, false) => insert_related(world, entity, of, (particle, Pinned::HERE)),
+            (true, true) => insert_related(world, entity, of, (particle, drag, Pinned::HERE)),
         };
         if !there {
             particles.truncate(done);

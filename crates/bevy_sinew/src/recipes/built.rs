@@ -47,7 +47,7 @@ pub struct BodyBuilt {
 pub(crate) struct JustBuilt(pub(crate) Vec<Entity>);
 
 /// Marks the bodies that were built in this tick, and sends their events.
-pub(crate) fn announce(world: &mut World) {
+pub(crate) fn send_built(world: &mut World) {
     let Some(mut built) = world.get_resource_mut::<JustBuilt>().filter(|built| !built.0.is_empty())
     else {
         return;

@@ -49,7 +49,7 @@ pub(crate) fn add(app: &mut App) {
             build::build::<RigidBox>,
             build::build::<Rope>,
             build::build_waiting::<Rope>,
-            built::announce,
+            built::send_built,
         )
             .chain()
             .in_set(SinewSystems::Build),

@@ -112,14 +112,14 @@ pub(super) fn spawn_parts(
         }
         let pose = pose_of(part, particles);
         let spawned = world.spawn((name, BodyPart { size: part.size }, PartOf(body), pose)).id();
-        if let Some(collider) = part.shape.as_ref().map(|_| limb(part.size)) {
+        if let Some(collider) = part.shape.as_ref().map(|_| part_collider(part.size)) {
             attach(world, spawned, collider);
         }
     }
 }
 
 /// The shape by which a part collides: a capsule along y, or a box.
-fn limb(size: Vec3) -> Collider {
+fn part_collider(size: Vec3) -> Collider {
     if size.x == size.z && size.y >= size.x {
         return Collider::capsule(size.x * 0.5, size.y - size.x);
     }

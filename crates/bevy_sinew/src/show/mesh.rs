@@ -13,7 +13,7 @@ use sinew::InstructionSet;
 use super::{Easing, Frame};
 use crate::components::{Interpolate, MeshFollow};
 use crate::messages::{Refusal, Refused, refuse};
-use crate::rows::{GONE, Rows};
+use crate::rows::{GONE, ResolvedRows};
 use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
 
@@ -36,7 +36,7 @@ pub(crate) fn deform_meshes(
     mut bodies: Query<(
         Entity,
         Ref<MeshFollow>,
-        &mut Rows<MeshFollow>,
+        &mut ResolvedRows<MeshFollow>,
         Ref<Mesh3d>,
         Has<Interpolate>,
     )>,

@@ -10,7 +10,7 @@ use bevy::transform::helper::TransformHelper;
 
 use super::{Easing, Frame};
 use crate::components::{Interpolate, TubeMesh};
-use crate::rows::{GONE, Rows};
+use crate::rows::{GONE, ResolvedRows};
 use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
 
@@ -24,7 +24,7 @@ pub(crate) fn draw_tubes(
     mut tubes: Query<(
         Entity,
         Ref<TubeMesh>,
-        &mut Rows<TubeMesh>,
+        &mut ResolvedRows<TubeMesh>,
         Option<&Mesh3d>,
         Has<Interpolate>,
     )>,

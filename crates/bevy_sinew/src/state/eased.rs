@@ -6,7 +6,7 @@ use bevy_transform_interpolation::{RotationEasingState, ScaleEasingState, Transl
 
 /// Replaces an interpolated transform by the one at the end of the tick.
 #[cfg(feature = "interpolation")]
-pub(super) fn settled(world: &World, entity: Entity, transform: &mut Transform) {
+pub(super) fn tick_end(world: &World, entity: Entity, transform: &mut Transform) {
     let end = world.get::<TranslationEasingState>(entity).and_then(|eased| eased.end);
     transform.translation = end.unwrap_or(transform.translation);
     let end = world.get::<RotationEasingState>(entity).and_then(|eased| eased.end);
@@ -17,7 +17,7 @@ pub(super) fn settled(world: &World, entity: Entity, transform: &mut Transform) 
 
 /// Without interpolation, nothing changes.
 #[cfg(not(feature = "interpolation"))]
-pub(super) fn settled(_: &World, _: Entity, _: &mut Transform) {}
+pub(super) fn tick_end(_: &World, _: Entity, _: &mut Transform) {}
 
 /// Resets the interpolation of an entity that was moved.
 pub(super) fn forget(entity: &mut EntityWorldMut) {

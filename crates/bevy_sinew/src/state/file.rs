@@ -21,7 +21,7 @@ use sinew::{CachedManifold, Shape};
 
 use super::snapshot::SinewSnapshot;
 use super::types::StateTypes;
-use super::values::{Column, Kind, StateRole, Values};
+use super::values::{Column, StateKind, StateRole, Values};
 use crate::components::{AnyConstraint, ColliderShape, ContactCache, CreationOrder};
 
 /// The tag at the beginning of a file.
@@ -384,7 +384,7 @@ impl<'de> Visitor<'de> for ColumnIn<'_> {
 }
 
 struct ValuesIn<'a> {
-    kind: &'a dyn Kind,
+    kind: &'a dyn StateKind,
     registration: &'a TypeRegistration,
     registry: &'a TypeRegistry,
 }

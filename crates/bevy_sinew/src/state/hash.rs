@@ -37,7 +37,9 @@ impl Hash<'_> {
             self.word(order);
             match column.values.view(place) {
                 Some(value) => self.value(value),
-                None => column.values.named(place).iter().for_each(|&entity| self.entity(entity)),
+                None => {
+                    column.values.particles(place).iter().for_each(|&entity| self.entity(entity))
+                }
             }
         }
     }

@@ -3,7 +3,7 @@
 
 use bevy::prelude::*;
 
-use super::eased::settled;
+use super::eased::tick_end;
 use super::types;
 use super::values::{Options, StateRole, empty, join, join_listed, kind, put_resource, supply};
 use crate::attach::{
@@ -43,8 +43,8 @@ macro_rules! recipes {
         components!($app: $recipe,);
         $app.register_type::<Built<$recipe>>();
         let built = Options::<Built<$recipe>>::reflected();
-        let (role, foreign) = (StateRole::Carried, Some(Built::forget_mesh as fn(&mut Built<$recipe>)));
-        types::add($app.world_mut(), kind(Options { role, foreign, ..built }));
+        let (role, on_foreign) = (StateRole::Carried, Some(Built::forget_mesh as fn(&mut Built<$recipe>)));
+        types::add($app.world_mut(), kind(Options { role, on_foreign, ..built }));
         let awaits = Options::<AwaitsMesh<$recipe>>::plain();
         types::add($app.world_mut(), kind(Options { role: StateRole::Local, hashed: false, ..awaits }));
     )*};
@@ -57,8 +57,8 @@ macro_rules! relationships {
         let joined = Options::<$relationship>::with(join::<$relationship>).viewed();
         types::add($app.world_mut(), kind(joined));
         let list = Options::<$list>::reflected();
-        let let_go = Some(empty::<$list> as fn(&mut World, Entity));
-        types::add($app.world_mut(), kind(Options { let_go, lists: true, ..list }));
+        let disconnect = Some(empty::<$list> as fn(&mut World, Entity));
+        types::add($app.world_mut(), kind(Options { disconnect, lists: true, ..list }));
     )*};
 }
 
@@ -111,17 +111,17 @@ pub(crate) fn add(app: &mut App) {
 fn add_special(app: &mut App) {
     app.register_type::<(Touching, BodyReport, Transform, Name, ChildOf)>();
     // Contacts that are cleared by a restore must not send events.
-    let let_go: Option<fn(&mut World, Entity)> = Some(|world, entity| {
+    let disconnect: Option<fn(&mut World, Entity)> = Some(|world, entity| {
         if let Some(mut touching) = world.get_mut::<Touching>(entity) {
             touching.0.clear();
         }
     });
-    let touching = Options { let_go, ..Options::<Touching>::reflected() };
+    let touching = Options { disconnect, ..Options::<Touching>::reflected() };
     // Added by tools, and with wall-clock times, so it is not hashed.
     let report = Options { hashed: false, ..Options::<BodyReport>::reflected() };
     let role = StateRole::Carried;
     let transform = Options::<Transform>::reflected();
-    let transform = Options { role, pruned: false, taken: Some(settled), ..transform };
+    let transform = Options { role, pruned: false, on_capture: Some(tick_end), ..transform };
     let name = Options { role, pruned: false, ..Options::<Name>::reflected() };
     let parent = Options { role, ..Options::<ChildOf>::with(join_listed::<ChildOf>).viewed() };
     // Handles and markers that are valid in their own world only.

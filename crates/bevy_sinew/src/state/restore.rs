@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use super::eased;
 use super::snapshot::{Places, SinewSnapshot, members};
 use super::types::StateTypes;
-use super::values::{Kind, StateRole};
+use super::values::{StateKind, StateRole};
 use crate::breaking::Broke;
 use crate::components::{ContactEnded, ContactStarted, TopologyChanged};
 use crate::recipes::BodyBuilt;
@@ -80,7 +80,7 @@ impl SinewSnapshot {
         // No entity may be despawned along with others, or send events.
         let now = members(world, types);
         for kind in &types.kinds {
-            now.iter().for_each(|&entity| kind.let_go(world, entity));
+            now.iter().for_each(|&entity| kind.disconnect(world, entity));
         }
         let stay: BTreeSet<Entity> = kept.iter().flatten().copied().collect();
         for &entity in now.iter().filter(|entity| !stay.contains(*entity)) {
@@ -200,7 +200,7 @@ impl Had {
     }
 }
 
-fn remove_resource(world: &mut World, kind: &dyn Kind) {
+fn remove_resource(world: &mut World, kind: &dyn StateKind) {
     if let Some(id) = world.components().get_id(kind.id()) {
         world.remove_resource_by_id(id);
     }

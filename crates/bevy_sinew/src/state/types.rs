@@ -7,14 +7,14 @@ use bevy::ecs::component::Mutable;
 use bevy::prelude::*;
 use bevy::reflect::{FromReflect, GetTypeRegistration, TypePath};
 
-use super::values::{Kind, Options, StateRole, kind, put_resource};
+use super::values::{Options, StateKind, StateRole, kind, put_resource};
 use crate::components::ParticleConstraint;
 
 /// Every type that is state: the contents of a [`SinewSnapshot`](super::SinewSnapshot). The types of this crate are in it from the start; a game's constraints
 /// are added by [`register_particle_constraint`](crate::RegisterParticleConstraint), and any other types by [`RegisterState`].
 #[derive(Resource, Default)]
 pub struct StateTypes {
-    pub(super) kinds: Vec<Arc<dyn Kind>>,
+    pub(super) kinds: Vec<Arc<dyn StateKind>>,
 }
 
 /// One entry of [`StateTypes`].
@@ -50,7 +50,7 @@ impl StateTypes {
     }
 
     /// Adds a type. An entry that is not reflected is replaced by one that is.
-    pub(super) fn add(&mut self, kind: Arc<dyn Kind>) {
+    pub(super) fn add(&mut self, kind: Arc<dyn StateKind>) {
         match self.find(kind.id()) {
             None => self.kinds.push(kind),
             Some(place) if kind.is_reflected() && !self.kinds[place].is_reflected() => {
@@ -130,10 +130,10 @@ impl RegisterState for App {
 
 /// Adds a registered constraint type, which may be reflected or not.
 pub(crate) fn add_constraint<T: ParticleConstraint>(world: &mut World) {
-    let named = Some(T::particles as fn(&T) -> &[Entity]);
-    add(world, kind(Options { named, ..Options::<T>::plain() }));
+    let particles = Some(T::particles as fn(&T) -> &[Entity]);
+    add(world, kind(Options { particles, ..Options::<T>::plain() }));
 }
 
-pub(super) fn add(world: &mut World, kind: Arc<dyn Kind>) {
+pub(super) fn add(world: &mut World, kind: Arc<dyn StateKind>) {
     world.get_resource_or_init::<StateTypes>().add(kind);
 }

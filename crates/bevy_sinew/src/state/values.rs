@@ -40,15 +40,15 @@ pub(super) struct Options<C> {
     /// Restores a value.
     pub(super) put: fn(&mut World, Entity, C),
     /// Adjusts a value that was copied from the world.
-    pub(super) taken: Option<fn(&World, Entity, &mut C)>,
+    pub(super) on_capture: Option<fn(&World, Entity, &mut C)>,
     /// Sorts a value after its entities have been replaced by other ids.
-    pub(super) ordered: Option<fn(&mut C)>,
+    pub(super) after_map: Option<fn(&mut C)>,
     /// Clears what is not valid in another world.
-    pub(super) foreign: Option<fn(&mut C)>,
+    pub(super) on_foreign: Option<fn(&mut C)>,
     /// Disconnects an existing component from other entities, before anything is despawned.
-    pub(super) let_go: Option<fn(&mut World, Entity)>,
+    pub(super) disconnect: Option<fn(&mut World, Entity)>,
     /// The particles of a constraint.
-    pub(super) named: Option<fn(&C) -> &[Entity]>,
+    pub(super) particles: Option<fn(&C) -> &[Entity]>,
 }
 
 /// Access to a type by reflection.
@@ -98,11 +98,11 @@ impl<C: Component + Clone> Options<C> {
             lists: false,
             reflection: None,
             put,
-            taken: None,
-            ordered: None,
-            foreign: None,
-            let_go: None,
-            named: None,
+            on_capture: None,
+            after_map: None,
+            on_foreign: None,
+            disconnect: None,
+            particles: None,
         }
     }
 
@@ -206,7 +206,7 @@ impl EntityMapper for Names<'_> {
 }
 
 /// One state type, without its Rust type.
-pub(super) trait Kind: Send + Sync {
+pub(super) trait StateKind: Send + Sync {
     fn id(&self) -> TypeId;
 
     fn name(&self) -> &str;
@@ -223,7 +223,7 @@ pub(super) trait Kind: Send + Sync {
     fn lists(&self) -> bool;
 
     /// The same kind in another role.
-    fn with_role(&self, role: StateRole) -> Arc<dyn Kind>;
+    fn with_role(&self, role: StateRole) -> Arc<dyn StateKind>;
 
     /// Clones the values of those entities that have one; of a resource, the one of the world.
     fn take(&self, world: &World, entities: &[Entity]) -> Box<dyn Values>;
@@ -232,7 +232,7 @@ pub(super) trait Kind: Send + Sync {
     #[cfg_attr(not(feature = "serialize"), expect(dead_code))]
     fn none(&self) -> Box<dyn Values>;
 
-    fn let_go(&self, world: &mut World, entity: Entity);
+    fn disconnect(&self, world: &mut World, entity: Entity);
 }
 
 /// Values of one type, in the order of their entities.
@@ -256,25 +256,25 @@ pub(super) trait Values: Send + Sync {
     fn push(&mut self, value: &dyn PartialReflect) -> bool;
 
     /// The particles of a constraint, by index.
-    fn named(&self, place: usize) -> &[Entity];
+    fn particles(&self, place: usize) -> &[Entity];
 }
 
 /// The values of one type.
 #[derive(Clone)]
 pub(super) struct Column {
-    pub(super) kind: Arc<dyn Kind>,
+    pub(super) kind: Arc<dyn StateKind>,
     /// The index of the entity of each value, ascending. 0 for a resource.
     pub(super) numbers: Arc<[u32]>,
     pub(super) values: Arc<dyn Values>,
 }
 
 /// Makes a kind from its options.
-pub(super) fn kind<C: Component + Clone>(options: Options<C>) -> Arc<dyn Kind> {
+pub(super) fn kind<C: Component + Clone>(options: Options<C>) -> Arc<dyn StateKind> {
     let name = options.reflection.map_or_else(|| type_name::<C>().into(), |of| (of.name)());
-    Arc::new(Of { options, name })
+    Arc::new(TypedState { options, name })
 }
 
-struct Of<C> {
+struct TypedState<C> {
     options: Options<C>,
     name: String,
 }
@@ -284,7 +284,7 @@ struct List<C> {
     values: Vec<C>,
 }
 
-impl<C: Component + Clone> Kind for Of<C> {
+impl<C: Component + Clone> StateKind for TypedState<C> {
     fn id(&self) -> TypeId {
         TypeId::of::<C>()
     }
@@ -313,7 +313,7 @@ impl<C: Component + Clone> Kind for Of<C> {
         self.options.lists
     }
 
-    fn with_role(&self, role: StateRole) -> Arc<dyn Kind> {
+    fn with_role(&self, role: StateRole) -> Arc<dyn StateKind> {
         kind(Options { role, ..self.options })
     }
 
@@ -322,8 +322,8 @@ impl<C: Component + Clone> Kind for Of<C> {
         for &entity in entities {
             let Some(value) = world.get::<C>(entity) else { continue };
             let mut value = value.clone();
-            if let Some(taken) = self.options.taken {
-                taken(world, entity, &mut value);
+            if let Some(on_capture) = self.options.on_capture {
+                on_capture(world, entity, &mut value);
             }
             values.push(value);
         }
@@ -334,9 +334,9 @@ impl<C: Component + Clone> Kind for Of<C> {
         Box::new(List { options: self.options, values: Vec::new() })
     }
 
-    fn let_go(&self, world: &mut World, entity: Entity) {
-        if let Some(let_go) = self.options.let_go {
-            let_go(world, entity);
+    fn disconnect(&self, world: &mut World, entity: Entity) {
+        if let Some(disconnect) = self.options.disconnect {
+            disconnect(world, entity);
         }
     }
 }
@@ -350,15 +350,15 @@ impl<C: Component + Clone> Values for List<C> {
         for value in &mut self.values {
             let before = entities.noted();
             <C as Component>::map_entities(value, entities);
-            let named = self.options.named.map_or(0, |named| named(value).len());
-            if entities.noted().zip(before).is_some_and(|(now, before)| now < before + named) {
+            let particles = self.options.particles.map_or(0, |particles| particles(value).len());
+            if entities.noted().zip(before).is_some_and(|(now, before)| now < before + particles) {
                 warn_once!(
                     "sinew: {} names particles that are not marked #[entities]: it cannot be put back onto other entities",
                     type_name::<C>()
                 );
             }
-            if let Some(ordered) = self.options.ordered {
-                ordered(value);
+            if let Some(after_map) = self.options.after_map {
+                after_map(value);
             }
         }
     }
@@ -367,11 +367,11 @@ impl<C: Component + Clone> Values for List<C> {
         for (value, &entity) in self.values.iter().zip(onto) {
             let mut value = value.clone();
             <C as Component>::map_entities(&mut value, &mut Names::Read(names));
-            if let Some(ordered) = self.options.ordered {
-                ordered(&mut value);
+            if let Some(after_map) = self.options.after_map {
+                after_map(&mut value);
             }
-            if let (true, Some(foreign)) = (foreign, self.options.foreign) {
-                foreign(&mut value);
+            if let (true, Some(on_foreign)) = (foreign, self.options.on_foreign) {
+                on_foreign(&mut value);
             }
             (self.options.put)(world, entity, value);
         }
@@ -392,8 +392,8 @@ impl<C: Component + Clone> Values for List<C> {
         is_made
     }
 
-    fn named(&self, place: usize) -> &[Entity] {
-        let named = self.options.named.zip(self.values.get(place));
-        named.map_or(&[], |(named, value)| named(value))
+    fn particles(&self, place: usize) -> &[Entity] {
+        let particles = self.options.particles.zip(self.values.get(place));
+        particles.map_or(&[], |(particles, value)| particles(value))
     }
 }

@@ -16,7 +16,7 @@ use crate::components::{
 };
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
-use crate::rows::{GONE, Rows};
+use crate::rows::{GONE, ResolvedRows};
 use crate::world::{GatheredProperties, SinewWorld};
 
 /// Loose particles that others may touch: each is a body of its own.
@@ -186,7 +186,7 @@ pub(crate) fn gather_bodies(
     mut messages: MessageWriter<Refused>,
     mut bodies: Query<(
         Ref<BodyParticles>,
-        &mut Rows<BodyParticles>,
+        &mut ResolvedRows<BodyParticles>,
         Option<&BodySolver>,
         Option<&GravityScale>,
         Option<&Representation>,

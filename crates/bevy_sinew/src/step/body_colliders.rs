@@ -14,7 +14,7 @@ use crate::components::{
     ParticleBody, ResolvedShape, RigidPose, WindSurface,
 };
 use crate::messages::{Refusal, Refused};
-use crate::rows::{GONE, Rows};
+use crate::rows::{GONE, ResolvedRows};
 use crate::world::{SinewWorld, Tables};
 
 /// Detects changes of the shape of a part, or of the body that it belongs to.
@@ -79,7 +79,7 @@ pub(crate) fn compile_body_colliders(
         &Collider,
         Ref<RigidPose>,
         Option<&PartOf>,
-        &mut Rows<RigidPose>,
+        &mut ResolvedRows<RigidPose>,
     )>,
     mut segments: Segments,
     mut scratch: Local<BodyColliderScratch>,

@@ -8,7 +8,7 @@ use crate::components::{
     BodyConstraints, BodyParticles, Bound, ContactShape, DistanceConstraint, ParticleOf,
     ResolvedShape, RestPlace, WindSurface,
 };
-use crate::rows::{GONE, Rows};
+use crate::rows::{GONE, ResolvedRows};
 use crate::world::SinewWorld;
 
 /// How far a point of a triangle may be from its nearest corner, as a fraction of the diameter of the balls there, so that no ball of the same size passes
@@ -19,7 +19,7 @@ const MAX_GAP: f32 = 0.995;
 type ShapeInputs = (
     Entity,
     Ref<'static, BodyParticles>,
-    &'static mut Rows<BodyParticles>,
+    &'static mut ResolvedRows<BodyParticles>,
     Option<Ref<'static, WindSurface>>,
     Option<Ref<'static, BodyConstraints>>,
     &'static mut ResolvedShape,

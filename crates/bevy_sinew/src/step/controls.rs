@@ -15,7 +15,7 @@ use crate::components::{
 };
 use crate::frames::Frames;
 use crate::messages::{EditFault, Refusal, Refused};
-use crate::rows::{GONE, Rows};
+use crate::rows::{GONE, ResolvedRows};
 use crate::schedule::SinewClock;
 use crate::world::{SinewWorld, Tables};
 
@@ -35,7 +35,7 @@ pub(crate) fn gather_controls(
         &CreationOrder,
         &ControlForce,
         Option<&Name>,
-        &mut Rows<ControlForce>,
+        &mut ResolvedRows<ControlForce>,
         &mut ResolvedTarget,
     )>,
     regrouped: Query<(), Or<(Changed<BodyParticles>, Changed<RigidPose>)>>,
@@ -137,8 +137,8 @@ pub(crate) struct BodyForces<'w, 's> {
 type Forced = (
     Entity,
     Option<&'static CreationOrder>,
-    Option<(Ref<'static, BodyParticles>, &'static mut Rows<BodyParticles>)>,
-    Option<(Ref<'static, RigidPose>, &'static mut Rows<RigidPose>)>,
+    Option<(Ref<'static, BodyParticles>, &'static mut ResolvedRows<BodyParticles>)>,
+    Option<(Ref<'static, RigidPose>, &'static mut ResolvedRows<RigidPose>)>,
     Option<&'static ParticleRow>,
     Option<&'static ExternalForce>,
     Option<&'static ExternalTorque>,

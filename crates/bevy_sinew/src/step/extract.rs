@@ -9,12 +9,12 @@ use crate::components::{
     Interpolate, LinearVelocity, Particle, ParticleRow, RigidPose, WorldCenterOfMass,
 };
 use crate::frames::{to_local, world_transform};
-use crate::rows::{GONE, Rows};
+use crate::rows::{GONE, ResolvedRows};
 use crate::schedule::FixedTick;
 use crate::world::SinewWorld;
 
 /// A pose and its rows.
-type Posed = (Ref<'static, RigidPose>, &'static mut Rows<RigidPose>);
+type Posed = (Ref<'static, RigidPose>, &'static mut ResolvedRows<RigidPose>);
 
 /// Writes the transform of every entity with a [`RigidPose`], relative to its parent. Parents are written first.
 pub(crate) fn extract_poses(
@@ -98,7 +98,7 @@ pub(crate) fn extract_poses(
 /// end of the tick.
 pub(crate) fn show_poses(
     world: Res<SinewWorld>,
-    mut bodies: Query<(Entity, Ref<RigidPose>, &mut Rows<RigidPose>, &Transform)>,
+    mut bodies: Query<(Entity, Ref<RigidPose>, &mut ResolvedRows<RigidPose>, &Transform)>,
     loose: Query<(Entity, &ParticleRow), (With<Particle>, With<GlobalTransform>)>,
     children: Query<&Children>,
     mut globals: Query<&mut GlobalTransform>,
@@ -145,7 +145,7 @@ fn is_at(transform: &Transform, pose: &Pose) -> bool {
 fn found(
     world: &SinewWorld,
     rigid: &Ref<RigidPose>,
-    rows: &mut Rows<RigidPose>,
+    rows: &mut ResolvedRows<RigidPose>,
     before: Quat,
 ) -> Option<Pose> {
     let (particles, tables) = (&world.simulation.particles, &world.tables);
@@ -171,13 +171,13 @@ pub(crate) fn extract_motion(
     particles: Query<Ref<Particle>>,
     mut bodies: Query<(
         Ref<BodyParticles>,
-        &mut Rows<BodyParticles>,
+        &mut ResolvedRows<BodyParticles>,
         &mut LinearVelocity,
         &mut AngularVelocity,
         &mut ExtractedVelocity,
         &mut WorldCenterOfMass,
         &mut Inertia,
-        Option<&Rows<RigidPose>>,
+        Option<&ResolvedRows<RigidPose>>,
     )>,
 ) {
     let (simulation, tables) = (&world.simulation, &world.tables);
@@ -285,7 +285,7 @@ pub(crate) fn extract_particles(
 /// Writes the reports of the bodies with a [`BodyReport`].
 pub(crate) fn extract_reports(
     world: Res<SinewWorld>,
-    mut bodies: Query<(Ref<BodyParticles>, &mut Rows<BodyParticles>, &mut BodyReport)>,
+    mut bodies: Query<(Ref<BodyParticles>, &mut ResolvedRows<BodyParticles>, &mut BodyReport)>,
 ) {
     for (members, mut rows, mut report) in &mut bodies {
         let rows = rows.resolve(&world.tables.layout, members.is_changed(), members.iter());

@@ -8,7 +8,7 @@ use crate::attach::Attached;
 use crate::components::{
     BodyParticles, PartOf, ParticleBody, ParticleRow, PinnedTo, PlacedCollider,
 };
-use crate::rows::{GONE, Rows};
+use crate::rows::{GONE, ResolvedRows};
 use crate::world::SinewWorld;
 
 /// Lists these pairs for the solver.
@@ -19,7 +19,7 @@ pub(crate) fn gather_ignored(
     rows: Query<&ParticleRow>,
     children: Query<(Entity, &PlacedCollider), With<ChildOf>>,
     placed: Query<&PlacedCollider>,
-    bodies: Query<&Rows<BodyParticles>, With<ParticleBody>>,
+    bodies: Query<&ResolvedRows<BodyParticles>, With<ParticleBody>>,
     parts: Query<&PartOf>,
     parents: Query<&ChildOf>,
 ) {

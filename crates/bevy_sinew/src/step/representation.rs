@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use crate::components::{CreationOrder, Representation, RigidPose};
 use crate::messages::{Refusal, Refused, refuse};
-use crate::rows::{GONE, Rows};
+use crate::rows::{GONE, ResolvedRows};
 use crate::world::SinewWorld;
 
 /// Lists the compounds again if particles were added or removed, or a body changed its representation.
@@ -15,7 +15,12 @@ pub(crate) fn compile_compounds(
     mut messages: MessageWriter<Refused>,
     changed: Query<Entity, Changed<Representation>>,
     unposed: Query<(), (With<Representation>, Without<RigidPose>)>,
-    mut bodies: Query<(&CreationOrder, &Representation, Ref<RigidPose>, &mut Rows<RigidPose>)>,
+    mut bodies: Query<(
+        &CreationOrder,
+        &Representation,
+        Ref<RigidPose>,
+        &mut ResolvedRows<RigidPose>,
+    )>,
     mut count: Local<usize>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;

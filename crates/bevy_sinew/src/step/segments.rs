@@ -34,8 +34,8 @@ impl Segments<'_, '_> {
         self.cached.iter().len() != *self.listed
     }
 
-    /// Lists the segments of the bodies that collide by them (`uses_segments`), if there are `any`, and the owners of the segments. The mapping from particles to bodies
-    /// must be up to date. A rod that becomes a segment is given a contact cache, which is removed when it is one no longer.
+    /// Lists the segments of the bodies that collide by them (`uses_segments`), if there are `any`, and the owners of the segments. The mapping from particles to
+    /// bodies must be up to date. A rod that becomes a segment is given a contact cache, which is removed when it is one no longer.
     pub(crate) fn list(
         &mut self,
         (simulation, tables): (&Simulation, &Tables),
@@ -80,9 +80,8 @@ impl Segments<'_, '_> {
         let may_be_segment = |row: u32| particles.body(row as usize).is_some_and(uses_segments);
         let mut candidates: Vec<Entity> = cached.iter().collect();
         let all_rods = simulation.distances().iter().zip(&tables.links.distances);
-        candidates.extend(
-            all_rods.filter(|(rod, _)| may_be_segment(rod.a)).map(|(_, place)| place.entity),
-        );
+        candidates
+            .extend(all_rods.filter(|(rod, _)| may_be_segment(rod.a)).map(|(_, key)| key.entity));
         candidates.sort_unstable();
         candidates.dedup();
         candidates.into_iter().for_each(add);

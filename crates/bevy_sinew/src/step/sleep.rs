@@ -10,7 +10,7 @@ use crate::components::{
 };
 use crate::components::{Fluid, Wind};
 use crate::frames::Frames;
-use crate::rows::{GONE, Rows};
+use crate::rows::{GONE, ResolvedRows};
 use crate::world::SinewWorld;
 
 /// The environment: a change wakes all bodies.
@@ -126,7 +126,7 @@ pub(crate) fn gather_sleep(
     mut world: ResMut<SinewWorld>,
     environment: Environment,
     with_events: Query<(Entity, &ContactEvents, &Touching)>,
-    mut bodies: Query<(Entity, &Rows<BodyParticles>, &mut Sleep, Has<SleepingDisabled>)>,
+    mut bodies: Query<(Entity, &ResolvedRows<BodyParticles>, &mut Sleep, Has<SleepingDisabled>)>,
     mut scratch: Local<SleepScratch>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
@@ -199,7 +199,7 @@ pub(crate) fn note_sleepers(mut world: ResMut<SinewWorld>) {
 /// Copies the sleep state back.
 pub(crate) fn keep_sleep(
     world: Res<SinewWorld>,
-    mut bodies: Query<(&Rows<BodyParticles>, &mut Sleep)>,
+    mut bodies: Query<(&ResolvedRows<BodyParticles>, &mut Sleep)>,
 ) {
     let SinewWorld { simulation, tables } = &*world;
     if tables.rested {

@@ -1,15 +1,15 @@
-//! The places of springs and constraints in the solver's lists.
+//! Which links (springs and constraints) are in the solver's lists, and where.
 
 use bevy::prelude::*;
 
 use crate::components::CreationOrder;
 
-/// The place of each link in the solver's lists, by index.
+/// The key of each link in the solver's lists, by index.
 #[derive(Default)]
 pub(crate) struct Links {
-    pub(crate) distances: Vec<Place>,
-    pub(crate) constraints: Vec<Place>,
-    pub(crate) springs: Vec<Place>,
+    pub(crate) distances: Vec<LinkKey>,
+    pub(crate) constraints: Vec<LinkKey>,
+    pub(crate) springs: Vec<LinkKey>,
     /// Whether all links are in the lists: none is invalid or waits.
     pub(crate) complete: bool,
     /// The layout of the rows that they refer to.
@@ -33,7 +33,7 @@ pub(crate) struct CompiledSurfaces {
 
 /// The index of a link in one of the solver's lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum LinkAt {
+pub(crate) enum LinkIndex {
     /// In the list of distances.
     Distance(usize),
     /// In the list of springs.
@@ -42,7 +42,7 @@ pub(crate) enum LinkAt {
     Constraint(usize),
 }
 
-impl LinkAt {
+impl LinkIndex {
     pub(crate) fn distance(self) -> Option<usize> {
         if let Self::Distance(number) = self { Some(number) } else { None }
     }
@@ -54,16 +54,20 @@ impl LinkAt {
 
 impl Links {
     /// Calls `each` for all links of an entity.
-    pub(crate) fn find(&self, order: CreationOrder, entity: Entity, mut each: impl FnMut(LinkAt)) {
-        let lists: [(&[Place], fn(usize) -> LinkAt); 3] = [
-            (&self.distances, LinkAt::Distance),
-            (&self.springs, LinkAt::Spring),
-            (&self.constraints, LinkAt::Constraint),
+    pub(crate) fn find(
+        &self,
+        order: CreationOrder,
+        entity: Entity,
+        mut each: impl FnMut(LinkIndex),
+    ) {
+        let lists: [(&[LinkKey], fn(usize) -> LinkIndex); 3] = [
+            (&self.distances, LinkIndex::Distance),
+            (&self.springs, LinkIndex::Spring),
+            (&self.constraints, LinkIndex::Constraint),
         ];
-        for (places, at) in lists {
-            let first =
-                places.partition_point(|place| (place.order, place.entity) < (order, entity));
-            let own = places[first..].iter().take_while(|place| place.entity == entity);
+        for (keys, at) in lists {
+            let first = keys.partition_point(|key| (key.order, key.entity) < (order, entity));
+            let own = keys[first..].iter().take_while(|key| key.entity == entity);
             (first..).zip(own).for_each(|(number, _)| each(at(number)));
         }
     }
@@ -71,7 +75,7 @@ impl Links {
 
 /// The entity of a link, and its sort key: by creation, and for several on one entity by their kind.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Place {
+pub(crate) struct LinkKey {
     pub(crate) order: CreationOrder,
     pub(crate) entity: Entity,
     pub(crate) kind: usize,

@@ -4,7 +4,7 @@
 mod links;
 mod phases;
 
-pub(crate) use links::{CompiledSurfaces, LinkAt, Links, Place};
+pub(crate) use links::{CompiledSurfaces, LinkIndex, LinkKey, Links};
 pub(crate) use phases::PhaseWatch;
 
 use core::ops::Deref;
@@ -230,7 +230,7 @@ pub(crate) struct Tables {
     pub(crate) reported_errors: ReportedErrors,
     /// Pins with an invalid number, so that each is reported once.
     pub(crate) broken: BTreeSet<Entity>,
-    /// The places of links in the solver's lists.
+    /// The keys of the links in the solver's lists.
     pub(crate) links: Links,
     /// Whether distances, springs or surfaces must be compiled again.
     pub(crate) links_stale: bool,

@@ -7,7 +7,7 @@ use sinew::{ConstraintFault, DistanceFault, Simulation, SpringFault};
 
 use super::change_detection::ChangeDetector;
 use crate::messages::{Refusal, Refused, ReportedErrors, refuse};
-use crate::world::{Place, Tables};
+use crate::world::{LinkKey, Tables};
 
 /// An element of one of the solver's lists, which refers to rows.
 pub(super) trait Link: Sized {
@@ -79,122 +79,122 @@ impl Incremental for sinew::Constraint {
     }
 }
 
-/// A link with its place, and the result of its validation.
-pub(super) struct Entry<L> {
-    place: Place,
-    outcome: Outcome<L>,
+/// A link with its key, and the result of its validation.
+pub(super) struct LinkEntry<L> {
+    key: LinkKey,
+    outcome: LinkOutcome<L>,
 }
 
-enum Outcome<L> {
+enum LinkOutcome<L> {
     Valid(L),
     Invalid(Refusal),
     /// One of its particles is set aside.
     Waiting,
 }
 
-impl<L: Link> Entry<L> {
+impl<L: Link> LinkEntry<L> {
     /// Resolves the particles to rows; if all exist and none is set aside, makes the link and validates it.
     pub(super) fn new(
         tables: &Tables,
-        place: Place,
+        key: LinkKey,
         particles: &[Entity],
         link: impl FnOnce(Rows) -> Result<L, Refusal>,
     ) -> Self {
         let outcome = if particles.iter().any(|&particle| tables.is_set_aside(particle)) {
-            Outcome::Waiting
+            LinkOutcome::Waiting
         } else {
             let rows = particles.iter().map(|&particle| tables.valid_row(particle)).collect();
             let link = Option::<Rows>::ok_or(rows, L::MISSING).and_then(link);
             match link {
                 Ok(link) => match link.refusal(tables.entities.len()) {
-                    None => Outcome::Valid(link),
-                    Some(reason) => Outcome::Invalid(reason),
+                    None => LinkOutcome::Valid(link),
+                    Some(reason) => LinkOutcome::Invalid(reason),
                 },
-                Err(reason) => Outcome::Invalid(reason),
+                Err(reason) => LinkOutcome::Invalid(reason),
             }
         };
-        Self { place, outcome }
+        Self { key, outcome }
     }
 }
 
-/// Updates one of the solver's lists, whose links have these places, incrementally by what was added, changed or removed of one kind. Returns false if the
+/// Updates one of the solver's lists, whose links have these keys, incrementally by what was added, changed or removed of one kind. Returns false if the
 /// counts do not match, or a new link is invalid: the lists must then be filled again.
 pub(super) fn update_incrementally<L: Incremental>(
     simulation: &mut Simulation,
-    places: &mut Vec<Place>,
-    entries: impl IntoIterator<Item = Entry<L>>,
+    keys: &mut Vec<LinkKey>,
+    entries: impl IntoIterator<Item = LinkEntry<L>>,
     (kind, detector): (usize, &ChangeDetector),
 ) -> bool {
-    let mut grown = 0;
+    let mut growth = 0;
     for &entity in &detector.gone {
-        let own = |place: &Place| place.entity == entity && place.kind == kind;
-        if let Some(at) = places.iter().position(own) {
-            places.remove(at);
+        let own = |key: &LinkKey| key.entity == entity && key.kind == kind;
+        if let Some(at) = keys.iter().position(own) {
+            keys.remove(at);
             L::remove(simulation, at);
-            grown -= 1;
+            growth -= 1;
         }
     }
-    for Entry { place, outcome } in entries {
-        let Outcome::Valid(link) = outcome else { return false };
-        let at = match places.binary_search(&place) {
+    for LinkEntry { key, outcome } in entries {
+        let LinkOutcome::Valid(link) = outcome else { return false };
+        let at = match keys.binary_search(&key) {
             Ok(at) => {
                 L::remove(simulation, at);
                 at
             }
             Err(at) => {
-                places.insert(at, place);
-                grown += 1;
+                keys.insert(at, key);
+                growth += 1;
                 at
             }
         };
         link.insert(simulation, at);
     }
-    grown == detector.grown
+    growth == detector.grown
 }
 
 /// The number of leading links whose particles are all among the first `same_rows` rows; `None` if no more links stay than have moved or are `changed`, so that
 /// filling the list again is as fast.
-pub(super) fn unmoved<L: Incremental>(
+pub(super) fn unchanged_prefix<L: Incremental>(
     list: &[L],
     same_rows: usize,
     changed: usize,
 ) -> Option<usize> {
     let moved = |link: &L| link.rows().any(|row| row as usize >= same_rows);
-    let unmoved = list.iter().position(moved).unwrap_or(list.len());
-    (list.len() - unmoved + changed < unmoved).then_some(unmoved)
+    let unchanged = list.iter().position(moved).unwrap_or(list.len());
+    (list.len() - unchanged + changed < unchanged).then_some(unchanged)
 }
 
-/// The contents of one of the solver's lists from the first link on that differs: its index, and the links from there on; updates the places. `None` if one of
+/// The contents of one of the solver's lists from the first link on that differs: its index, and the links from there on; updates the keys. `None` if one of
 /// the links is invalid, or the counts do not match: the list must then be filled again.
 ///
-/// A link is the same as before if it is among the leading [`unmoved`] ones, was neither added nor changed nor removed, and all links before it are the same.
-/// `again` makes the entries for links that still exist, from their places; `count` is the total number.
-pub(super) fn refill<L>(
-    places: &mut Vec<Place>,
-    (unmoved, count): (usize, usize),
-    (mut entries, gone): (Vec<Entry<L>>, &[Entity]),
-    again: impl Fn(&[Place], &mut Vec<Entry<L>>),
+/// A link is the same as before if it is among the leading [`unchanged_prefix`] ones, was neither added nor changed nor removed, and all links before it are the
+/// same. `entries_of` makes the entries for links that still exist, from their keys; `count` is the total number.
+pub(super) fn recompile_tail<L>(
+    keys: &mut Vec<LinkKey>,
+    (unchanged, count): (usize, usize),
+    (mut entries, gone): (Vec<LinkEntry<L>>, &[Entity]),
+    entries_of: impl Fn(&[LinkKey], &mut Vec<LinkEntry<L>>),
 ) -> Option<(usize, Vec<L>)> {
-    let first = entries.iter().map(|entry| entry.place).min();
-    let before = |first: Place| places.partition_point(|&own| own < first);
-    let mut kept = first.map_or(unmoved, |first| unmoved.min(before(first)));
+    let first = entries.iter().map(|entry| entry.key).min();
+    let before = |first: LinkKey| keys.partition_point(|&own| own < first);
+    let mut kept = first.map_or(unchanged, |first| unchanged.min(before(first)));
     let mut gone = gone.to_vec();
     gone.sort_unstable();
-    let went = |place: &&Place| gone.binary_search(&place.entity).is_ok();
+    let was_removed = |key: &&LinkKey| gone.binary_search(&key.entity).is_ok();
     // Usually they are removed together with their particles, so that no earlier link needs to be checked.
-    if places[kept..].iter().filter(went).count() < gone.len() {
-        kept = places[..kept].iter().position(|place| went(&place)).unwrap_or(kept);
+    if keys[kept..].iter().filter(was_removed).count() < gone.len() {
+        kept = keys[..kept].iter().position(|key| was_removed(&key)).unwrap_or(kept);
     }
-    again(&places[kept..], &mut entries);
-    entries.sort_unstable_by_key(|entry| entry.place);
-    entries.dedup_by_key(|entry| entry.place);
+    entries_of(&keys[kept..], &mut entries);
+    entries.sort_unstable_by_key(|entry| entry.key);
+    entries.dedup_by_key(|entry| entry.key);
     if kept + entries.len() != count {
         return None;
     }
-    places.truncate(kept);
-    let links = entries.into_iter().map(|Entry { place, outcome }| {
-        places.push(place);
-        if let Outcome::Valid(link) = outcome { Some(link) } else { None }
+    keys.truncate(kept);
+    let links = entries.into_iter().map(|LinkEntry { key, outcome }| {
+        keys.push(key);
+        if let LinkOutcome::Valid(link) = outcome { Some(link) } else { None }
     });
     Some((kept, links.collect::<Option<_>>()?))
 }
@@ -216,32 +216,32 @@ impl<'a, 'w> LinkValidator<'a, 'w> {
         Self { before, now: ReportedErrors::new(), all: true, messages }
     }
 
-    /// Fills one of the solver's lists with the valid links, sorted by place, and stores their places.
+    /// Fills one of the solver's lists with the valid links, sorted by key, and stores their keys.
     pub(super) fn fill<L>(
         &mut self,
         list: &mut Vec<L>,
-        places: &mut Vec<Place>,
-        mut entries: Vec<Entry<L>>,
+        keys: &mut Vec<LinkKey>,
+        mut entries: Vec<LinkEntry<L>>,
     ) {
-        entries.sort_unstable_by_key(|entry| entry.place);
+        entries.sort_unstable_by_key(|entry| entry.key);
         list.clear();
-        places.clear();
-        for Entry { place, outcome } in entries {
-            let Place { entity, kind, .. } = place;
-            self.all &= matches!(outcome, Outcome::Valid(_));
+        keys.clear();
+        for LinkEntry { key, outcome } in entries {
+            let LinkKey { entity, kind, .. } = key;
+            self.all &= matches!(outcome, LinkOutcome::Valid(_));
             match outcome {
-                Outcome::Valid(link) => {
+                LinkOutcome::Valid(link) => {
                     list.push(link);
-                    places.push(place);
+                    keys.push(key);
                 }
-                Outcome::Invalid(reason) => {
+                LinkOutcome::Invalid(reason) => {
                     if self.before.get(&(entity, kind)) != Some(&reason) {
                         refuse(self.messages, entity, reason.clone());
                     }
                     self.now.insert((entity, kind), reason);
                 }
                 // An earlier error may persist, so it stays recorded.
-                Outcome::Waiting => {
+                LinkOutcome::Waiting => {
                     let old = self.before.remove(&(entity, kind));
                     self.now.extend(old.map(|reason| ((entity, kind), reason)));
                 }

@@ -8,12 +8,12 @@ use bevy::prelude::*;
 use sinew::Simulation;
 
 use super::change_detection::ChangeDetector;
-use super::entry::{Entry, refill, unmoved, update_incrementally};
+use super::entry::{LinkEntry, recompile_tail, unchanged_prefix, update_incrementally};
 use crate::attach::AnchorConstraint;
 use crate::components::{CreationOrder, ParticleConstraint, for_each_constraint};
 use crate::messages::Refusal;
 use crate::state::add_constraint;
-use crate::world::{Place, SinewWorld, Tables};
+use crate::world::{LinkKey, SinewWorld, Tables};
 
 /// Indices of the kinds that have lists of their own; registered kinds follow.
 pub(super) const DISTANCES: usize = 0;
@@ -33,9 +33,9 @@ impl RegisterParticleConstraint for App {
     fn register_particle_constraint<T: ParticleConstraint>(&mut self) -> &mut Self {
         let world = self.world_mut();
         add_constraint::<T>(world);
-        // It fails if `T` already requires it, which is fine, or if some `T` exist, which `Of::number` handles.
+        // It fails if `T` already requires it, which is fine, or if some `T` exist, which `TypedConstraint::number` handles.
         let _ = world.try_register_required_components::<T, CreationOrder>();
-        let kind = Box::new(Of::<T>::new(world));
+        let kind = Box::new(TypedConstraint::<T>::new(world));
         let kinds = &mut world.get_resource_or_init::<Kinds>().kinds;
         if kinds.iter().all(|known| known.of() != kind.of()) {
             kinds.push(kind);
@@ -61,14 +61,14 @@ pub(crate) fn register_ours(app: &mut App) {
 pub(crate) struct Kinds {
     /// Changes of distances, which have a list of their own.
     pub(super) distances: ChangeDetector,
-    kinds: Vec<Box<dyn Kind>>,
+    kinds: Vec<Box<dyn ConstraintType>>,
     collected: Collected,
 }
 
 /// The entries of the registered types.
 pub(super) enum Collected {
     /// All of them, valid or not.
-    All(Vec<Entry<sinew::Constraint>>),
+    All(Vec<LinkEntry<sinew::Constraint>>),
     /// The contents of the solver's list from this index on.
     From(usize, Vec<sinew::Constraint>),
 }
@@ -96,9 +96,9 @@ impl Kinds {
             if !tables.links_stale && kind.detector().is_any() {
                 let mut entries = Vec::new();
                 kind.collect_changed(world, tables, number, &mut entries);
-                let places = &mut tables.links.constraints;
+                let keys = &mut tables.links.constraints;
                 tables.links_stale =
-                    !update_incrementally(simulation, places, entries, (number, kind.detector()));
+                    !update_incrementally(simulation, keys, entries, (number, kind.detector()));
                 tables.links.version += 1;
             }
         }
@@ -125,12 +125,12 @@ impl Kinds {
         }
         let changes = self.kinds.iter().map(|kind| kind.detector());
         let changed = changes.map(|detector| detector.added.len() + detector.gone.len()).sum();
-        let unmoved = unmoved(
+        let unchanged = unchanged_prefix(
             simulation.constraints(),
             tables.layout.same_since(tables.links.layout),
             changed,
         )?;
-        let mut places = core::mem::take(&mut tables.links.constraints);
+        let mut keys = core::mem::take(&mut tables.links.constraints);
         let (mut added, mut gone, mut count) = (Vec::new(), Vec::new(), 0);
         for (number, kind) in (FIRST..).zip(&mut self.kinds) {
             kind.collect_changed(world, tables, number, &mut added);
@@ -138,15 +138,16 @@ impl Kinds {
             count += kind.detector().count();
         }
         let kinds = &self.kinds;
-        let refilled = refill(&mut places, (unmoved, count), (added, &gone), |tail, entries| {
-            for (number, kind) in (FIRST..).zip(kinds) {
-                let own = tail.iter().filter(|place| place.kind == number);
-                let own: Vec<Entity> = own.map(|place| place.entity).collect();
-                kind.collect(world, tables, number, Some(&own), entries);
-            }
-        });
-        tables.links.constraints = places;
-        refilled.map(|(kept, list)| Collected::From(kept, list))
+        let recompiled =
+            recompile_tail(&mut keys, (unchanged, count), (added, &gone), |tail, entries| {
+                for (number, kind) in (FIRST..).zip(kinds) {
+                    let own = tail.iter().filter(|key| key.kind == number);
+                    let own: Vec<Entity> = own.map(|key| key.entity).collect();
+                    kind.collect(world, tables, number, Some(&own), entries);
+                }
+            });
+        tables.links.constraints = keys;
+        recompiled.map(|(kept, list)| Collected::From(kept, list))
     }
 
     /// Records which constraints were removed.
@@ -161,7 +162,7 @@ impl Kinds {
 }
 
 /// One registered type, without its Rust type.
-trait Kind: Send + Sync {
+trait ConstraintType: Send + Sync {
     fn of(&self) -> TypeId;
 
     /// Assigns numbers to components that have none.
@@ -183,7 +184,7 @@ trait Kind: Send + Sync {
         tables: &Tables,
         number: usize,
         some: Option<&[Entity]>,
-        entries: &mut Vec<Entry<sinew::Constraint>>,
+        entries: &mut Vec<LinkEntry<sinew::Constraint>>,
     );
 
     /// Collects the entries that were added or changed.
@@ -192,13 +193,13 @@ trait Kind: Send + Sync {
         world: &World,
         tables: &Tables,
         number: usize,
-        entries: &mut Vec<Entry<sinew::Constraint>>,
+        entries: &mut Vec<LinkEntry<sinew::Constraint>>,
     ) {
         self.collect(world, tables, number, Some(&self.detector().added), entries);
     }
 }
 
-struct Of<T: ParticleConstraint> {
+struct TypedConstraint<T: ParticleConstraint> {
     all: QueryState<(Entity, &'static CreationOrder, &'static T)>,
     present: QueryState<(Entity, Ref<'static, T>), With<CreationOrder>>,
     unnumbered: QueryState<Entity, (With<T>, Without<CreationOrder>)>,
@@ -206,7 +207,7 @@ struct Of<T: ParticleConstraint> {
     detector: ChangeDetector,
 }
 
-impl<T: ParticleConstraint> Of<T> {
+impl<T: ParticleConstraint> TypedConstraint<T> {
     fn new(world: &mut World) -> Self {
         Self {
             all: QueryState::new(world),
@@ -221,16 +222,16 @@ impl<T: ParticleConstraint> Of<T> {
         tables: &Tables,
         number: usize,
         (entity, &order, component): (Entity, &CreationOrder, &T),
-    ) -> Entry<sinew::Constraint> {
-        let place = Place { order, entity, kind: number };
-        Entry::new(tables, place, component.particles(), |rows| match component.fault() {
+    ) -> LinkEntry<sinew::Constraint> {
+        let key = LinkKey { order, entity, kind: number };
+        LinkEntry::new(tables, key, component.particles(), |rows| match component.fault() {
             None => Ok(sinew::Constraint { rows, kind: component.kind() }),
             Some(fault) => Err(Refusal::Constraint(fault)),
         })
     }
 }
 
-impl<T: ParticleConstraint> Kind for Of<T> {
+impl<T: ParticleConstraint> ConstraintType for TypedConstraint<T> {
     fn of(&self) -> TypeId {
         TypeId::of::<T>()
     }
@@ -270,7 +271,7 @@ impl<T: ParticleConstraint> Kind for Of<T> {
         tables: &Tables,
         number: usize,
         some: Option<&[Entity]>,
-        entries: &mut Vec<Entry<sinew::Constraint>>,
+        entries: &mut Vec<LinkEntry<sinew::Constraint>>,
     ) {
         let entry = |one| Self::entry(tables, number, one);
         match some {

@@ -15,10 +15,10 @@ use sinew::Simulation;
 use crate::changes::count_and_changed;
 use crate::components::{CreationOrder, DistanceConstraint, Spring, WindSurface};
 use crate::messages::Refused;
-use crate::rows::Rows;
-use crate::world::{CompiledSurfaces, Place, SinewWorld, Tables};
+use crate::rows::ResolvedRows;
+use crate::world::{CompiledSurfaces, LinkKey, SinewWorld, Tables};
 use change_detection::ChangeDetector;
-use entry::{Entry, LinkValidator, refill, unmoved, update_incrementally};
+use entry::{LinkEntry, LinkValidator, recompile_tail, unchanged_prefix, update_incrementally};
 use kinds::Collected;
 
 /// In each frame, records which distances and constraints were removed, for the next tick.
@@ -60,9 +60,9 @@ pub(crate) fn notice_links(
     if !tables.links_stale {
         let added = detector.added.iter().filter_map(|&entity| numbered.get(entity).ok());
         let entries: Vec<_> = added.map(|one| entry(tables, one)).collect();
-        let places = &mut tables.links.distances;
+        let keys = &mut tables.links.distances;
         tables.links_stale =
-            !update_incrementally(simulation, places, entries, (kinds::DISTANCES, detector));
+            !update_incrementally(simulation, keys, entries, (kinds::DISTANCES, detector));
         tables.links.version += 1;
     }
 }
@@ -86,7 +86,7 @@ pub(crate) fn compile_links(
     mut messages: MessageWriter<Refused>,
     distances: Query<(Entity, &CreationOrder, &DistanceConstraint)>,
     springs: Query<(Entity, &CreationOrder, &Spring)>,
-    mut surfaces: Query<(Ref<WindSurface>, &mut Rows<WindSurface>)>,
+    mut surfaces: Query<(Ref<WindSurface>, &mut ResolvedRows<WindSurface>)>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     tables.links_compiled = core::mem::take(&mut tables.links_stale);
@@ -96,19 +96,21 @@ pub(crate) fn compile_links(
 
     let before = core::mem::take(&mut tables.reported_errors);
     let mut links = core::mem::take(&mut tables.links);
-    let stay = links.complete && tables.set_aside == 0;
+    let all_valid = links.complete && tables.set_aside == 0;
     let mut validator = LinkValidator::new(before, &mut messages);
     let same_rows = tables.layout.same_since(links.layout);
     let lists = (&*tables, &mut links.distances);
-    if !(stay && refill_distances(simulation, lists, (&kinds.distances, same_rows), &distances)) {
+    if !(all_valid
+        && recompile_distances(simulation, lists, (&kinds.distances, same_rows), &distances))
+    {
         let entries = distances.iter().map(|one| entry(tables, one)).collect();
         let mut list = Vec::with_capacity(simulation.distances().len());
         validator.fill(&mut list, &mut links.distances, entries);
         simulation.replace_distances_from(0, list);
     }
     let entries = springs.iter().map(|(entity, &order, spring)| {
-        let place = Place { order, entity, kind: kinds::SPRINGS };
-        Entry::new(tables, place, &[spring.a, spring.b], |rows| {
+        let key = LinkKey { order, entity, kind: kinds::SPRINGS };
+        LinkEntry::new(tables, key, &[spring.a, spring.b], |rows| {
             Ok(sinew::Spring {
                 a: rows[0],
                 b: rows[1],
@@ -142,14 +144,14 @@ pub(crate) fn compile_links(
 fn compile_surfaces(
     simulation: &mut Simulation,
     tables: &mut Tables,
-    surfaces: &mut Query<(Ref<WindSurface>, &mut Rows<WindSurface>)>,
+    surfaces: &mut Query<(Ref<WindSurface>, &mut ResolvedRows<WindSurface>)>,
 ) {
     let (known, count) = (tables.links.surfaces, surfaces.iter().len());
     let all_valid = tables.set_aside == 0;
     let unmoved = known.end <= tables.layout.same_since(known.layout);
     tables.links.surfaces.layout = tables.layout.number;
-    let stays = known.all_valid && all_valid && known.count == count && unmoved;
-    if stays && !surfaces.iter().any(|(surface, _)| surface.is_changed()) {
+    let is_same = known.all_valid && all_valid && known.count == count && unmoved;
+    if is_same && !surfaces.iter().any(|(surface, _)| surface.is_changed()) {
         return;
     }
     let list = &mut simulation.forces.surfaces;
@@ -168,22 +170,26 @@ fn compile_surfaces(
 }
 
 /// Compiles the distances from the first one on that differs; returns false if all must be compiled.
-fn refill_distances(
+fn recompile_distances(
     simulation: &mut Simulation,
-    (tables, places): (&Tables, &mut Vec<Place>),
+    (tables, keys): (&Tables, &mut Vec<LinkKey>),
     (detector, same_rows): (&ChangeDetector, usize),
     all: &Query<(Entity, &CreationOrder, &DistanceConstraint)>,
 ) -> bool {
     let changed = detector.added.len() + detector.gone.len();
-    let unmoved = unmoved(simulation.distances(), same_rows, changed);
-    let Some(unmoved) = unmoved else { return false };
+    let unchanged = unchanged_prefix(simulation.distances(), same_rows, changed);
+    let Some(unchanged) = unchanged else { return false };
     let entry = |entity: Entity| all.get(entity).ok().map(|one| entry(tables, one));
     let added = detector.added.iter().filter_map(|&entity| entry(entity)).collect();
-    let refilled =
-        refill(places, (unmoved, detector.count()), (added, &detector.gone), |tail, entries| {
-            entries.extend(tail.iter().filter_map(|place| entry(place.entity)));
-        });
-    let Some((kept, list)) = refilled else { return false };
+    let recompiled = recompile_tail(
+        keys,
+        (unchanged, detector.count()),
+        (added, &detector.gone),
+        |tail, entries| {
+            entries.extend(tail.iter().filter_map(|key| entry(key.entity)));
+        },
+    );
+    let Some((kept, list)) = recompiled else { return false };
     simulation.replace_distances_from(kept, list);
     true
 }
@@ -192,9 +198,9 @@ fn refill_distances(
 fn entry(
     tables: &Tables,
     (entity, &order, distance): (Entity, &CreationOrder, &DistanceConstraint),
-) -> Entry<sinew::Distance> {
-    let place = Place { order, entity, kind: kinds::DISTANCES };
-    Entry::new(tables, place, &[distance.a, distance.b], |rows| {
+) -> LinkEntry<sinew::Distance> {
+    let key = LinkKey { order, entity, kind: kinds::DISTANCES };
+    LinkEntry::new(tables, key, &[distance.a, distance.b], |rows| {
         Ok(sinew::Distance {
             a: rows[0],
             b: rows[1],
