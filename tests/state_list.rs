@@ -26,7 +26,7 @@ const NO_STATE: [(&str, &str); 21] = [
     ("PlayedTransform", "what is drawn between two ticks"),
     ("RelaxWorld", "a command: done and taken off in the next tick"),
     ("MouseDrag", "settings of a tool"),
-    ("Pointing", "where the mouse is"),
+    ("PointerState", "where the mouse is"),
     ("WatchedContacts", "what a tool looks at"),
     ("JustBuilt", "scratch: emptied in the tick that filled it"),
     ("Breakables", "scratch: listed anew where what it follows from has changed"),

@@ -47,7 +47,7 @@ pub(crate) struct Breakable {
     at: LinkIndex,
     limits: BreakAt,
     /// What breaks: the constraint, or the attachment that it belongs to.
-    breaks: Entity,
+    target: Entity,
     body: Option<Entity>,
 }
 
@@ -87,21 +87,21 @@ pub(crate) fn gather_breakables(
         }
         return;
     }
-    let anew = changed
+    let stale = changed
         || count_changed
         || breakables.version != tables.links.version
         || bodies.iter().any(|(.., list)| list.is_changed())
         || attachments.iter().any(|(_, _, joints, _)| joints.is_changed());
-    if !anew {
+    if !stale {
         return;
     }
     breakables.version = tables.links.version;
     let list = &mut breakables.all;
     list.clear();
-    let mut add = |constraint: Entity, limits: &BreakAt, breaks: Entity, body: Option<Entity>| {
+    let mut add = |constraint: Entity, limits: &BreakAt, target: Entity, body: Option<Entity>| {
         let Ok(&order) = orders.get(constraint) else { return };
         tables.links.find(order, constraint, |at| {
-            list.push((order, constraint, Breakable { at, limits: *limits, breaks, body }));
+            list.push((order, constraint, Breakable { at, limits: *limits, target, body }));
         });
     };
     for (constraint, limits, of) in &own {
@@ -142,20 +142,21 @@ pub(crate) fn break_constraints(
     let mut broken: Vec<Broke> = Vec::new();
     for (.., one) in &breakables.all {
         // Of an attachment with several constraints, the first that breaks is reported.
-        if broken.iter().any(|known| known.constraint == one.breaks) {
+        if broken.iter().any(|known| known.constraint == one.target) {
             continue;
         }
-        broken.extend(one.broke(&world));
+        broken.extend(one.event(&world));
     }
     if !broken.is_empty() {
-        commands
-            .queue(move |world: &mut World| broken.into_iter().for_each(|one| snap(world, one)));
+        commands.queue(move |world: &mut World| {
+            broken.into_iter().for_each(|one| break_constraint(world, one))
+        });
     }
 }
 
 impl Breakable {
     /// The event, if the constraint exceeds a limit.
-    fn broke(&self, world: &SinewWorld) -> Option<Broke> {
+    fn event(&self, world: &SinewWorld) -> Option<Broke> {
         let (simulation, tables) = (&world.simulation, &world.tables);
         let particles = &simulation.particles;
         let (mut ends, mut rest, mut sign) = (None, 0.0, 1.0);
@@ -194,8 +195,8 @@ impl Breakable {
         let near = particles.position(*rows.first()? as usize);
         let sum: Vec3 = rows.iter().map(|&row| particles.relative_to(row as usize, near)).sum();
         Some(Broke {
-            entity: self.breaks,
-            constraint: self.breaks,
+            entity: self.target,
+            constraint: self.target,
             body: self.body,
             particles: rows.iter().map(|&row| tables.entities[row as usize]).collect(),
             point: near + sum / rows.len() as f32,
@@ -206,16 +207,16 @@ impl Breakable {
 }
 
 /// Sends the event, and despawns what broke.
-fn snap(world: &mut World, broke: Broke) {
-    let constraint = broke.constraint;
+fn break_constraint(world: &mut World, event: Broke) {
+    let constraint = event.constraint;
     if world.get_entity(constraint).is_err() {
         return;
     }
-    let body = broke.body.filter(|&body| body != constraint);
-    world.write_message(broke.clone());
-    world.trigger(broke.clone());
+    let body = event.body.filter(|&body| body != constraint);
+    world.write_message(event.clone());
+    world.trigger(event.clone());
     if let Some(body) = body.filter(|&body| world.get_entity(body).is_ok()) {
-        world.trigger(Broke { entity: body, ..broke });
+        world.trigger(Broke { entity: body, ..event });
     }
     world.flush();
     let Ok(mut entity) = world.get_entity_mut(constraint) else { return };

@@ -99,31 +99,31 @@ impl Default for MouseDrag {
 impl Plugin for MouseDragPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<MouseDrag>()
-            .init_resource::<Pointing>()
+            .init_resource::<PointerState>()
             .register_particle_constraint::<GrabConstraint>()
-            .add_observer(catch)
+            .add_observer(start_drag)
             .add_systems(
                 PreUpdate,
                 (pick.in_set(PickingSystems::Backend), follow_pointer.after(PickingSystems::Hover))
                     .run_if(resource_exists::<Messages<PointerInput>>),
             )
             // While time is paused nothing is pulled, so selecting a body changes nothing.
-            .add_systems(SinewTick, hold.before(SinewSystems::Build).run_if(time_passes));
+            .add_systems(SinewTick, update_grab.before(SinewSystems::Build).run_if(time_passes));
     }
 }
 
 /// The state of the pointers.
 #[derive(Resource, Default)]
-struct Pointing {
+struct PointerState {
     /// The hits under the pointers that were pressed in this frame.
-    under: Vec<Caught>,
+    pressed: Vec<PressHit>,
     /// The hit that is being dragged.
-    holds: Option<Caught>,
+    dragged: Option<PressHit>,
 }
 
 /// A hit of a pointer's ray through a camera: the point, its body, and the particles that define the point.
 #[derive(Clone, Debug)]
-struct Caught {
+struct PressHit {
     pointer: PointerId,
     camera: Entity,
     entity: Entity,
@@ -135,14 +135,14 @@ struct Caught {
 fn pick(
     drag: Res<MouseDrag>,
     rays: Res<RayMap>,
-    mut pointing: ResMut<Pointing>,
+    mut pointers: ResMut<PointerState>,
     mut inputs: MessageReader<PointerInput>,
     mut hits: MessageWriter<PointerHits>,
     cameras: Query<(&Camera, Option<&RenderLayers>)>,
     world: Res<SinewWorld>,
     anchors: Anchors,
 ) {
-    pointing.under.clear();
+    pointers.pressed.clear();
     for input in inputs.read() {
         if !matches!(input.action, PointerAction::Press(button) if drag.button == Some(button)) {
             continue;
@@ -153,10 +153,10 @@ fn pick(
             if layers.is_some_and(|layers| *layers == RenderLayers::none()) {
                 continue;
             }
-            let Some(hit) = anchors.under(&world, ray, drag.reach) else { continue };
+            let Some(hit) = anchors.hit_under(&world, ray, drag.reach) else { continue };
             let data = HitData::new(id.camera, hit.distance, Some(hit.point), hit.normal);
             hits.write(PointerHits::new(id.pointer, vec![(hit.entity, data)], camera.order as f32));
-            pointing.under.extend(hit.anchor.map(|anchor| Caught {
+            pointers.pressed.extend(hit.anchor.map(|anchor| PressHit {
                 pointer: id.pointer,
                 camera: id.camera,
                 entity: hit.entity,
@@ -169,10 +169,10 @@ fn pick(
 
 /// Starts a drag from a press on a body. Another backend, such as the one for meshes, may have reported the same body first: in any case the press targets the
 /// body, a part of it, or a mesh of either, from which it bubbles up.
-fn catch(
+fn start_drag(
     press: OnPress,
     mut drag: ResMut<MouseDrag>,
-    mut pointing: ResMut<Pointing>,
+    mut pointers: ResMut<PointerState>,
     parts: Query<&PartOf>,
 ) {
     if drag.button != Some(press.button) {
@@ -180,26 +180,26 @@ fn catch(
     }
     let target = press.entity;
     let body = parts.get(target).map_or(target, |of| of.0);
-    let caught = pointing.under.iter().find(|caught| {
-        caught.pointer == pointer(&press)
-            && caught.camera == press.hit.camera
-            && [target, body].contains(&caught.entity)
+    let hit = pointers.pressed.iter().find(|hit| {
+        hit.pointer == pointer(&press)
+            && hit.camera == press.hit.camera
+            && [target, body].contains(&hit.entity)
     });
-    if let Some(caught) = caught.cloned() {
-        drag.grabbed = Some(Grab { anchor: caught.anchor.clone(), target: caught.point });
-        pointing.holds = Some(caught);
+    if let Some(hit) = hit.cloned() {
+        drag.grabbed = Some(Grab { anchor: hit.anchor.clone(), target: hit.point });
+        pointers.dragged = Some(hit);
     }
 }
 
 /// Moves the target with the pointer, at the depth at which the point was grabbed, and ends the drag when the button is released.
 fn follow_pointer(
     mut drag: ResMut<MouseDrag>,
-    mut pointing: ResMut<Pointing>,
+    mut pointers: ResMut<PointerState>,
     mut inputs: MessageReader<PointerInput>,
     rays: Res<RayMap>,
     frames: Query<&GlobalTransform, With<Camera>>,
 ) {
-    let Some(Caught { pointer, camera, point: caught, .. }) = pointing.holds else {
+    let Some(PressHit { pointer, camera, point: grabbed_point, .. }) = pointers.dragged else {
         inputs.clear();
         return;
     };
@@ -209,14 +209,14 @@ fn follow_pointer(
             || matches!(input.action, PointerAction::Release(up) if button == Some(up))
     });
     if released || button.is_none() {
-        (drag.grabbed, pointing.holds) = (None, None);
+        (drag.grabbed, pointers.dragged) = (None, None);
         return;
     }
     let mut own = rays.iter().filter(|(id, _)| id.pointer == pointer && id.camera == camera);
     let (Some((_, ray)), Ok(frame)) = (own.next(), frames.get(camera)) else { return };
     let Some(grab) = &mut drag.grabbed else { return };
     let forward = frame.forward();
-    let depth = (caught - ray.origin).dot(*forward);
+    let depth = (grabbed_point - ray.origin).dot(*forward);
     let steepness = ray.direction.dot(*forward);
     if steepness > 1e-3 {
         grab.target = ray.origin + *ray.direction * (depth / steepness);
@@ -224,23 +224,23 @@ fn follow_pointer(
 }
 
 /// Maintains the constraints of the drag; there are none without a drag.
-fn hold(
+fn update_grab(
     mut commands: Commands,
     drag: Res<MouseDrag>,
     world: Res<SinewWorld>,
     rows: Query<&ParticleRow>,
-    mut held: Query<(Entity, &mut GrabConstraint)>,
+    mut grabs: Query<(Entity, &mut GrabConstraint)>,
 ) {
     let wanted = drag.grabbed.as_ref().and_then(|grab| wanted(grab, &drag, &world, &rows));
     let Some(wanted) = wanted else {
-        held.iter().for_each(|(entity, _)| commands.entity(entity).despawn());
+        grabs.iter().for_each(|(entity, _)| commands.entity(entity).despawn());
         return;
     };
-    if held.is_empty() {
+    if grabs.is_empty() {
         commands.spawn_batch(wanted.map(|constraint| (CreationOrder::default(), constraint)));
         return;
     }
-    for (_, mut constraint) in &mut held {
+    for (_, mut constraint) in &mut grabs {
         let axis = constraint.axis;
         if let Some(now) = wanted.iter().find(|now| now.axis == axis) {
             constraint.set_if_neq(now.clone());
@@ -337,7 +337,7 @@ impl Equation for PointOnPlane {
 }
 
 /// A hit under a ray, with the particles that define the point, if it can be dragged.
-struct Under {
+struct RayHit {
     entity: Entity,
     distance: f32,
     point: Vec3,
@@ -359,33 +359,33 @@ struct Anchors<'w, 's> {
 
 impl Anchors<'_, '_> {
     /// The hit under a ray: the first one along the ray, or the nearest particle beside it.
-    fn under(&self, world: &SinewWorld, ray: Ray3d, reach: f32) -> Option<Under> {
+    fn hit_under(&self, world: &SinewWorld, ray: Ray3d, reach: f32) -> Option<RayHit> {
         let hit = world.cast_ray(ray, f32::MAX, &QueryFilter::default());
-        let met = hit.map(|hit| Under {
+        let ray_hit = hit.map(|hit| RayHit {
             entity: hit.entity,
             distance: hit.distance,
             point: hit.point,
             normal: Some(hit.normal),
             anchor: hit.particle.map(|particle| self.anchor(hit.entity, particle, hit.point)),
         });
-        if met.as_ref().is_some_and(|met| met.anchor.is_some()) {
-            return met;
+        if ray_hit.as_ref().is_some_and(|ray_hit| ray_hit.anchor.is_some()) {
+            return ray_hit;
         }
         // A collider hides the particles behind it.
-        let far = met.as_ref().map_or(f32::INFINITY, |met| met.distance);
+        let far = ray_hit.as_ref().map_or(f32::INFINITY, |ray_hit| ray_hit.distance);
         let columns = world.particles();
         let candidates = self.particles.iter().map(|(entity, particle, row)| {
             let row = row.get().filter(|&row| row < columns.len());
             (entity, particle.position, row.map_or(0.0, |row| columns.radius(row)))
         });
-        let beside = beside(ray, reach, far, candidates).map(|(particle, point)| Under {
+        let beside = nearest_beside(ray, reach, far, candidates).map(|(particle, point)| RayHit {
             entity: self.owners.get(particle).map_or(particle, |of| of.0),
             distance: ray.origin.distance(point),
             point,
             normal: None,
             anchor: Some(vec![(particle, 1.0)]),
         });
-        beside.or(met)
+        beside.or(ray_hit)
     }
 
     /// The particles that define a point of a body, with their weights. `particle` is one of those that were hit.
@@ -453,7 +453,7 @@ impl Anchors<'_, '_> {
 }
 
 /// The particle with the smallest angle to the ray, seen from its origin, and nearer than `far` metres; of those that the ray hits, the nearest to the origin.
-fn beside(
+fn nearest_beside(
     ray: Ray3d,
     reach: f32,
     far: f32,

@@ -337,7 +337,7 @@ fn run_substeps(world: &mut World) {
     let dt = world.resource::<Time>().delta_secs();
     let began = Instant::now();
     let by_phase = world.resource::<TickTime>().by_phase;
-    let shown = world.resource::<PhaseSteps>().begins;
+    let shown = world.resource::<PhaseSteps>().records_next;
     let watched = by_phase || shown || world.resource::<SinewWorld>().tables.forces.is_some();
     let alone = !watched && runs_our_phases_alone(world);
     if alone && world.resource_mut::<SinewWorld>().step_at_rest(dt) {

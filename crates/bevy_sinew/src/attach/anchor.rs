@@ -91,7 +91,7 @@ impl Anchor {
     }
 
     /// Whether a place is in the region of the anchor; `None` if the anchor is not a region.
-    pub(super) fn holds(&self, place: Vec3) -> Option<bool> {
+    pub(super) fn contains(&self, place: Vec3) -> Option<bool> {
         match *self {
             Self::InBox { center, half_size } => {
                 Some((place - center).abs().cmple(half_size.abs()).all())

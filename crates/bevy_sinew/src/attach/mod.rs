@@ -3,18 +3,18 @@
 //! | file | contents |
 //! |---|---|
 //! | `anchor` | a place on a body where something is attached: [`Anchor`] |
-//! | `carrier` | which particles that is, and how they define a point |
+//! | `point_source` | which particles that is, and how they define a point |
 //! | `constraint` | the constraint that ties two points: [`AnchorConstraint`] |
 //! | `resolve` | once a tick: turns [`AttachTo`] into pins and constraints, as soon as both bodies are built |
 
 mod anchor;
-mod carrier;
 mod constraint;
+mod point_source;
 pub(crate) mod resolve;
 
 pub use anchor::{Anchor, RopeEnd};
-pub(crate) use carrier::place_of;
 pub use constraint::AnchorConstraint;
+pub(crate) use point_source::anchor_position;
 
 use bevy::ecs::entity::MapEntities;
 use bevy::ecs::lifecycle::HookContext;
@@ -67,7 +67,7 @@ use crate::components::{CreationOrder, PinnedTo, Softness};
 #[derive(Component, MapEntities, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
-#[component(on_remove = let_go)]
+#[component(on_remove = on_remove)]
 pub struct AttachTo {
     /// The other entity.
     #[entities]
@@ -177,7 +177,7 @@ impl Attached {
 }
 
 /// Hook: releases what is attached when the component is removed.
-fn let_go(mut world: DeferredWorld, context: HookContext) {
+fn on_remove(mut world: DeferredWorld, context: HookContext) {
     let attachment = context.entity;
     let Some(attached) = world.get::<Attached>(attachment).cloned() else { return };
     let joints = world.get::<AttachmentJoints>(attachment);

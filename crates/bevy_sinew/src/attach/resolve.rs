@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use bevy::prelude::*;
 use sinew::pose::pose;
 
-use super::carrier::{Carrier, Point, locate};
+use super::point_source::{Point, PointSource, locate};
 use super::{
     Anchor, AnchorConstraint, AttachTo, Attached, AttachmentJoints, AttachmentOf, JointOf, release,
 };
@@ -21,12 +21,13 @@ use crate::messages::{AttachFault, Refusal, Refused};
 type All = QueryState<(Entity, &'static CreationOrder), With<AttachTo>>;
 
 /// The result of trying to make an attachment.
-enum Outcome {
-    Stands,
-    Holds(Attached),
-    Waits,
+enum AttachOutcome {
+    /// The attachment itself no longer exists.
+    Gone,
+    Made(Attached),
+    Waiting,
     /// The other entity is gone.
-    LetsGo,
+    Released,
 }
 
 /// Makes and releases attachments.
@@ -43,20 +44,20 @@ pub(crate) fn resolve_attachments(
     for &(_, attachment) in &*order {
         let Some(to) = world.get::<AttachTo>(attachment) else { continue };
         let body = world.get::<AttachmentOf>(attachment).map_or(attachment, |of| of.0);
-        if holds(world, attachment, body, to) {
+        if in_effect(world, attachment, body, to) {
             continue;
         }
         let to = to.clone();
         let outcome = attach(world, attachment, body, &to);
         match outcome {
-            Ok(Outcome::Stands | Outcome::Waits) => {}
-            Ok(Outcome::Holds(attached)) => {
+            Ok(AttachOutcome::Gone | AttachOutcome::Waiting) => {}
+            Ok(AttachOutcome::Made(attached)) => {
                 if let Ok(mut entity) = world.get_entity_mut(attachment) {
                     entity.insert(attached);
                 }
             }
-            Ok(Outcome::LetsGo) => {
-                say(world, attachment, Refusal::AttachTarget(to.entity));
+            Ok(AttachOutcome::Released) => {
+                report(world, attachment, Refusal::AttachTarget(to.entity));
                 if body == attachment {
                     world.entity_mut(attachment).remove::<AttachTo>();
                 } else {
@@ -67,7 +68,7 @@ pub(crate) fn resolve_attachments(
             }
             Err(fault) => {
                 if reported.insert(attachment, fault) != Some(fault) {
-                    say(world, attachment, Refusal::Attach(fault));
+                    report(world, attachment, Refusal::Attach(fault));
                 }
                 continue;
             }
@@ -76,17 +77,18 @@ pub(crate) fn resolve_attachments(
     }
 }
 
-fn say(world: &mut World, entity: Entity, reason: Refusal) {
+fn report(world: &mut World, entity: Entity, reason: Refusal) {
     warn!("sinew: entity {entity} {reason}");
     world.write_message(Refused { entity, reason });
 }
 
 /// Whether an attachment is in effect as specified: the only check that most attachments need in a tick.
-fn holds(world: &World, attachment: Entity, body: Entity, to: &AttachTo) -> bool {
+fn in_effect(world: &World, attachment: Entity, body: Entity, to: &AttachTo) -> bool {
     let Some(attached) = world.get::<Attached>(attachment) else { return false };
     // The load of a pin cannot be measured, so an attachment that may break needs constraints.
-    let held = attached.pinned.is_empty() || world.get::<BreakAt>(attachment).is_none();
-    held && world.get_entity(to.entity).is_ok()
+    let measurable = attached.pinned.is_empty() || world.get::<BreakAt>(attachment).is_none();
+    measurable
+        && world.get_entity(to.entity).is_ok()
         && attached.builds == [builds(world, body), builds(world, to.entity)]
         && attached.is_of(body, to)
 }
@@ -103,34 +105,36 @@ fn attach(
     attachment: Entity,
     body: Entity,
     to: &AttachTo,
-) -> Result<Outcome, AttachFault> {
+) -> Result<AttachOutcome, AttachFault> {
     if world.get_entity(to.entity).is_err() {
-        return Ok(Outcome::LetsGo);
+        return Ok(AttachOutcome::Released);
     }
     let softness = sinew::Softness::from(to.softness);
     if !(to.part.is_finite() && to.anchor.is_finite() && softness.is_valid()) {
         return Err(AttachFault::Number);
     }
     let part = locate(world, body, &to.part).map_err(|()| AttachFault::NoSuchPart)?;
-    let hold = locate(world, to.entity, &to.anchor).map_err(|()| AttachFault::NoSuchAnchor)?;
-    let (Some((tied, part)), Some((holder, anchor))) = (part, hold) else {
-        return Ok(Outcome::Waits);
+    let on_target = locate(world, to.entity, &to.anchor).map_err(|()| AttachFault::NoSuchAnchor)?;
+    let (Some((tied, part)), Some((target_entity, anchor))) = (part, on_target) else {
+        return Ok(AttachOutcome::Waiting);
     };
-    let carrier = Carrier::of(world, tied).map_err(|()| AttachFault::NoParticles)?;
-    let holds = Carrier::of(world, holder).map_err(|()| AttachFault::NoPlace)?;
-    let (Some(carrier), Some(holds)) = (carrier, holds) else { return Ok(Outcome::Waits) };
-    if matches!(carrier, Carrier::Frame) {
+    let source = PointSource::of(world, tied).map_err(|()| AttachFault::NoParticles)?;
+    let target_source = PointSource::of(world, target_entity).map_err(|()| AttachFault::NoPlace)?;
+    let (Some(source), Some(target_source)) = (source, target_source) else {
+        return Ok(AttachOutcome::Waiting);
+    };
+    if matches!(source, PointSource::Frame) {
         return Err(AttachFault::NoParticles);
     }
-    let points = carrier.points(world, tied, &part);
+    let points = source.points(world, tied, &part);
     if points.is_empty() {
         return Err(AttachFault::NoSuchPart);
     }
     let before = world.get::<Attached>(attachment).cloned();
     let kept = before.as_ref().filter(|before| before.is_of(body, to));
-    let holding = Holding { world, holder, carrier: &holds, anchor: &anchor };
-    let offsets = holding.offsets(&points, to.snap, kept.map(|kept| kept.offsets.as_slice()))?;
-    let others = holding.points(&points, &offsets, to.snap)?;
+    let target = Target { world, target_entity, source: &target_source, anchor: &anchor };
+    let offsets = target.offsets(&points, to.snap, kept.map(|kept| kept.offsets.as_slice()))?;
+    let others = target.points(&points, &offsets, to.snap)?;
     let itself = |point: &Point, other: &Option<Point>| {
         let shares = |one: &Point, other: &Point| {
             one.particles.iter().any(|particle| other.particles.contains(particle))
@@ -149,7 +153,7 @@ fn attach(
     let mut pinned = Vec::new();
     let pins = to.softness == Softness::Hard && world.get::<BreakAt>(attachment).is_none();
     for ((point, other), &offset) in points.iter().zip(others).zip(&offsets) {
-        let pin = PinnedTo { entity: holder, offset };
+        let pin = PinnedTo { entity: target_entity, offset };
         match other {
             Some(other) => join(world, attachment, point, &other, (to.snap, to.softness)),
             None if point.particles.len() == 1 && pins => {
@@ -159,28 +163,28 @@ fn attach(
                 }
             }
             None => {
-                let hand = (Particle::at(point.place), pin, JointOf(attachment));
-                let hand = world.spawn(hand).id();
-                let hand = Point {
-                    particles: vec![hand],
+                let helper = (Particle::at(point.place), pin, JointOf(attachment));
+                let helper = world.spawn(helper).id();
+                let helper = Point {
+                    particles: vec![helper],
                     weights: vec![1.0],
                     rigid: false,
                     place: point.place,
                 };
-                join(world, attachment, point, &hand, (true, to.softness));
+                join(world, attachment, point, &helper, (true, to.softness));
             }
         }
     }
-    for entity in [body, tied, to.entity, holder] {
+    for entity in [body, tied, to.entity, target_entity] {
         let owner = world.get::<PartOf>(entity).map_or(entity, |of| of.0);
         if let Some(mut sleep) = world.get_mut::<Sleep>(owner) {
             sleep.wake();
         }
     }
     if world.get_entity(attachment).is_err() {
-        return Ok(Outcome::Stands);
+        return Ok(AttachOutcome::Gone);
     }
-    Ok(Outcome::Holds(Attached {
+    Ok(AttachOutcome::Made(Attached {
         body,
         to: to.clone(),
         builds: [builds(world, body), builds(world, to.entity)],
@@ -190,22 +194,22 @@ fn attach(
 }
 
 /// The other entity, and the place on it that the body is attached to.
-struct Holding<'a> {
+struct Target<'a> {
     world: &'a World,
-    holder: Entity,
-    carrier: &'a Carrier,
+    target_entity: Entity,
+    source: &'a PointSource,
     anchor: &'a Anchor,
 }
 
-impl Holding<'_> {
+impl Target<'_> {
     /// The entity's frame in the world, in metres for a rigid body, in its own units for a transform. `None` if it has no frame.
     fn frame(&self) -> Result<Option<Transform>, AttachFault> {
-        let at = in_world(self.world, self.holder).map_err(|_| AttachFault::NoPlace)?;
-        let frame = match self.carrier {
-            Carrier::Loose { .. } => return Ok(None),
-            Carrier::Frame => at,
+        let at = in_world(self.world, self.target_entity).map_err(|_| AttachFault::NoPlace)?;
+        let frame = match self.source {
+            PointSource::Loose { .. } => return Ok(None),
+            PointSource::Frame => at,
             // The transform of a part that was just built has not been extracted yet.
-            Carrier::Rigid { particles, rest } => {
+            PointSource::Rigid { particles, rest } => {
                 let points = particles.iter().zip(rest).filter_map(|(&particle, &rest)| {
                     let at = self.world.get::<Particle>(particle)?.position;
                     Some((at, rest, self.world.get::<Mass>(particle)?.0))
@@ -231,7 +235,7 @@ impl Holding<'_> {
         let now: Vec<Vec3> = points.iter().map(|p| back.transform_point3(p.place)).collect();
         let middle = |all: &[Vec3]| all.iter().sum::<Vec3>() / all.len().max(1) as f32;
         // Evaluated even if the points keep their position, so that a missing anchor is refused.
-        let anchor = self.carrier.local(self.world, self.holder, self.anchor);
+        let anchor = self.source.local(self.world, self.target_entity, self.anchor);
         let anchor = anchor.ok_or(AttachFault::NoSuchAnchor)?;
         let to = match before {
             _ if snap => anchor,
@@ -250,14 +254,14 @@ impl Holding<'_> {
         offsets: &[Vec3],
         snap: bool,
     ) -> Result<Vec<Option<Point>>, AttachFault> {
-        let Self { world, holder, carrier, anchor } = self;
-        let other = |(point, &offset): (&Point, &Vec3)| match carrier {
-            Carrier::Frame => Ok(None),
-            Carrier::Rigid { .. } => {
-                carrier.rigid_point(world, offset).map(Some).ok_or(AttachFault::NoSuchAnchor)
+        let Self { world, target_entity, source, anchor } = self;
+        let other = |(point, &offset): (&Point, &Vec3)| match source {
+            PointSource::Frame => Ok(None),
+            PointSource::Rigid { .. } => {
+                source.rigid_point(world, offset).map(Some).ok_or(AttachFault::NoSuchAnchor)
             }
-            Carrier::Loose { .. } => carrier
-                .loose_point(world, *holder, anchor, (point.place, snap))
+            PointSource::Loose { .. } => source
+                .loose_point(world, *target_entity, anchor, (point.place, snap))
                 .map(Some)
                 .ok_or(AttachFault::NoSuchAnchor),
         };
@@ -266,7 +270,7 @@ impl Holding<'_> {
 }
 
 /// Gaps up to this fraction of the largest coordinate (of 1 m at least) are round-off.
-const CLOSED: f32 = 1e-5;
+const GAP_ROUND_OFF: f32 = 1e-5;
 
 /// Spawns the constraint that keeps two points together, or, unless they are to `close` up, at their current distance. A gap within round-off counts as none.
 fn join(
@@ -277,7 +281,7 @@ fn join(
     (close, softness): (bool, Softness),
 ) {
     let gap = one.place.distance(other.place);
-    let exact = gap <= CLOSED * one.place.abs().max_element().max(1.0);
+    let exact = gap <= GAP_ROUND_OFF * one.place.abs().max_element().max(1.0);
     // A rigid body defines a point at any position, so `other` is already the position to keep.
     let rest = if close || exact || other.rigid { 0.0 } else { gap };
     let of = JointOf(attachment);

@@ -7,7 +7,7 @@ use sinew::recipes::{Blueprint, RopeSpec, rope};
 
 use super::bind::attach;
 use super::build::{MeshShape, Recipe};
-use crate::attach::{Anchor, AttachTo, AttachmentOf, BodyAttachments, RopeEnd, place_of};
+use crate::attach::{Anchor, AttachTo, AttachmentOf, BodyAttachments, RopeEnd, anchor_position};
 use crate::components::{Bound, CreationOrder, ParticleBody, TubeMesh};
 use crate::frames::{even_factor, in_world};
 use crate::messages::Refusal;
@@ -189,7 +189,7 @@ impl Recipe for Rope {
             // A tie to an entity that is gone is dropped; the rope is built without it.
             tie.take_if(|tie| world.get_entity(tie.entity).is_err());
             let Some(RopeTie { entity, anchor }) = tie else { continue };
-            let found = place_of(world, *entity, anchor, frame.translation);
+            let found = anchor_position(world, *entity, anchor, frame.translation);
             match found.map_err(Refusal::Attach)? {
                 Some(found) => *place = back.transform_point3(found),
                 None => return Ok(None),

@@ -32,14 +32,14 @@ use crate::world::{PhaseWatch, SinewWorld};
 #[derive(Resource, Debug, Default)]
 pub struct PhaseSteps {
     /// Steps that were requested and are still to be taken.
-    asked: u32,
+    requested: u32,
     /// Whether the next tick is to be recorded.
-    pub(super) begins: bool,
+    pub(super) records_next: bool,
     /// The phase that is shown, and those after it.
     current: Option<Particles>,
-    rest: VecDeque<Particles>,
+    later: VecDeque<Particles>,
     /// The actual particles, while others are shown in their place.
-    own: Option<Particles>,
+    actual: Option<Particles>,
     /// Index of the phase that is shown, from 0 at the start of the tick.
     number: usize,
     substeps: u32,
@@ -65,23 +65,23 @@ pub struct PhaseStep {
 impl PhaseSteps {
     /// Advances to the next phase, at the next fixed tick, if the simulation is paused. If no phase is shown yet, it requests the tick from `control`.
     pub fn step(&mut self, control: &mut SinewControl) {
-        if self.begins || self.own.is_some() {
-            self.asked = self.asked.saturating_add(1);
+        if self.records_next || self.actual.is_some() {
+            self.requested = self.requested.saturating_add(1);
         } else if control.paused {
-            self.begins = true;
+            self.records_next = true;
             control.step();
         }
     }
 
     /// Ends the display: the end of the tick is shown.
     pub fn end(&mut self) {
-        (self.ended, self.asked) = (self.own.is_some(), 0);
+        (self.ended, self.requested) = (self.actual.is_some(), 0);
     }
 
     /// The phase that is shown; `None` for the end of the tick, as usual.
     pub fn shown(&self) -> Option<PhaseStep> {
-        self.own.as_ref()?;
-        let (count, left) = (PHASE_ORDER.len(), !self.rest.is_empty());
+        self.actual.as_ref()?;
+        let (count, left) = (PHASE_ORDER.len(), !self.later.is_empty());
         Some(PhaseStep {
             substep: (self.number / count) as u32 + 1,
             substeps: self.substeps,
@@ -92,9 +92,9 @@ impl PhaseSteps {
 
     /// Takes the record of a tick.
     pub(super) fn take(&mut self, watch: Option<&mut PhaseWatch>, substeps: u32, layout: u64) {
-        self.rest = watch.and_then(|watch| watch.frames.take()).unwrap_or_default().into();
-        self.current = self.rest.pop_front();
-        (self.number, self.substeps, self.layout, self.begins) = (0, substeps, layout, false);
+        self.later = watch.and_then(|watch| watch.frames.take()).unwrap_or_default().into();
+        self.current = self.later.pop_front();
+        (self.number, self.substeps, self.layout, self.records_next) = (0, substeps, layout, false);
     }
 
     fn forget(&mut self) {
@@ -105,22 +105,22 @@ impl PhaseSteps {
 /// Before a fixed tick: puts the actual particles back, and selects what is shown next.
 pub(super) fn choose(world: &mut World) {
     let steps = world.resource::<PhaseSteps>();
-    if steps.own.is_none() && !steps.begins {
+    if steps.actual.is_none() && !steps.records_next {
         return;
     }
     let control = *world.resource::<SinewControl>();
-    let was_shown = steps.own.is_some();
+    let was_shown = steps.actual.is_some();
     world.resource_scope(|world, mut steps: Mut<PhaseSteps>| {
         let sinew = &mut *world.resource_mut::<SinewWorld>();
-        if let Some(own) = steps.own.take() {
-            steps.current = Some(core::mem::replace(&mut sinew.simulation.particles, own));
+        if let Some(actual) = steps.actual.take() {
+            steps.current = Some(core::mem::replace(&mut sinew.simulation.particles, actual));
         }
         // A tick that is due shows its phases if the first step requested it, and its end otherwise.
-        if steps.ended || !control.paused || (control.single_steps > 0) != steps.begins {
+        if steps.ended || !control.paused || (control.single_steps > 0) != steps.records_next {
             steps.forget();
-        } else if !steps.begins && steps.asked > 0 {
-            steps.asked -= 1;
-            steps.current = steps.rest.pop_front();
+        } else if !steps.records_next && steps.requested > 0 {
+            steps.requested -= 1;
+            steps.current = steps.later.pop_front();
             steps.number += 1;
         }
     });
@@ -146,15 +146,15 @@ pub(super) fn show(world: &mut World) {
         if steps.layout != sinew.tables.layout.number {
             steps.forget();
         } else if let Some(current) = steps.current.take() {
-            steps.own = Some(core::mem::replace(&mut sinew.simulation.particles, current));
+            steps.actual = Some(core::mem::replace(&mut sinew.simulation.particles, current));
         }
     });
-    if world.resource::<PhaseSteps>().own.is_none() {
+    if world.resource::<PhaseSteps>().actual.is_none() {
         redraw(world);
     }
 }
 
 /// Run condition: whether a phase is shown.
 pub(crate) fn is_shown(steps: Res<PhaseSteps>) -> bool {
-    steps.own.is_some()
+    steps.actual.is_some()
 }

@@ -8,9 +8,9 @@ use super::gizmo_config::SinewGizmoConfigGroup;
 use crate::components::{Collider, PlacedCollider, RigidPose, Sensor};
 
 /// Number of segments of a circle.
-const ROUND: u32 = 24;
+const CIRCLE_SEGMENTS: u32 = 24;
 /// Half the size of the drawn part of an infinite plane, metres.
-const PLANE: f32 = 5.0;
+const PLANE_HALF_SIZE: f32 = 5.0;
 
 /// Draws static and kinematic colliders at their position in the last tick: grey, green for sensors, red if set aside; and those of rigid parts, blue.
 pub(super) fn draw_colliders(
@@ -50,7 +50,10 @@ fn outline(
     let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
     match *collider {
         Collider::HalfSpace => {
-            gizmos.cube(boxed(Vec3::ZERO, Vec3::new(2.0 * PLANE, 0.0, 2.0 * PLANE)), color);
+            gizmos.cube(
+                boxed(Vec3::ZERO, Vec3::new(2.0 * PLANE_HALF_SIZE, 0.0, 2.0 * PLANE_HALF_SIZE)),
+                color,
+            );
             gizmos.line(point(Vec3::ZERO), point(y), color);
         }
         Collider::Sphere { radius: r } => {
@@ -88,8 +91,8 @@ fn outline(
 
 /// Points on an ellipse, from its centre and two semi-axes.
 fn round(centre: Vec3, u: Vec3, v: Vec3) -> impl Iterator<Item = Vec3> {
-    (0..ROUND).map(move |i| {
-        let turn = TAU * i as f32 / ROUND as f32;
+    (0..CIRCLE_SEGMENTS).map(move |i| {
+        let turn = TAU * i as f32 / CIRCLE_SEGMENTS as f32;
         centre + u * libm::cosf(turn) + v * libm::sinf(turn)
     })
 }

@@ -1,4 +1,4 @@
-//! Carriers: which particles an anchor selects, and how they define a point.
+//! Point sources: which particles an anchor selects, and how they define a point.
 
 use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
@@ -13,7 +13,7 @@ use crate::frames::in_world;
 use crate::messages::AttachFault;
 
 /// What determines the points of an entity.
-pub(super) enum Carrier {
+pub(super) enum PointSource {
     /// Only its `Transform`, which the game writes.
     Frame,
     /// The particles of a rigid body or part, and their positions in its frame.
@@ -50,7 +50,7 @@ pub(super) fn locate(
 
 /// The position of an anchor in the world, metres; `None` while the entity is not built. On independent particles it is the one nearest to `near`, unless the
 /// anchor selects particles.
-pub(crate) fn place_of(
+pub(crate) fn anchor_position(
     world: &World,
     entity: Entity,
     anchor: &Anchor,
@@ -60,15 +60,15 @@ pub(crate) fn place_of(
     let Some((entity, anchor)) = locate(world, entity, anchor).map_err(missing)? else {
         return Ok(None);
     };
-    let carrier = Carrier::of(world, entity).map_err(|()| AttachFault::NoPlace)?;
-    let Some(carrier) = carrier else { return Ok(None) };
-    let place = match &carrier {
-        Carrier::Loose { .. } => {
-            carrier.loose_point(world, entity, &anchor, (near, true)).map(|point| point.place)
+    let source = PointSource::of(world, entity).map_err(|()| AttachFault::NoPlace)?;
+    let Some(source) = source else { return Ok(None) };
+    let place = match &source {
+        PointSource::Loose { .. } => {
+            source.loose_point(world, entity, &anchor, (near, true)).map(|point| point.place)
         }
         framed => match (framed, framed.local(world, entity, &anchor)) {
             (_, None) => None,
-            (Carrier::Frame, Some(local)) => {
+            (PointSource::Frame, Some(local)) => {
                 let frame = in_world(world, entity).map_err(|_| AttachFault::NoPlace)?;
                 Some(frame.transform_point(local))
             }
@@ -84,8 +84,8 @@ fn is_yet_to_be_built(world: &World, entity: Entity) -> bool {
     world.get::<ParticleBody>(entity).is_some() && members.is_none_or(RelationshipTarget::is_empty)
 }
 
-impl Carrier {
-    /// The carrier of an entity; `None` for a body that is not built yet, and an error for an entity with neither particles nor a transform.
+impl PointSource {
+    /// The source of an entity; `None` for a body that is not built yet, and an error for an entity with neither particles nor a transform.
     pub(super) fn of(world: &World, entity: Entity) -> Result<Option<Self>, ()> {
         if world.get::<Particle>(entity).is_some() {
             return Ok(Some(Self::Loose { particles: vec![entity] }));
@@ -215,7 +215,7 @@ fn chosen_of(particles: &[Entity], rest: &[Vec3], anchor: &Anchor) -> Vec<Entity
         Anchor::Whole => particles.to_vec(),
         Anchor::Vertex(number) => particles.get(*number as usize).copied().into_iter().collect(),
         anchor => {
-            let inside = |(_, place): &(_, &Vec3)| anchor.holds(**place) == Some(true);
+            let inside = |(_, place): &(_, &Vec3)| anchor.contains(**place) == Some(true);
             particles.iter().zip(rest).filter(inside).map(|(&particle, _)| particle).collect()
         }
     }
@@ -245,7 +245,7 @@ fn chosen(world: &World, body: Entity, particles: &[Entity], anchor: &Anchor) ->
         }
         anchor => {
             let inside =
-                |one: &&Entity| built_at(one).and_then(|at| anchor.holds(at)) == Some(true);
+                |one: &&Entity| built_at(one).and_then(|at| anchor.contains(at)) == Some(true);
             particles.iter().filter(inside).copied().collect()
         }
     }
