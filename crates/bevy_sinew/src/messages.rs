@@ -42,10 +42,10 @@ pub enum Refusal {
     #[error("is set aside: {0}")]
     Particle(ParticleFault),
     /// A body's [`Mass`](crate::Mass), [`Radius`](crate::Radius), [`Charge`](crate::Charge) or [`Drag`](crate::Drag) is invalid; its particles are not changed.
-    #[error("leaves its particles as they are: {0}")]
+    #[error("has an invalid property, and its particles are not changed: {0}")]
     Body(ParticleFault),
     /// A particle became non-finite during a tick; it is put back to its position at the start of the tick, at rest.
-    #[error("turned non-finite and was put back to where the tick began, at rest")]
+    #[error("became non-finite and is reset to its position at the start of the tick, at rest")]
     Diverged,
     /// A distance constraint is invalid; it is set aside until that is corrected.
     #[error("is set aside: {0}")]
@@ -57,40 +57,44 @@ pub enum Refusal {
     #[error("is set aside: {0}")]
     Constraint(ConstraintFault),
     /// The entity to which a particle was pinned is gone; the particle was released.
-    #[error("was let go: the entity it is pinned to, {0}, is gone or has no transform")]
+    #[error("is released: the entity to which it was pinned, {0}, is gone or has no transform")]
     PinTarget(Entity),
     /// The other entity of an [`AttachTo`](crate::AttachTo) is gone; the attachment was released.
-    #[error("let go: the entity it was attached to, {0}, is gone")]
+    #[error("is released: the entity to which it was attached, {0}, is gone")]
     AttachTarget(Entity),
     /// An [`AttachTo`](crate::AttachTo) cannot be made; it attaches nothing until that is corrected.
     #[error("is not attached: {0}")]
     Attach(AttachFault),
     /// A field or an attractor has an invalid number, of its own, of its transform or of its [`Region`](crate::Region); it has no effect until that is
     /// corrected.
-    #[error("does nothing: a number of it or of its transform is not finite or out of range")]
+    #[error("has no effect: a number of it or of its transform is not finite or out of range")]
     Surroundings,
     /// A resource of the environment ([`Gravity`](crate::Gravity), [`AirDrag`](crate::AirDrag), [`Electric`](crate::Electric)) has an invalid number; it has no
     /// effect until that is corrected. The entity is the one on which Bevy stores the resource.
-    #[error("is the resource {0}, and does nothing: a number of it is not finite or out of range")]
+    #[error(
+        "is the resource {0}, which has no effect: a number of it is not finite or out of range"
+    )]
     Resource(&'static str),
     /// A body with [`Floats`](crate::Floats) has no hull; its particles float as balls until that is corrected.
     #[error("floats as the balls of its particles: {0}")]
     Hull(HullFault),
     /// The [`GravityScale`](crate::GravityScale) of a body is not finite; it counts as 1.
-    #[error("falls as without a GravityScale: that is not finite")]
+    #[error("falls with unscaled gravity: its GravityScale is not finite")]
     GravityScale,
     /// A body that is to be an explicit rigid body has no [`RigidPose`](crate::RigidPose), such as cloth; it remains particles.
-    #[error("goes on as particles: only a body with a RigidPose can be rigid")]
+    #[error("remains particles: only a body with a RigidPose can be rigid")]
     Representation,
     /// A collider has an invalid number or shape; it is set aside until that is corrected.
     #[error("is set aside: {0}")]
     Collider(ColliderFault),
     /// The [`SurfaceMaterial`](crate::SurfaceMaterial) of a body or a particle has a number that is not finite or out of range; the default applies until that
     /// is corrected.
-    #[error("is as without a SurfaceMaterial: a number of that is not finite or out of range")]
+    #[error(
+        "has the default material: a number of its SurfaceMaterial is not finite or out of range"
+    )]
     Material,
     /// The [`Weighs`](crate::Weighs) of a collider has a number that is not finite or negative; it has no effect until that is corrected.
-    #[error("presses on nothing: a number of its Weighs is not finite or is negative")]
+    #[error("has no weight: a number of its Weighs is not finite or is negative")]
     Weight,
     /// A rigid part cannot collide by its [`Collider`](crate::Collider), for instance a mesh; it collides by its particles.
     #[error("collides by its particles: {0}")]
@@ -103,13 +107,13 @@ pub enum Refusal {
     NoTriangles,
     /// A body that is to collide by its segments has no [`DistanceConstraint`](crate::DistanceConstraint) between two of its particles with a
     /// [`Radius`](crate::Radius); it collides by its particles.
-    #[error("collides by its particles: it has no rod between two that have a radius")]
+    #[error("collides by its particles: it has no rod between two particles with a radius")]
     NoSegments,
     /// A command on a body or a particle cannot be executed; nothing changed.
-    #[error("is left as it is: {0}")]
+    #[error("is not changed: {0}")]
     Edit(EditFault),
     /// A control force cannot act; it has no effect until that is corrected.
-    #[error("does nothing: {0}")]
+    #[error("has no effect: {0}")]
     Control(EditFault),
     /// The target of a pin is not finite; the particle is held where it is.
     #[error("is held where it is: the point it is pinned to is not finite")]
@@ -119,10 +123,10 @@ pub enum Refusal {
     Recipe(#[from] RecipeFault),
     /// A body, a collider or a field is rotated within a parent with a non-uniform scale, which would shear it; or a rigid body, which may rotate, is within
     /// such a parent. It is left out until that is corrected.
-    #[error("is left out: a parent that is scaled unevenly would shear it")]
+    #[error("is left out: a parent with a non-uniform scale would shear it")]
     Sheared,
     /// A body or a region that is round, or a figure, is scaled non-uniformly. It is left out until that is corrected.
-    #[error("is left out: it cannot be scaled differently in different directions")]
+    #[error("is left out: it cannot have a non-uniform scale")]
     UnevenScale,
     /// The transform of a body is not finite, or its scale is zero.
     #[error("cannot be built: its transform is not finite, or has no size")]
@@ -155,13 +159,13 @@ impl From<Misplaced> for Refusal {
 #[non_exhaustive]
 pub enum EditFault {
     /// One of its numbers is NaN or infinite, or a rotation has no length; or the result would be.
-    #[error("a number of what is asked of it is not finite, or would not be")]
+    #[error("a number is not finite, or would not be in the result")]
     NotFinite,
     /// The entity is neither a body nor a rigid part nor a particle, or is gone.
     #[error("it is neither a body nor a particle")]
     NoParticles,
     /// The body to be teleported has no `Transform`, or an invalid one.
-    #[error("its Transform, from which it would be moved, is missing or not finite")]
+    #[error("its Transform is missing or not finite, so it cannot be moved")]
     NoTransform,
     /// More edits wait for the body's particles than [`PendingEdits::MOST`](crate::PendingEdits::MOST), or more forces at points wait for the next tick than
     /// [`TickForces::MOST`](crate::TickForces::MOST).
@@ -174,17 +178,17 @@ pub enum EditFault {
 #[non_exhaustive]
 pub enum AttachFault {
     /// The entity to be attached has no particles.
-    #[error("it stands on nothing that has particles, nor is it the attachment of such")]
+    #[error("the entity that is to be attached has no particles")]
     NoParticles,
     /// The body has no such part: a vertex beyond the last, a bone of another name, a region without particles, a corner of what is not a box, an end of what
     /// is not a rope.
     #[error("the body has no such part")]
     NoSuchPart,
     /// The other entity has no such place.
-    #[error("the entity that it is to be attached to has no such anchor")]
+    #[error("the entity to which it is to be attached has no such anchor")]
     NoSuchAnchor,
     /// The other entity has neither particles nor a transform, or a parent shears it.
-    #[error("the entity that it is to be attached to has no place")]
+    #[error("the entity to which it is to be attached has neither particles nor a valid transform")]
     NoPlace,
     /// The body would be attached to itself.
     #[error("it would be attached to itself")]

@@ -286,7 +286,7 @@ fn run_tick(world: &mut World) {
         let mut fixed_tick = world.resource_mut::<FixedTick>();
         (fixed_tick.remaining, fixed_tick.began) = (due.saturating_sub(taken), Some(began));
         let ran = world.try_run_schedule(SinewTick);
-        debug_assert!(ran.is_ok(), "the schedule of a tick was taken out from under its driver");
+        debug_assert!(ran.is_ok(), "the schedule of a tick was removed while it is in use");
         if due > 0 {
             let mut took = world.resource_mut::<TickTime>();
             took.scatter = began.elapsed().saturating_sub(took.gather + took.substeps);
@@ -372,7 +372,7 @@ fn run_substeps(world: &mut World) {
                 schedule.run(world);
             }
         });
-        debug_assert!(ran.is_ok(), "the substep schedule was taken out from under its driver");
+        debug_assert!(ran.is_ok(), "the substep schedule was removed while it is in use");
     }
     let mut sinew = world.resource_mut::<SinewWorld>();
     sinew.simulation.end_step();

@@ -38,7 +38,7 @@ const NO_ENTITY: u32 = u32::MAX;
 #[non_exhaustive]
 pub enum SaveFault {
     /// A custom constraint is not reflected: call [`register_state`](crate::RegisterState::register_state) for it.
-    #[error("{0} is not reflected: register it by register_state")]
+    #[error("{0} is not reflected: register it with register_state")]
     NotReflected(String),
     /// Reflection cannot write a value: an [`AnyConstraint`], or a field of a custom component.
     #[error("it cannot be written: {0}")]
@@ -50,19 +50,19 @@ pub enum SaveFault {
 #[non_exhaustive]
 pub enum LoadFault {
     /// It is not a snapshot.
-    #[error("it is not a file of bevy_sinew's state")]
+    #[error("it is not a snapshot of bevy_sinew")]
     Foreign,
     /// It has another version of the format.
-    #[error("it is of version {0} of the format, and this is version {VERSION}")]
+    #[error("it has version {0} of the format, and only version {VERSION} can be read")]
     Version(u32),
     /// It has values of a type that is not registered as state in this app, or is not reflected there.
-    #[error("{0} is no state in this app: it was not registered")]
+    #[error("{0} is not registered as state in this app")]
     Unregistered(String),
     /// It is truncated or corrupted.
-    #[error("it is broken: {0}")]
+    #[error("it is truncated or corrupted: {0}")]
     Broken(String),
     /// Its contents differ from what was written.
-    #[error("its contents are not what was written: the hash differs")]
+    #[error("its contents differ from what was written: the hash does not match")]
     Hash,
 }
 
@@ -116,7 +116,7 @@ impl SinewSnapshot {
         if *magic != MAGIC {
             return Err(LoadFault::Foreign);
         }
-        let short = || LoadFault::Broken("it is cut off".into());
+        let short = || LoadFault::Broken("it ends too early".into());
         let (version, rest) = rest.split_first_chunk::<4>().ok_or_else(short)?;
         let version = u32::from_le_bytes(*version);
         if version != VERSION {
@@ -130,7 +130,7 @@ impl SinewSnapshot {
             let mut bytes = postcard::Deserializer::from_bytes(payload);
             let read = file.deserialize(&mut bytes).map_err(|fault| fault.to_string())?;
             let rest = bytes.finalize().map_err(|fault| fault.to_string())?;
-            if rest.is_empty() { Ok(read) } else { Err("there is more than was written".into()) }
+            if rest.is_empty() { Ok(read) } else { Err("there is data after its end".into()) }
         })
     }
 
@@ -250,7 +250,7 @@ impl<'de> DeserializeSeed<'de> for FileIn<'_> {
 
 /// The next element of a sequence, or an error if it is missing.
 fn next<'de, T: Deserialize<'de>, A: SeqAccess<'de>>(parts: &mut A) -> Result<T, A::Error> {
-    parts.next_element()?.ok_or_else(|| A::Error::custom("it is cut off"))
+    parts.next_element()?.ok_or_else(|| A::Error::custom("it ends too early"))
 }
 
 impl<'de> Visitor<'de> for FileIn<'_> {
@@ -276,7 +276,7 @@ impl<'de> Visitor<'de> for FileIn<'_> {
         }
         let entities: u32 = next(&mut parts)?;
         if entities as usize > most {
-            return Err(A::Error::custom("it has more entities than it has room for"));
+            return Err(A::Error::custom("it has more entities than bytes"));
         }
         let columns = ColumnsIn { types, registry, entities, fault };
         let columns = parts.next_element_seed(columns)?;
@@ -324,7 +324,7 @@ impl<'de> Visitor<'de> for ColumnsIn<'_> {
             parts.next_element_seed(ColumnIn { types, registry, entities, fault: &mut *fault })?
         {
             if columns.iter().any(|known| known.kind.id() == column.kind.id()) {
-                return Err(A::Error::custom("a type is there twice"));
+                return Err(A::Error::custom("a type occurs twice"));
             }
             columns.push(column);
         }
@@ -371,7 +371,7 @@ impl<'de> Visitor<'de> for ColumnIn<'_> {
             false => ascending && numbers.last().is_none_or(|&last| last < entities),
         };
         if !valid {
-            return Err(A::Error::custom("an entity is not there, or twice"));
+            return Err(A::Error::custom("an entity index is out of range, or occurs twice"));
         }
         let values = ValuesIn { kind: &**kind, registration, registry };
         let values = parts.next_element_seed(values)?;
@@ -462,12 +462,14 @@ impl ReflectDeserializerProcessor for Leaves {
         } else if id == TypeId::of::<ColliderShape>() {
             let words = Vec::<u32>::deserialize(deserializer)?;
             let shape = Shape::from_words(&words);
-            Box::new(ColliderShape(shape.ok_or_else(|| D::Error::custom("no shape"))?))
+            Box::new(ColliderShape(shape.ok_or_else(|| D::Error::custom("a shape is invalid"))?))
         } else if id == TypeId::of::<ContactCache>() {
             let words = Vec::<Vec<u32>>::deserialize(deserializer)?;
             let cached = words.iter().map(|words| CachedManifold::from_words(words));
             let cached = cached.collect::<Option<Vec<_>>>();
-            Box::new(ContactCache(cached.ok_or_else(|| D::Error::custom("no contact"))?))
+            Box::new(ContactCache(
+                cached.ok_or_else(|| D::Error::custom("a cached contact is invalid"))?,
+            ))
         } else if id == TypeId::of::<Name>() {
             Box::new(Name::new(String::deserialize(deserializer)?))
         } else {

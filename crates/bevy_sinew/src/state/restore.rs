@@ -24,7 +24,7 @@ pub enum RestoreFault {
     #[error("the world has no SinewPlugin")]
     NoPlugin,
     /// The snapshot has values of a type that is not registered as state in this app, for instance a custom constraint.
-    #[error("{0} is no state in this world: it was not registered")]
+    #[error("{0} is not registered as state in this world")]
     Unregistered(String),
 }
 

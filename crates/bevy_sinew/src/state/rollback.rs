@@ -103,7 +103,7 @@ fn load(world: &mut World) {
     let moved = match snapshot.restore_onto(world, &known) {
         Ok(map) => map.into_iter().filter(|(old, new)| old != new),
         Err(fault) => {
-            error!("sinew: frame {frame} cannot be put back: {fault}");
+            error!("sinew: frame {frame} cannot be restored: {fault}");
             return;
         }
     };

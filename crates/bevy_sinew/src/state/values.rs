@@ -353,7 +353,7 @@ impl<C: Component + Clone> Values for List<C> {
             let particles = self.options.particles.map_or(0, |particles| particles(value).len());
             if entities.noted().zip(before).is_some_and(|(now, before)| now < before + particles) {
                 warn_once!(
-                    "sinew: {} names particles that are not marked #[entities]: it cannot be put back onto other entities",
+                    "sinew: {} has particles that are not marked #[entities]: it cannot be restored onto other entities",
                     type_name::<C>()
                 );
             }

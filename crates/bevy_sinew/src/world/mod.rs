@@ -402,7 +402,7 @@ impl SinewWorld {
 pub(crate) fn load_deferred(world: &mut World) {
     if world.resource::<SinewWorld>().tables.deferred {
         let ran = world.run_system_cached(load_particles);
-        debug_assert!(ran.is_ok(), "the system needs nothing that may be missing");
+        debug_assert!(ran.is_ok(), "all parameters of the system always exist");
     }
 }
 
