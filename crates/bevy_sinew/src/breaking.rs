@@ -149,7 +149,7 @@ pub(crate) fn break_constraints(
     }
     if !broken.is_empty() {
         commands.queue(move |world: &mut World| {
-            broken.into_iter().for_each(|one| break_constraint(world, one))
+            broken.into_iter().for_each(|one| break_constraint(world, one));
         });
     }
 }

@@ -58,9 +58,9 @@ pub fn bind(
     bound
 }
 
-/// Spawns entities that are in the list of a body (none if the body is gone), but do not have the relationship until they are [filled](insert_related). Bevy issues a
-/// command for each entity that is added to a list, which takes longer than everything else, so they are added all at once. An observer that despawns the body
-/// despawns them, too.
+/// Spawns entities that are in the list of a body (none if the body is gone), but do not have the relationship until they are [inserted](insert_related). Bevy
+/// issues a command for each entity that is added to a list, which takes longer than everything else, so they are added all at once. An observer that despawns
+/// the body despawns them, too.
 pub(super) fn spawn_related<R: ListRelationship>(
     world: &mut World,
     body: Entity,

@@ -38,7 +38,7 @@ impl Hash<'_> {
             match column.values.view(place) {
                 Some(value) => self.value(value),
                 None => {
-                    column.values.particles(place).iter().for_each(|&entity| self.entity(entity))
+                    column.values.particles(place).iter().for_each(|&entity| self.entity(entity));
                 }
             }
         }

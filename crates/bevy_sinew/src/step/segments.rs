@@ -34,8 +34,8 @@ impl Segments<'_, '_> {
         self.cached.iter().len() != *self.listed
     }
 
-    /// Lists the segments of the bodies that collide by them (`uses_segments`), if there are `any`, and the owners of the segments. The mapping from particles to
-    /// bodies must be up to date. A rod that becomes a segment is given a contact cache, which is removed when it is one no longer.
+    /// Lists the segments of the bodies that collide by them (`uses_segments`), if there are `any`, and the owners of the segments. The mapping from particles
+    /// to bodies must be up to date. A rod that becomes a segment is given a contact cache, which is removed when it is one no longer.
     pub(crate) fn list(
         &mut self,
         (simulation, tables): (&Simulation, &Tables),

@@ -167,8 +167,8 @@ pub(super) fn unchanged_prefix<L: Incremental>(
 /// The contents of one of the solver's lists from the first link on that differs: its index, and the links from there on; updates the keys. `None` if one of
 /// the links is invalid, or the counts do not match: the list must then be filled again.
 ///
-/// A link is the same as before if it is among the leading [`unchanged_prefix`] ones, was neither added nor changed nor removed, and all links before it are the
-/// same. `entries_of` makes the entries for links that still exist, from their keys; `count` is the total number.
+/// A link is the same as before if it is among the leading [`unchanged_prefix`] ones, was neither added nor changed nor removed, and all links before it are
+/// the same. `entries_of` makes the entries for links that still exist, from their keys; `count` is the total number.
 pub(super) fn recompile_tail<L>(
     keys: &mut Vec<LinkKey>,
     (unchanged, count): (usize, usize),
