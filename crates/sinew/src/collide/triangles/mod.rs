@@ -87,6 +87,8 @@ pub(crate) struct Triangles {
     /// Index of each candidate's contact, or [`NONE`]; and the candidates that have one.
     hit_of: Vec<u32>,
     hit_candidates: Vec<u32>,
+    /// Members and index of each contact found in this substep before the last rebuild within it; sorted.
+    earlier: Vec<(([u32; 4], bool), u32)>,
     /// Reported contacts of this step.
     reported: Vec<TriangleHit>,
     /// Length of the step, seconds.
@@ -179,6 +181,7 @@ impl Triangles {
             return 0.0;
         }
         self.state.load(&self.participants, particles);
+        self.earlier.clear();
         let (mut worst, mut sweep) = (0.0_f64, 0);
         let mut fresh = true;
         for repeat in 0..=REPEATS {
@@ -206,9 +209,6 @@ impl Triangles {
                 let rounds = zones.settle(&neighbours.candidates, state, sweep + 1);
                 (sweep, self.rounds) = (sweep + rounds, self.rounds + rounds);
             }
-            for candidate in self.hit_candidates.drain(..) {
-                self.hit_of[candidate as usize] = NONE;
-            }
             let moved = self.state.moved.iter().any(|&moved| moved > before);
             if !moved {
                 break;
@@ -220,10 +220,23 @@ impl Triangles {
             }
             fresh = neighbours.is_outrun(participants, particles, false);
             if fresh {
+                // Candidates are renumbered: contacts of this substep are found by their members from now on.
+                self.reset_hit_indices();
+                let numbered = (0..).zip(&self.hits);
+                self.earlier.clear();
+                self.earlier.extend(numbered.map(|(index, hit)| (hit.members, index)));
+                self.earlier.sort_unstable();
                 self.rebuild(particles, filter, true);
             }
         }
+        self.reset_hit_indices();
         worst
+    }
+
+    fn reset_hit_indices(&mut self) {
+        for candidate in self.hit_candidates.drain(..) {
+            self.hit_of[candidate as usize] = NONE;
+        }
     }
 
     /// Applies restitution and friction to the contacts of a substep of `h` seconds. To be called after velocities are derived; `gravity` is its magnitude,
@@ -251,7 +264,8 @@ impl Triangles {
         since: u32,
         least: f64,
     ) -> f64 {
-        let Self { participants, neighbours, state, hits, hit_of, hit_candidates, .. } = self;
+        let Self { participants, neighbours, state, hits, hit_of, hit_candidates, earlier, .. } =
+            self;
         let candidates = &neighbours.candidates[..];
         state.close.keep_up();
         // The next block, and the close candidates of the block before it that are still to be tested.
@@ -278,9 +292,13 @@ impl Triangles {
             worst = worst.max(contact.overlap);
             let of = &mut hit_of[number as usize];
             if *of == NONE {
-                *of = hits.len() as u32;
+                let members = (candidate.four, candidate.edges);
+                let known = earlier.binary_search_by_key(&members, |&(members, _)| members);
+                *of = known.map_or(hits.len() as u32, |place| earlier[place].1);
                 hit_candidates.push(number);
-                hits.push(TriangleHit::new(participants, filter, candidate));
+                if known.is_err() {
+                    hits.push(TriangleHit::new(participants, filter, candidate));
+                }
             }
             let hit = &mut hits[*of as usize];
             hit.note(particles, state, candidate.four, &contact, inverse);

@@ -17,6 +17,8 @@ use crate::particles::Particles;
 /// A contact of four particles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleHit {
+    /// Members of the candidate, and whether they are two edges.
+    pub(super) members: ([u32; 4], bool),
     rows: [u32; 4],
     bodies: [u32; 2],
     shares: [f32; 4],
@@ -47,6 +49,7 @@ impl TriangleHit {
         let [one, other] = bodies.map(|body| filter.body(body));
         let combined_material = one.material.against(&other.material);
         Self {
+            members: (candidate.four, candidate.edges),
             rows: candidate.four.map(|i| participants.rows[i as usize]),
             bodies,
             shares: [0.0; 4],
