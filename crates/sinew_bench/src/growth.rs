@@ -1,4 +1,4 @@
-//! The picture: what a projection costs as cloth grows from a thousand constraints to four million.
+//! The plot of the cost of a projection as cloth grows from a thousand constraints to four million.
 
 use std::path::Path;
 
@@ -10,19 +10,19 @@ use crate::naive::Naive;
 use crate::row::{Row, Stretch, Unit};
 use crate::scenes::cloth;
 
-/// Particles along a side: about four constraints each.
+/// Particles along a side; a cloth has about four constraints for each particle.
 const SIDES: [u32; 7] = [16, 32, 64, 128, 256, 512, 1024];
 
 /// Substeps in a tick, of one sweep each.
 const SUBSTEPS: u32 = 4;
 
-/// About how many projections are enough to time one size.
+/// Number of projections, approximately, that is enough to time one size.
 const ENOUGH: usize = 20_000_000;
 
-/// Measures all sizes, as long as a minute or two, and draws them.
+/// Measures all sizes, which takes a minute or two, and writes the plot.
 ///
 /// # Errors
-/// What the drawing or the file finds wrong, in words.
+/// A message if drawing or writing the file fails.
 pub fn draw(effort: &Effort, path: &Path) -> Result<(), String> {
     let sides = if effort.quick { &SIDES[..5] } else { &SIDES };
     let grid = measured(effort, sides, "grid", cloth::sheet);
@@ -33,14 +33,14 @@ pub fn draw(effort: &Effort, path: &Path) -> Result<(), String> {
         name: "growth",
         title: "Cloth of 4 substeps × 1 sweep: whole step per projection, CPU time",
         axes: ["constraints, as a power of ten", "ns per projection"],
-        // Room for the legend.
+        // With space for the legend.
         height: [0.0, 1.35 * highest],
         curves,
     };
     std::fs::write(path, plot.png()?).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// A world that is timed and not judged, so that it does not run on.
+/// A world that is timed without a quality measurement, so that it need not run on to its end.
 struct Unjudged<W>(W);
 
 impl<W: World> World for Unjudged<W> {

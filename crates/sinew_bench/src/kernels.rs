@@ -1,8 +1,8 @@
-//! A table of worlds whose work is one kernel: for the micro benchmark `kernels`, which runs every line of it through the public API.
+//! A table of simulations whose work is one kernel each. The micro benchmark `kernels` runs every line of it through the public API.
 //!
-//! What runs in a sweep is swept a hundred times in one substep, so that the step around it does not show. What runs in a substep, and what is right
-//! to the last bit after a few sweeps, has a hundred substeps instead, and the integration beside it: subtract the line `integration alone`, which is
-//! a particle's.
+//! A kernel that runs in a sweep is repeated in a hundred sweeps of one substep, so that the rest of the step is negligible. A kernel that runs in a substep,
+//! and one that converges exactly within a few sweeps, is repeated in a hundred substeps instead, with the integration beside it: subtract the line
+//! `integration alone`, which is per particle.
 
 use std::fmt;
 use std::sync::Arc;
@@ -18,26 +18,26 @@ use sinew::{
 use crate::scenes::bending::{self, Bending};
 use crate::scenes::{charges, cloth, empty};
 
-/// Sweeps of what runs in a sweep, or substeps of what runs in a substep.
+/// Number of sweeps, or of substeps, of a measured step.
 const OFTEN: u32 = 100;
 
-/// Particles along a side of the sheets: what is worked on fits into the second cache.
+/// Particles along a side of the sheets: the working set fits into the L2 cache.
 const SIDE: u32 = 64;
 
-/// Charges that are summed up in pairs.
+/// Charges in the kernel over all pairs.
 const CHARGES: usize = 512;
 
 /// A line of the table.
 #[derive(Clone, Copy)]
 pub struct Kernel {
-    /// What it is.
+    /// Name of the kernel.
     pub name: &'static str,
     build: fn() -> (Simulation, usize),
 }
 
-/// A world, and how many times the kernel runs in one of its steps.
+/// A simulation, and how many times the kernel runs in one of its steps.
 pub struct Work {
-    /// The world; step it by a sixtieth of a second.
+    /// The simulation; step it by 1/60 s.
     pub world: Simulation,
     /// How many times the kernel runs in a step.
     pub count: usize,
@@ -100,7 +100,7 @@ const fn kernel(name: &'static str, build: fn() -> (Simulation, usize)) -> Kerne
 }
 
 impl Kernel {
-    /// A world of it.
+    /// Builds its simulation.
     pub fn work(&self) -> Work {
         let (world, count) = (self.build)();
         Work { world, count }
@@ -113,19 +113,19 @@ impl fmt::Display for Kernel {
     }
 }
 
-/// A world of a body that is swept often in one substep.
+/// A simulation of a body with many sweeps in one substep.
 fn swept(body: Blueprint) -> (Simulation, usize) {
     let count = (body.distances.len() + body.constraints.len()) * OFTEN as usize;
     (cloth::world(&body, 1, OFTEN), count)
 }
 
-/// A world of a body that is swept once in each of many substeps.
+/// A simulation of a body with one sweep in each of many substeps.
 fn stepped(body: Blueprint) -> (Simulation, usize) {
     let count = (body.distances.len() + body.constraints.len()) * OFTEN as usize;
     (cloth::world(&body, OFTEN, 1), count)
 }
 
-/// A world of a body without constraints that runs many substeps, with something done for each particle first.
+/// A simulation of a body without constraints and with many substeps; `each` is called for every particle.
 fn substeps(body: Blueprint, each: impl Fn(&mut Simulation, usize)) -> (Simulation, usize) {
     let settings = SolverSettings { substeps: OFTEN, max_sweeps: 1, ..Default::default() };
     let mut world = empty(settings);
@@ -147,14 +147,14 @@ fn soft() -> Blueprint {
     sheet
 }
 
-/// The bends of a sheet without its rods.
+/// The bending constraints of a sheet, without its rods.
 fn bends(bending: Bending) -> Blueprint {
     let world = bending::world(SIDE, bending, 1, 1);
     let constraints = world.constraints().to_vec();
     Blueprint { constraints, distances: Vec::new(), ..cloth::sheet(SIDE) }
 }
 
-/// A zigzag that keeps its angles, held by its first two particles, so that there is something to do.
+/// A zigzag with angle constraints, held by its first two particles, so that they are violated in each step.
 fn angles() -> Blueprint {
     let place = |i: u32| Vec3::new(i as f32, (i % 2) as f32, (i / 2 % 2) as f32) * 0.1;
     let law = |i: u32| {
@@ -172,7 +172,7 @@ fn angles() -> Blueprint {
     }
 }
 
-/// A lattice of cubes, each cut into the six tetrahedra along its diagonal.
+/// A lattice of cubes, each split into the six tetrahedra along its diagonal.
 fn tetrahedra() -> Blueprint {
     let mut body = lattice(12);
     let at = |i: u32| body.particles[i as usize].position;
@@ -193,7 +193,7 @@ fn tetrahedra() -> Blueprint {
     body
 }
 
-/// Cubes side by side that keep the volume inside their twelve triangles, each held by a corner.
+/// Cubes side by side with a volume constraint over their twelve triangles, each held by a corner.
 fn volumes() -> Blueprint {
     const FACES: [[u32; 3]; 12] = [
         [0, 4, 6],

@@ -1,4 +1,4 @@
-//! How fast Sinew is: the scenes P1 to P14 of the table of goals, each next to the naive way and to a rival, measured in one run.
+//! Benchmarks of Sinew: the scenes P1 to P14 of the table of goals, each also in a naive reference and in other physics engines, measured in one run.
 //!
 //! ```sh
 //! cargo run --release -p sinew_bench -- --plot growth.png
@@ -6,18 +6,18 @@
 //! cargo bench -p sinew_bench
 //! ```
 //!
-//! A speed is a ratio, because machines are noisy: the contenders take turns in small portions, what counts is CPU time, and the median of the
-//! portions is told. A speed says nothing without its price, so every row has the mean and the largest stretch of the scene after 4 s beside it.
+//! Speeds are compared as ratios, because machines are noisy: the contenders take turns in small portions, CPU time is measured, and the median of the portions
+//! is reported. A speed says little without the quality, so every row also has the mean and the largest stretch of the scene after 4 s.
 //!
-//! | file | what of it |
+//! | module | content |
 //! |---|---|
-//! | [`scenes`] | what is measured; a file a family |
-//! | [`naive`] | the reference: an array of structs, in sequence, constraints in the order given |
-//! | [`peers`] | rapier3d on the same scenes, with the feature `peers`; Avian on those of a user, with `avian` |
-//! | [`measure`] | taking turns, clocks, the median |
-//! | [`threads`] | the one place where a scene is given threads |
+//! | [`scenes`] | the scenes, one file for each family |
+//! | [`naive`] | the reference: an array of structs, sequential, constraints in the given order |
+//! | [`peers`] | rapier3d on the same scenes, with the feature `peers`; Avian on the user scenes, with `avian` |
+//! | [`measure`] | taking turns, clocks, medians |
+//! | [`threads`] | the only place that sets the number of threads of a scene |
 //! | [`kernels`] | a table of kernels, for the micro benchmark `kernels` |
-//! | [`row`], [`table`], [`growth`] | the figures, the page, the picture |
+//! | [`row`], [`table`], [`growth`] | the figures, the table, the plot |
 
 pub mod growth;
 pub mod kernels;

@@ -1,4 +1,4 @@
-//! The page of speeds: runs the scenes of the table of goals and prints, beside each other, Sinew, the naive way and a rival.
+//! Runs the scenes of the table of goals and prints the speeds of Sinew, of the naive reference and of other engines side by side.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -9,31 +9,31 @@ use sinew_bench::row::Row;
 use sinew_bench::scenes::SCENES;
 use sinew_bench::{growth, peers, table};
 
-/// Measures how fast Sinew is, next to the naive way and to a rival, in CPU time, with the quality beside it.
+/// Measures the CPU time of Sinew, of a naive reference and of other engines, with the quality beside it.
 #[derive(Parser)]
 struct Arguments {
-    /// Only these scenes, with commas between them: P1,P3.
+    /// Runs only these scenes, separated by commas: P1,P3.
     #[arg(long, value_name = "IDS", value_delimiter = ',')]
     only: Vec<String>,
-    /// Writes the rows as JSON, too: an array with an object for each.
+    /// Also writes the rows as JSON: an array with an object for each.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Writes the rows as a table in Markdown, too: those of `docs/speed.md` and of the README.
+    /// Also writes the rows as a Markdown table: those of `docs/speed.md` and of the README.
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
-    /// Measures how the cost grows from 1k to 4M constraints, and draws it as a PNG.
+    /// Measures how the cost grows from 1k to 4M constraints, and plots it as a PNG.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Runs the same scenes in rapier3d; needs the feature `peers`.
+    /// Runs the same scenes in rapier3d; requires the feature `peers`.
     #[arg(long)]
     peers: bool,
-    /// Portions of which the median is taken.
+    /// Number of timed portions; the median is reported.
     #[arg(long, value_name = "N", default_value_t = 15)]
     rounds: usize,
-    /// A tenth of the ticks, to try the program out.
+    /// Runs a tenth of the ticks, to try the program out.
     #[arg(long)]
     quick: bool,
-    /// Runs the user scenes with the threads that an app has of itself, and times them by the clock at the wall; needs the feature `threads`.
+    /// Runs the user scenes with the default threads of an app, and measures wall-clock time; requires the feature `threads`.
     #[arg(long)]
     threads: bool,
 }
@@ -65,7 +65,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs what is wanted. To draw the picture alone, ask for a scene that there is not: `--only none`.
+/// Runs the chosen scenes. For the plot alone choose a scene that does not exist: `--only none`.
 fn measure(arguments: &Arguments, effort: &Effort) -> Vec<Row> {
     let wanted = |id: &str| {
         arguments.only.iter().any(|one| one.eq_ignore_ascii_case(id)) || arguments.only.is_empty()

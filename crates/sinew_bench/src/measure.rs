@@ -1,5 +1,5 @@
-//! Taking turns: contenders run the same ticks in small portions, one after the other, so that what else the machine does meets them alike.
-//! The time that counts is that of the processor, user and system, of the whole process; the median of the portions is what is told.
+//! Timing. The contenders run the same ticks in small portions, one after the other, so that other load on the machine affects them equally. The CPU time of
+//! the whole process, user and system, is measured, and the median of the portions is reported.
 
 use std::time::Instant;
 
@@ -10,65 +10,65 @@ use sinew::{BodyCollider, Distance, Simulation};
 
 use crate::row::{Row, Stretch, Unit};
 
-/// Length of a tick, s.
+/// Duration of a tick, s.
 pub const TICK: f32 = 1.0 / 60.0;
 
-/// Ticks after which the quality is judged: 4 s, when what was let go has swung to and fro.
+/// Ticks after which the quality is measured: 4 s, when a released body has swung to and fro.
 pub const TICKS: usize = 240;
 
-/// Ticks before the clock starts: the plan is compiled and caches are warm.
+/// Ticks before timing starts: the solver's plan is built and caches are warm.
 const WARM: usize = 4;
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Portions of which the median is taken, at least 1.
+    /// Number of timed portions, at least 1; the median is reported.
     pub rounds: usize,
-    /// Whether a tenth of the ticks is enough: for trying the program out. Figures are rough, and the quality is that after 0.4 s.
+    /// Whether only a tenth of the ticks are run, to try the program out. Figures are rough, and the quality is that after 0.4 s.
     pub quick: bool,
-    /// Whether user scenes have the threads of an app, and are timed by the clock at the wall.
+    /// Whether user scenes run with the default threads of an app and are timed by the wall clock.
     pub threads: bool,
-    /// Whether the rival runs, too.
+    /// Whether the other engines run as well.
     pub peers: bool,
 }
 
-/// Something that can run a scene.
+/// A simulation of some engine that can run a scene.
 pub trait World {
     /// Runs one tick.
     fn tick(&mut self);
 
-    /// How well it holds together now; `None` where there is nothing to stretch.
+    /// Present stretch of its constraints; `None` if there is nothing that can stretch.
     fn stretch(&self) -> Option<Stretch>;
 
-    /// The cubes in it that collide; none where nobody asks how calm they are.
+    /// The colliding cubes in it; empty for scenes whose motion at rest is not measured.
     fn cubes(&self) -> Vec<Cube> {
         Vec::new()
     }
 
-    /// How fast those are, m/s, or whatever else there is.
+    /// Velocities of the cubes, m/s, or of other bodies where an implementation overrides it.
     fn speeds(&self) -> Vec<Vec3> {
         self.cubes().iter().map(|cube| cube.velocity).collect()
     }
 }
 
-/// A cube of 1 m that collides.
+/// A colliding cube of 1 m.
 #[derive(Clone, Copy, Debug)]
 pub struct Cube {
-    /// From its own frame, which has its centre, to the world.
+    /// Pose of the cube in the world; its origin is its centre.
     pub pose: Pose,
-    /// Of its centre, m/s.
+    /// Velocity of its centre, m/s.
     pub velocity: Vec3,
 }
 
-/// The contenders.
+/// The contenders of a scene.
 pub struct Race {
     /// Sinew.
     pub ours: Option<Box<dyn World>>,
     /// The naive reference.
     pub naive: Option<Box<dyn World>>,
-    /// The rival.
+    /// Another engine.
     pub peer: Option<Box<dyn World>>,
-    /// The most ticks that are timed and run, for scenes of which one tick takes long; Sinew runs all the same to the end.
+    /// The most ticks that are timed, for scenes with long ticks. Sinew still runs to the end where its quality is measured.
     pub most: usize,
 }
 
@@ -99,7 +99,7 @@ impl World for Ours {
     }
 }
 
-/// That of the hard ones among some distances: a soft one is there to yield.
+/// Stretch of the hard ones among some distances; soft ones are meant to yield. `None` if there are none.
 pub fn stretch_of(
     distances: &[Distance],
     position: impl Fn(usize) -> sinew::glam::Vec3,
@@ -109,16 +109,16 @@ pub fn stretch_of(
     Some(Stretch::of(hard, position))
 }
 
-/// What a portion took, s per tick.
+/// Duration of a portion, s per tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Took {
-    /// Of the processor.
+    /// CPU time.
     pub cpu: f64,
-    /// Of the clock at the wall.
+    /// Wall-clock time.
     pub wall: f64,
 }
 
-/// Times `work`, which is `count` things, seconds each.
+/// Times `work`, which consists of `count` items; returns seconds per item.
 pub fn time(count: usize, mut work: impl FnMut()) -> Took {
     let (cpu, wall) = (ProcessTime::now(), Instant::now());
     work();
@@ -126,20 +126,20 @@ pub fn time(count: usize, mut work: impl FnMut()) -> Took {
     Took { cpu: cpu.elapsed().as_secs_f64() / count, wall: wall.elapsed().as_secs_f64() / count }
 }
 
-/// The mean of the squares of speeds, m²/s².
+/// Mean of the squares of speeds, m²/s².
 pub fn mean_square(speeds: &[Vec3]) -> f64 {
     let squares = speeds.iter().map(|speed| f64::from(speed.length_squared()));
     squares.sum::<f64>() / speeds.len().max(1) as f64
 }
 
-/// The middle one; NaN of nothing.
+/// Median; NaN if there are no times.
 pub fn median(mut times: Vec<f64>) -> f64 {
     times.sort_unstable_by(f64::total_cmp);
     times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 impl Race {
-    /// Between Sinew and the naive reference.
+    /// Sinew and the naive reference.
     pub fn between(ours: impl World + 'static, naive: impl World + 'static) -> Self {
         Self { naive: Some(Box::new(naive)), ..Self::alone(ours) }
     }
@@ -149,17 +149,17 @@ impl Race {
         Self { ours: Some(Box::new(ours)), naive: None, peer: None, most: TICKS }
     }
 
-    /// The same with a rival, if there is one.
+    /// Adds another engine, if there is one.
     pub fn against(self, peer: Option<Box<dyn World>>) -> Self {
         Self { peer, ..self }
     }
 
-    /// The same with no more ticks than that.
+    /// Limits the number of timed ticks.
     pub fn short(self, most: usize) -> Self {
         Self { most, ..self }
     }
 
-    /// Runs it and fills in the row. `count` is how many of the row's units there are in a tick.
+    /// Runs the race and fills in the row. `count` is the number of the row's units in a tick.
     pub fn run(self, effort: &Effort, count: usize, row: Row) -> Row {
         let Self { ours, naive, peer, most } = self;
         let mut contenders = [ours, naive, peer];
@@ -182,7 +182,8 @@ impl Race {
         let so_far = WARM + rounds * portion;
         let [ours, naive, peer] = times
             .map(|times| (!times.is_empty()).then(|| median(times) * 1e9 / count.max(1) as f64));
-        // Nobody waits minutes to hear how well a slow reference did, or for what nothing is judged by.
+        // In scenes with few timed ticks only Sinew runs on to the end for its quality, since the slow references would take minutes; and a world without a
+        // stretch does not run on at all.
         let judged = |number, world: &mut Box<dyn World>| {
             world.stretch()?;
             (number == 0 || most >= all).then(|| (so_far..all).for_each(|_| world.tick()))?;

@@ -1,18 +1,18 @@
-//! Where bodies and stairs of a scene stand: the same for ours and for a rival's.
+//! Positions of the bodies and stairs of scenes, shared by all engines.
 
 use sinew::glam::{EulerRot, Quat, Vec3};
 
-/// Where the boxes of a heap begin, metres.
+/// Initial positions of the boxes of a heap, metres.
 pub(crate) fn stacked(edge: u32) -> impl Iterator<Item = Vec3> {
     (0..edge * edge * edge).map(move |n| {
         let (x, y, z) = (n % edge, n / (edge * edge), n / edge % edge);
-        // Every second layer is moved by a quarter of a box, so that they do not stay columns.
+        // Every second layer is offset by a quarter of a box, so that the boxes do not stay in columns.
         let aside = 0.25 * (y % 2) as f32;
         Vec3::new(1.05 * x as f32 + aside, 0.6 + 1.1 * y as f32, 1.05 * z as f32 + aside)
     })
 }
 
-/// Half the sizes and the places of stairs that go down below the [`places`], metres: two for each row of ragdolls.
+/// Half extents and positions of stairs that descend below the [`places`], metres: two for each row of ragdolls.
 pub(crate) fn stairs(side: u32) -> impl Iterator<Item = (Vec3, Vec3)> {
     let half = Vec3::new(0.5, 5.0, side as f32 + 10.0);
     (0..2 * side + 20).map(move |n| {
@@ -21,12 +21,12 @@ pub(crate) fn stairs(side: u32) -> impl Iterator<Item = (Vec3, Vec3)> {
     })
 }
 
-/// Places on a square with 2 m between them.
+/// Positions on a square grid, 2 m apart.
 pub(crate) fn places(side: u32) -> impl Iterator<Item = Vec3> {
     (0..side * side).map(move |n| Vec3::new((n % side) as f32, 0.0, (n / side) as f32) * 2.0)
 }
 
-/// Where and how turned a thousand boxes of 1 m are before they fall, metres: in rows, or in random poses above the middle of [`pit`].
+/// Initial poses of a thousand boxes of 1 m, metres: in rows, or in varied poses above the middle of [`pit`].
 pub(crate) fn pile(poured: bool) -> impl Iterator<Item = (Vec3, Quat)> {
     (0..1000_u32).map(move |n| {
         let (layer, place) = (n / 100, n % 100);
@@ -42,7 +42,7 @@ pub(crate) fn pile(poured: bool) -> impl Iterator<Item = (Vec3, Quat)> {
     })
 }
 
-/// Sizes and places of four walls about what is poured, metres.
+/// Sizes and positions of four walls around poured boxes, metres.
 pub(crate) fn pit() -> impl Iterator<Item = (Vec3, Vec3)> {
     let (reach, high) = (9.5, 20.0);
     let wide = 2.0 * reach;
@@ -52,11 +52,11 @@ pub(crate) fn pit() -> impl Iterator<Item = (Vec3, Vec3)> {
     })
 }
 
-/// Steps of the stairs of [`figures`], and how deep each is, metres.
+/// Number of steps of the stairs of [`figures`], and the depth of each, metres.
 const STEPS: u32 = 20;
 const GOING: f32 = 0.42;
 
-/// Sizes and places of stairs of so high steps that go down along x, metres; none without.
+/// Sizes and positions of stairs with steps of height `rise` that descend along x, metres; none if it is 0.
 pub(crate) fn flight(rise: f32) -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..STEPS).filter_map(move |n| {
         let high = rise * (STEPS - n) as f32;
@@ -65,7 +65,7 @@ pub(crate) fn flight(rise: f32) -> impl Iterator<Item = (Vec3, Vec3)> {
     })
 }
 
-/// Where and how turned a hundred ragdolls are above such stairs, metres.
+/// Initial poses of a hundred ragdolls above such stairs, metres.
 pub(crate) fn figures(rise: f32) -> impl Iterator<Item = (Vec3, Quat)> {
     (0..100_u32).map(move |n| {
         let (row, place) = (n / 20, n % 20);
@@ -76,7 +76,7 @@ pub(crate) fn figures(rise: f32) -> impl Iterator<Item = (Vec3, Quat)> {
     })
 }
 
-/// Where a thousand boxes of 1 m lie side by side, metres.
+/// Positions of a thousand boxes of 1 m that lie side by side, metres.
 pub(crate) fn lying() -> impl Iterator<Item = Vec3> {
     (0..1000_u32).map(|n| Vec3::new(1.5 * (n % 32) as f32, 0.5, 1.5 * (n / 32) as f32))
 }

@@ -1,37 +1,37 @@
-//! A line of the page: one scene, how long it took each contender, and how well each did it.
+//! A line of the results: one scene, with the time and the quality of each contender.
 
 use sinew::Distance;
 use sinew::glam::Vec3;
 
-/// What a figure of a row is per.
+/// Unit of the figures of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Nanoseconds of a whole step per constraint, substep and sweep.
     Projection,
     /// Nanoseconds per tick of 1/60 s.
     Tick,
-    /// Nanoseconds per tick, on the clock at the wall: what threads shorten.
+    /// Nanoseconds of wall-clock time per tick, which threads shorten.
     WallTick,
     /// Nanoseconds per unordered pair.
     Pair,
     /// Nanoseconds per vertex.
     Vertex,
-    /// Nanoseconds, for something that is done once.
+    /// Nanoseconds, for an event that happens once.
     Once,
     /// Allocations and reallocations.
     Allocations,
     /// Mean stretch, per cent.
     Percent,
-    /// Root of the mean square of speeds, mm/s.
+    /// Root mean square of speeds, mm/s.
     Speed,
 }
 
-/// How far lengths are from what they should be, as shares of that.
+/// Relative errors of lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     /// Mean of the absolute errors.
     pub mean: f64,
-    /// The largest of them; infinite where something is no number any more.
+    /// The largest of them; infinite if one is not finite.
     pub max: f64,
 }
 
@@ -40,38 +40,38 @@ pub struct Stretch {
 pub struct Row {
     /// Its number in the table of goals: "P1".
     pub id: &'static str,
-    /// What it is, in a line.
+    /// Title of the scene.
     pub scene: String,
-    /// What the figures are per.
+    /// Unit of the figures.
     pub unit: Unit,
-    /// How many constraints it has.
+    /// Number of constraints.
     pub constraints: usize,
     /// Substeps in a tick.
     pub substeps: u32,
-    /// The most sweeps in a substep.
+    /// Maximum number of sweeps in a substep.
     pub sweeps: u32,
-    /// What Sinew took.
+    /// Figure of Sinew.
     pub ours: Option<f64>,
-    /// What the naive reference took.
+    /// Figure of the naive reference.
     pub naive: Option<f64>,
-    /// What the rival took.
+    /// Figure of the other engine, rapier.
     pub peer: Option<f64>,
-    /// What Avian took, where it has the scene.
+    /// Figure of Avian, if it has the scene.
     pub avian: Option<f64>,
-    /// How well Sinew did it, after 4 s.
+    /// Stretch of Sinew after 4 s.
     pub stretch: Option<Stretch>,
-    /// How well the naive reference did it, after 4 s.
+    /// Stretch of the naive reference after 4 s.
     pub naive_stretch: Option<Stretch>,
-    /// How well the rival did it, after 4 s.
+    /// Stretch of the other engine after 4 s.
     pub peer_stretch: Option<Stretch>,
-    /// How well Avian did it.
+    /// Stretch of Avian after 4 s.
     pub avian_stretch: Option<Stretch>,
-    /// What one must know to read the figures.
+    /// Note for reading the figures.
     pub note: String,
 }
 
 impl Unit {
-    /// In a word.
+    /// Name of the unit.
     pub fn name(self) -> &'static str {
         match self {
             Self::Projection => "ns/projection",
@@ -86,14 +86,14 @@ impl Unit {
         }
     }
 
-    /// Whether it is a time.
+    /// Whether the figure is a time.
     pub fn is_time(self) -> bool {
         !matches!(self, Self::Allocations | Self::Percent | Self::Speed)
     }
 }
 
 impl Stretch {
-    /// That of `rods`, for particles that are there. A rope that is slack has none.
+    /// Stretch of `rods` with given positions. A slack rope has none.
     pub fn of<'a>(
         rods: impl IntoIterator<Item = &'a Distance>,
         position: impl Fn(usize) -> Vec3,
@@ -104,7 +104,7 @@ impl Stretch {
         }))
     }
 
-    /// That of errors as shares of what they are errors of.
+    /// Stretch from relative errors.
     pub fn of_shares(shares: impl IntoIterator<Item = f64>) -> Self {
         let (mut sum, mut count, mut max) = (0.0, 0_u32, 0.0_f64);
         for share in shares {
@@ -138,22 +138,22 @@ impl Row {
         }
     }
 
-    /// The same with words that one must know.
+    /// Adds a note.
     pub fn noted(self, note: impl Into<String>) -> Self {
         Self { note: note.into(), ..self }
     }
 
-    /// The same for so many constraints, substeps and sweeps.
+    /// Sets the numbers of constraints, substeps and sweeps.
     pub fn sized(self, constraints: usize, substeps: u32, sweeps: u32) -> Self {
         Self { constraints, substeps, sweeps, ..self }
     }
 
-    /// How many times as fast as the naive reference, or as good.
+    /// Ratio of the naive reference's figure to Sinew's: how many times as fast, or as good, Sinew is.
     pub fn ratio(&self) -> Option<f64> {
         Some(self.naive? / self.ours?)
     }
 
-    /// How many times as fast as the rival.
+    /// Ratio of the other engine's figure to Sinew's.
     pub fn peer_ratio(&self) -> Option<f64> {
         Some(self.peer? / self.ours?)
     }

@@ -1,8 +1,8 @@
-//! The page as text, as Markdown for documents, and as JSON for programs.
+//! The results as text, as Markdown, and as JSON.
 
 use crate::row::{Row, Stretch, Unit};
 
-/// The heads of the columns.
+/// Column headings.
 const HEADS: [&str; 13] = [
     "",
     "scene",
@@ -19,7 +19,7 @@ const HEADS: [&str; 13] = [
     "Avian",
 ];
 
-/// The rows as a table with aligned columns; the notes stand below it. A stretch is "mean / largest", per cent.
+/// The rows as a table with aligned columns; the notes are below it. A stretch is "mean / largest", per cent.
 pub fn table(rows: &[Row]) -> String {
     let mut lines = vec![HEADS.map(String::from)];
     lines.extend(rows.iter().map(cells));
@@ -30,7 +30,7 @@ pub fn table(rows: &[Row]) -> String {
         let mut out = String::new();
         for (column, (cell, &width)) in line.iter().zip(&widths).enumerate() {
             let room = " ".repeat(width - cell.chars().count());
-            // Words to the left, numbers to the right.
+            // Text is left-aligned, numbers are right-aligned.
             let cell = if column < 3 { format!("{cell}{room}") } else { format!("{room}{cell}") };
             out += &cell;
             out += "  ";
@@ -44,7 +44,7 @@ pub fn table(rows: &[Row]) -> String {
     page
 }
 
-/// The rows as a table in Markdown, with their settings and without columns in which nothing stands.
+/// The rows as a Markdown table, with their settings, without empty columns.
 pub fn markdown(rows: &[Row]) -> String {
     let heads = HEADS.map(|head| if head.is_empty() { "#" } else { head });
     let heads = heads.into_iter().chain(["substeps × sweeps", "what else"]);
@@ -68,7 +68,7 @@ pub fn markdown(rows: &[Row]) -> String {
     page
 }
 
-/// The rows as an array of objects. What there is no figure for is `null`; so are `…_ns` of what is no time.
+/// The rows as a JSON array of objects. A missing figure is `null`, and so are the `…_ns` of figures that are not times.
 pub fn json(rows: &[Row]) -> String {
     let objects: Vec<String> = rows.iter().map(object).collect();
     format!("[\n{}\n]\n", objects.join(",\n"))
@@ -95,7 +95,7 @@ fn cells(row: &Row) -> [String; 13] {
     ]
 }
 
-/// The unit in which a person reads it, and what to multiply with.
+/// Factor and unit for display.
 fn shown(row: &Row) -> (f64, &'static str) {
     let most = [row.ours, row.naive, row.peer, row.avian].into_iter().flatten().fold(0.0, f64::max);
     match row.unit {
@@ -113,7 +113,7 @@ fn stretched(stretch: Option<Stretch>) -> String {
     stretch.map_or(String::new(), |s| format!("{} / {} %", percent(s.mean), percent(s.max)))
 }
 
-/// Three digits, and no more zeros than needed.
+/// Three significant digits; smaller and larger numbers in exponent notation.
 fn number(x: f64) -> String {
     let size = x.abs();
     match size {
@@ -162,7 +162,7 @@ fn object(row: &Row) -> String {
     format!("  {{{}}}", fields.join(", "))
 }
 
-/// A number that JSON has; it has no infinity.
+/// A number as JSON, which has no infinity.
 fn numeral(x: Option<f64>) -> String {
     x.filter(|x| x.is_finite()).map_or("null".into(), |x| format!("{x:.6e}"))
 }

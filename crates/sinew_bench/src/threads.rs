@@ -1,4 +1,4 @@
-//! The one place where a scene is given threads.
+//! The only place that sets the number of threads of a scene.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use sinew::{Simulation, Workers};
 
 use crate::measure::{Ours, World};
 
-/// A world that is stepped by so many threads.
+/// A contender that is stepped by `threads` threads.
 pub fn stepped_by(mut world: Simulation, threads: usize) -> Option<Box<dyn World>> {
     if threads > 1 {
         world.workers = Some(Arc::new(Threads(threads)));
@@ -14,7 +14,7 @@ pub fn stepped_by(mut world: Simulation, threads: usize) -> Option<Box<dyn World
     Some(Box::new(Ours(world)))
 }
 
-/// Threads that are started anew each time: some 50 µs, which a task pool would save.
+/// Workers that are started anew in each call: about 50 µs, which a task pool would save.
 #[derive(Debug)]
 struct Threads(usize);
 

@@ -1,7 +1,7 @@
-//! Moving pictures as GIF, the one format that shows in every README.
+//! Animations as GIF, the format that every README viewer shows.
 //!
-//! GIF has 256 colours and no motion, so three things keep the file small and the picture calm: one palette for all
-//! frames, dithering by a fixed pattern (what does not move keeps its bytes), and frames that hold only what changed.
+//! GIF has 256 colours and no motion compensation. Three things keep the file small and the picture steady: one palette for all frames, dithering by a fixed
+//! pattern (pixels that do not change keep their bytes), and frames that hold only what changed.
 
 use std::{
     collections::HashMap,
@@ -15,13 +15,13 @@ use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 
 use super::image::Image;
 
-/// Colours in the palette; one more entry means "as before".
+/// Colours in the palette; the one index that is left means "unchanged".
 const COLORS: usize = 255;
 
-/// How far dithering pushes a channel up or down.
+/// Amplitude of dithering in a channel, steps of 1/255.
 const DITHER: f32 = 2.0;
 
-/// Writes pictures of one size as a GIF that repeats forever, `delay` hundredths of a second apart.
+/// Writes images of one size as a GIF that repeats forever, `delay` hundredths of a second apart.
 pub fn write_gif(path: impl AsRef<Path>, frames: &[Image], delay: u16) -> io::Result<()> {
     let invalid = |why: &str| io::Error::new(io::ErrorKind::InvalidInput, why);
     let first = frames.first().ok_or_else(|| invalid("an animation needs a frame"))?;
@@ -46,7 +46,8 @@ pub fn write_gif(path: impl AsRef<Path>, frames: &[Image], delay: u16) -> io::Re
     Ok(())
 }
 
-/// A still picture's own palette, red, green and blue of each colour, and the index of each pixel. Not dithered: a pattern would cost more bytes than it is worth.
+/// Palette of a single image (red, green, blue of each colour), and the palette index of each pixel. Not dithered: the pattern would increase the file for
+/// little benefit.
 pub(crate) fn indexed(image: &Image) -> (Vec<u8>, Vec<u8>) {
     let mut palette = Palette::new(std::slice::from_ref(image));
     let indices = palette.indices_dithered(image, 0.0);
@@ -60,7 +61,7 @@ fn error(error: EncodingError) -> io::Error {
     }
 }
 
-/// The rectangle around what differs from the last frame, and in it only what differs.
+/// A frame of the smallest rectangle around all pixels that changed since the last frame; unchanged pixels in it are transparent.
 fn change(shown: &[u8], indices: &[u8], width: usize, delay: u16) -> Frame<'static> {
     let height = indices.len() / width.max(1);
     let same = |i: usize| shown.get(i) == Some(&indices[i]);
@@ -71,7 +72,7 @@ fn change(shown: &[u8], indices: &[u8], width: usize, delay: u16) -> Frame<'stat
         (top, bottom) = (top.min(y), bottom.max(y + 1));
     }
     if right == 0 {
-        // Nothing moved, but the time passes: a frame of one pixel carries the delay.
+        // Nothing changed, but time passes: a frame of one pixel carries the delay.
         (left, right, top, bottom) = (0, 1, 0, 1);
     }
     let rows = (top..bottom).flat_map(|y| (left..right).map(move |x| y * width + x));
@@ -89,16 +90,16 @@ fn change(shown: &[u8], indices: &[u8], width: usize, delay: u16) -> Frame<'stat
     }
 }
 
-/// The colours of an animation.
+/// The palette of an animation.
 struct Palette {
     quantizer: NeuQuant,
-    /// Index by colour, rounded to 6 bits a channel: finding the nearest is slow, and pictures repeat themselves.
+    /// Cache of palette indices by colour, rounded to 7 bits a channel: finding the nearest colour is slow, and images repeat themselves.
     known: HashMap<u32, u8>,
 }
 
 impl Palette {
     fn new(frames: &[Image]) -> Self {
-        // Rare colours count for more than their share: a small red ball matters as much as a wide sky.
+        // Rare colours are weighted above their frequency: a small red ball matters as much as a wide sky.
         let mut seen = HashMap::<[u8; 3], u32>::new();
         let stride = (frames.len() * frames[0].pixels.len() / 2_000_000).max(1);
         for [r, g, b, _] in frames.iter().flat_map(|f| &f.pixels).step_by(stride) {
@@ -112,7 +113,7 @@ impl Palette {
                 samples.extend([r | 2, g | 2, b | 2, 255]);
             }
         }
-        // NeuQuant skips through the samples in prime steps and wants a few thousand at least.
+        // NeuQuant steps through the samples in prime strides and requires a few thousand at least.
         while samples.len() < 4 * 4096 && !samples.is_empty() {
             samples.extend_from_within(..);
         }

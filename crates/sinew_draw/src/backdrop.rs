@@ -1,11 +1,11 @@
-//! What is behind and below everything: a soft sky, and a ground that fades into it like a photographer's paper roll.
+//! The background: a sky gradient, and a checkered ground that fades into it.
 
 use glam::Vec3;
 
 use super::camera::View;
 use super::image::linear_of;
 
-/// Colours in linear light, and the scale of the ground's squares.
+/// Colours in linear light, and the size of the ground's squares.
 pub(crate) struct Backdrop {
     pub(crate) zenith: Vec3,
     pub(crate) horizon: Vec3,
@@ -29,7 +29,7 @@ impl Backdrop {
         }
     }
 
-    /// The sky in a direction.
+    /// Colour of the sky in a direction.
     #[inline]
     pub(crate) fn sky(&self, ray: Vec3) -> Vec3 {
         let rise = ray.y / ray.length();
@@ -37,18 +37,18 @@ impl Backdrop {
         self.horizon.lerp(self.zenith, t * (2.0 - t))
     }
 
-    /// How far along `ray` the ground is, if it is seen from above.
+    /// Distance along `ray` to the ground, if it is visible from above.
     #[inline]
     pub(crate) fn ground_depth(&self, eye: Vec3, ray: Vec3) -> Option<f32> {
         let below = eye.y - self.height?;
         (below > 0.0 && ray.y < 0.0).then(|| below / -ray.y)
     }
 
-    /// The ground's own colour at a point, for a sample this wide, and how much of it has faded into the sky there.
+    /// Colour of the ground at a point, averaged over a sample of this width, and how far it has faded into the sky there, 0 to 1.
     #[inline]
     pub(crate) fn ground(&self, point: Vec3, width: [f32; 2]) -> (Vec3, f32) {
         let square = |x: f32, width: f32| {
-            // The mean over the sample's width of a wave that is +1 on even squares and -1 on odd ones.
+            // Mean, over the sample's width, of a wave that is +1 on even squares and −1 on odd ones.
             let w = (width / self.cell).max(1e-3);
             let sum = |x: f32| 1.0 - 4.0 * (x * 0.5 - (x * 0.5).floor() - 0.5).abs();
             let x = x / self.cell;

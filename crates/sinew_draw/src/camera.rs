@@ -1,21 +1,21 @@
-//! The eye: which point lands where on the picture, and the way back.
+//! The camera: projection of points to the image, and rays back into the world.
 
 use glam::{Vec3, Vec4};
 
 /// A perspective camera; up is +Y.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
-    /// Where it stands.
+    /// Position of the camera.
     pub eye: Vec3,
-    /// What it looks at. The distance also sets the scale of the ground's squares and of its fading.
+    /// The point that it is directed at. The distance to it also sets the scale of the ground's squares and of its fading.
     pub target: Vec3,
     /// Vertical angle of view, in radians.
     pub fov: f32,
 }
 
-/// A camera made ready for one picture size.
+/// A camera with the values derived for one image size.
 ///
-/// Depth is reversed (`near / distance`, so far is 0): with 32-bit floats that keeps precision over the whole range.
+/// Depth is reversed (`near / distance`, so infinitely far is 0): with 32-bit floats that keeps precision over the whole range.
 pub(crate) struct View {
     pub(crate) eye: Vec3,
     pub(crate) target: Vec3,
@@ -26,7 +26,7 @@ pub(crate) struct View {
     right: Vec3,
     up: Vec3,
     forward: Vec3,
-    /// Half the picture's height, at distance 1, is this fraction of 1; the same for the width.
+    /// Half the width and half the height of the image plane at distance 1.
     scale: [f32; 2],
 }
 
@@ -56,18 +56,18 @@ impl View {
         Vec4::new(p.dot(self.right) / sx, p.dot(self.up) / sy, self.near, p.dot(self.forward))
     }
 
-    /// What `x` and `y` (-1 to 1, up) look along: the eye plus this times a distance along the view is a world point.
+    /// Ray through the image position `x`, `y` (−1 to 1, y up): the eye plus this times a distance along the view direction is a world point.
     #[inline]
     pub(crate) fn ray(&self, x: f32, y: f32) -> Vec3 {
         self.forward + self.right * (x * self.scale[0]) + self.up * (y * self.scale[1])
     }
 
-    /// A direction as the eye has it: to the right, up, and away.
+    /// A direction in view space: right, up, and away from the eye.
     pub(crate) fn turned(&self, direction: Vec3) -> Vec3 {
         Vec3::new(direction.dot(self.right), direction.dot(self.up), direction.dot(self.forward))
     }
 
-    /// Half the picture's height at distance 1.
+    /// Half the height of the image plane at distance 1.
     pub(crate) fn half_height(&self) -> f32 {
         self.scale[1]
     }
@@ -78,7 +78,7 @@ impl View {
         (point - self.eye).dot(self.forward)
     }
 
-    /// Size in the world of one pixel, at distance 1, in a picture with this many rows.
+    /// Size of one pixel in the world at distance 1, for an image with this many rows.
     pub(crate) fn pixel(&self, rows: usize) -> f32 {
         2.0 * self.scale[1] / rows.max(1) as f32
     }

@@ -1,10 +1,10 @@
-//! Whether files hold the pictures that were put in.
+//! Round trips of images through files.
 
 use std::{fs::File, io::BufReader, path::PathBuf};
 
 use super::*;
 
-/// A picture in which no two neighbours are alike.
+/// An image in which no two neighbouring pixels are equal.
 fn speckled(width: usize, height: usize) -> Image {
     let mut image = Image::new(width, height, [0, 0, 0, 255]);
     for (i, pixel) in image.pixels.iter_mut().enumerate() {
@@ -46,7 +46,7 @@ fn a_picture_shrinks_by_the_light_of_its_pixels() {
     image.place(&Image::new(1, 2, [0, 0, 0, 255]), [0, 0]);
     let small = image.shrunk(2);
     assert_eq!((small.width, small.height), (2, 1));
-    // Half of white's light is 188 in sRGB, not 128.
+    // Half the light of white is 188 in sRGB, not 128.
     assert_eq!(small.pixels, [[188, 188, 188, 255], [255, 255, 255, 255]]);
     assert_eq!(image.part([0, 1], 2, 1).pixels, [[0, 0, 0, 255], [255, 255, 255, 255]]);
 }
@@ -82,7 +82,7 @@ fn a_sheet_holds_its_frames() {
     assert!(contact_sheet("Nothing", "", &[], 3).width > 0);
 }
 
-/// A file of this test run's own.
+/// A temporary file of this test run.
 fn scratch(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("sinew_draw_{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

@@ -1,41 +1,40 @@
-//! Items and lines to plain triangles that are safe to draw: every number finite, every face with an area, every normal
-//! on the side that is seen.
+//! Converts items and lines to triangles that are safe to draw: every number is finite, every triangle has an area, every normal is on the visible side.
 
 use glam::{Vec2, Vec3};
 
 use super::camera::View;
 use super::scene::{Item, Line, Scene};
 
-/// Faces that meet at less than this angle (its cosine) are one smooth surface: 40 degrees.
+/// Cosine of the crease angle, 40 degrees: faces at less than this angle are shaded as one smooth surface.
 const CREASE: f32 = 0.766;
 
-/// Half the width of a line: in samples at least, and as a part of the picture's height.
+/// Half the width of a line: the least, in samples, and as a fraction of the image's height.
 const LINE_SAMPLES: f32 = 1.6;
 const LINE: f32 = 0.0018;
 
-/// A triangle in the world with what shading needs at its corners.
+/// A triangle in world space with the attributes for shading.
 pub(crate) struct Triangle {
     pub(crate) positions: [Vec3; 3],
     pub(crate) normals: [Vec3; 3],
     pub(crate) uvs: [Vec2; 3],
-    /// The true normal of the plane, turned to the eye for a sheet.
+    /// Geometric normal of the plane; for a double-sided item on the side of the eye.
     pub(crate) face: Vec3,
-    /// How many times a texture has to be halved here.
+    /// Mip level of the texture: how many times it is halved.
     pub(crate) lod: f32,
-    /// Which item or line it came from.
+    /// The item or line that it comes from.
     pub(crate) source: Source,
-    /// Turned away from the eye: not drawn, but it still casts a shadow.
+    /// A back face, or a line's ribbon for the shadow: not drawn, but it casts a shadow.
     pub(crate) hidden: bool,
 }
 
-/// Where a triangle came from.
+/// The item or line that a triangle comes from, by index.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Source {
     Item(usize),
     Line(usize),
 }
 
-/// All triangles of a scene, for a picture with this many rows of samples.
+/// All triangles of a scene, for an image with this many rows of samples.
 pub(crate) fn triangles(scene: &Scene, view: &View, rows: usize) -> Vec<Triangle> {
     let mut out = Vec::with_capacity(
         scene.items.iter().map(|i| i.indices.len()).sum::<usize>() + scene.lines.len() * 4,
@@ -59,7 +58,7 @@ fn push_item(out: &mut Vec<Triangle>, index: usize, item: &Item, view: &View, ro
         let corners = corners.map(|i| i as usize);
         let positions = corners.map(|i| item.positions[i]);
         let behind = face.dot(view.eye - positions[0]) < 0.0;
-        // A sheet's normals look at the eye, whichever side that is.
+        // The normals of a double-sided item point to the eye's side.
         let side = if behind && item.double_sided { -1.0 } else { 1.0 };
         let normals = corners.map(|i| {
             let given = item.normals.as_ref().and_then(|n| n.get(i)?.try_normalize());
@@ -87,11 +86,11 @@ fn push_item(out: &mut Vec<Triangle>, index: usize, item: &Item, view: &View, ro
     }
 }
 
-/// The planes of an item's triangles, and which of them meet at each vertex.
+/// The face normals of an item's triangles, and the faces at each vertex.
 struct Faces {
-    /// Normals as long as twice the area; zero for a triangle that cannot be drawn.
+    /// Face normals with a length of twice the area; zero for a triangle that cannot be drawn.
     planes: Vec<Vec3>,
-    /// Where the faces of a vertex start in `around`; empty when the item brings its own normals.
+    /// Start of each vertex's faces in `around`; empty if the item has normals of its own.
     starts: Vec<u32>,
     around: Vec<u32>,
 }
@@ -126,7 +125,7 @@ impl Faces {
                 sum += *start;
                 *start = sum;
             }
-            // Filled from the back of each vertex's share, which leaves `starts` at the front.
+            // Filled from the back of each vertex's range, which leaves `starts` at its front.
             around = vec![0u32; sum as usize];
             for (face, corners) in drawn() {
                 for &i in corners {
@@ -146,7 +145,7 @@ impl Faces {
         self.planes[face].length() * 0.5
     }
 
-    /// The normal of a face's corner, averaged over the faces around the vertex that bend only a little.
+    /// Normal at a face's corner, averaged over the faces at the vertex within the crease angle.
     fn smooth(&self, face: usize, vertex: usize) -> Vec3 {
         let Some(own) = self.unit(face) else {
             return Vec3::Y;
@@ -162,7 +161,7 @@ impl Faces {
     }
 }
 
-/// A line is two thin ribbons: one faces the eye, and one, not seen, faces the sun for the shadow.
+/// A line is two thin ribbons: a visible one that faces the eye, and a hidden one that faces the sun and casts the shadow.
 fn push_line(
     out: &mut Vec<Triangle>,
     index: usize,
@@ -184,7 +183,7 @@ fn push_line(
         let [[a, b], [c, d]] = ends.map(|p| {
             let samples = LINE_SAMPLES.max(rows as f32 * LINE);
             let half = samples * view.pixel(rows) * view.depth(p).abs().max(view.near);
-            // A little closer to the eye, to win against a surface that it lies on.
+            // Moved a little towards the eye, so that a line on a surface is in front of it.
             let p = if hidden { p } else { p + (view.eye - p) * 0.002 };
             [p - side * half, p + side * half]
         });

@@ -1,4 +1,4 @@
-//! A picture in memory, and the colour arithmetic that everything which touches one shares.
+//! An image in memory, and the colour arithmetic that the other modules share.
 
 use std::{
     fs::File,
@@ -8,7 +8,7 @@ use std::{
 
 use glam::Vec3;
 
-/// A picture: rows from top to bottom, pixels from left to right, sRGB with straight alpha.
+/// An image: rows from top to bottom, pixels from left to right, sRGB with straight alpha.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
     /// Pixels in a row.
@@ -20,18 +20,18 @@ pub struct Image {
 }
 
 impl Image {
-    /// A picture of one colour.
+    /// An image of one colour.
     pub fn new(width: usize, height: usize, fill: [u8; 4]) -> Self {
         Self { width, height, pixels: vec![fill; width * height] }
     }
 
-    /// The pixel in column `x` of row `y`; panics outside of the picture.
+    /// The pixel in column `x` of row `y`; panics outside of the image.
     pub fn at(&self, x: usize, y: usize) -> [u8; 4] {
         assert!(x < self.width && y < self.height, "pixel outside of the picture");
         self.pixels[y * self.width + x]
     }
 
-    /// The picture at a fraction of its size: each pixel is the mean light of `factor` × `factor` of them. What is left over at the right and below is cut off.
+    /// The image reduced by `factor`: each pixel is the mean light of `factor` × `factor` pixels. A remainder at the right and at the bottom is cut off.
     pub fn shrunk(&self, factor: usize) -> Self {
         let factor = factor.max(1);
         let light: Vec<f32> =
@@ -51,7 +51,7 @@ impl Image {
         small
     }
 
-    /// The part of `width` × `height` pixels whose upper left corner is in column `left` of row `top`; panics where it leaves the picture.
+    /// The part of `width` × `height` pixels whose upper left corner is in column `left` of row `top`; panics if it exceeds the image.
     pub fn part(&self, [left, top]: [usize; 2], width: usize, height: usize) -> Self {
         let rows = (top..top + height).flat_map(|y| {
             let first = y * self.width + left;
@@ -60,7 +60,7 @@ impl Image {
         Self { width, height, pixels: rows.collect() }
     }
 
-    /// Copies another picture into this one, its upper left corner to column `left` of row `top`; panics where it does not fit.
+    /// Copies another image into this one, with its upper left corner in column `left` of row `top`; panics if it does not fit.
     pub fn place(&mut self, image: &Self, [left, top]: [usize; 2]) {
         for y in 0..image.height {
             let first = (top + y) * self.width + left;
@@ -69,7 +69,7 @@ impl Image {
         }
     }
 
-    /// Lays `color` over a pixel, `coverage` (0 to 1) thick; outside of the picture nothing happens.
+    /// Blends `color` over a pixel with a coverage of 0 to 1; does nothing outside of the image.
     pub(crate) fn blend(&mut self, x: i64, y: i64, color: [u8; 3], coverage: f32) {
         if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 {
             return;
@@ -83,7 +83,7 @@ impl Image {
     }
 }
 
-/// Writes a picture as PNG.
+/// Writes an image as PNG.
 pub fn write_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> {
     let file = BufWriter::new(File::create(path)?);
     let mut encoder = png::Encoder::new(file, image.width as u32, image.height as u32);
@@ -116,12 +116,12 @@ pub fn read_png(bytes: &[u8]) -> io::Result<Image> {
     Ok(Image { width: info.width as usize, height: info.height as usize, pixels })
 }
 
-/// sRGB, 0 to 1 a channel, to the linear light that shading adds up.
+/// Converts sRGB, 0 to 1 a channel, to linear light, in which shading adds up.
 pub(crate) fn linear_of(srgb: [f32; 3]) -> Vec3 {
     Vec3::from(srgb.map(|c| if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }))
 }
 
-/// Rolls highlights off towards white and leaves everything else as it is (the Khronos "neutral" tone mapper).
+/// Compresses highlights towards white and leaves everything else as it is (the Khronos "neutral" tone mapper).
 pub(crate) fn tone(color: Vec3) -> Vec3 {
     const START: f32 = 0.76;
     let peak = color.max_element();
@@ -134,7 +134,7 @@ pub(crate) fn tone(color: Vec3) -> Vec3 {
     (color * (new / peak)).lerp(Vec3::splat(new), white)
 }
 
-/// Linear light to sRGB bytes, by table: a power per channel and pixel would cost more than the shading.
+/// Converts linear light to sRGB bytes by table: a power per channel and pixel would cost more than the shading.
 pub(crate) struct SrgbTable(Vec<u8>);
 
 impl SrgbTable {

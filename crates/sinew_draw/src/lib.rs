@@ -1,15 +1,15 @@
-//! Pictures without a GPU, for `gallery --headless`: a build server, a container or a remote shell has no display, and
-//! still deserves to see what the solver did.
+//! A software renderer for `gallery --headless`: on a build server, in a container or in a remote shell there is no display and no GPU.
 //!
-//! A [`Scene`] goes in, an [`Image`] comes out of [`render`]; [`write_png`], [`write_gif`] and [`contact_sheet`] make
-//! files of images. How one picture comes about, a file a stage:
+//! [`render`] turns a [`Scene`] into an [`Image`]; [`write_png`], [`write_gif`] and [`contact_sheet`] make files of images. The stages of rendering, one module
+//! each:
 //!
-//! 1. `geometry` turns items and lines into plain triangles, and skips what cannot be drawn.
-//! 2. `raster` clips them and lets the `euc` crate find which triangle each sample sees, for the eye and for the sun.
-//! 3. `shadow` and `occlusion` answer how much of the sun and of the sky reaches a point.
+//! 1. `geometry` turns items and lines into triangles, and skips what cannot be drawn.
+//! 2. `raster` clips them and finds the nearest triangle of each sample with the `euc` crate, as seen from the eye and from the sun.
+//! 3. `shadow` and `occlusion` compute how much light of the sun and of the sky reaches a point.
 //! 4. `shade` colours each sample, in front of the `backdrop` of ground and sky, and averages samples to pixels.
 //!
-//! Nothing here knows Bevy: whoever calls brings world-space triangles. It is a crate of its own so that it is optimised whatever the gallery is, and built once.
+//! It does not depend on Bevy: the caller provides triangles in world space. It is a crate of its own so that it is always optimised, whatever the profile of
+//! the gallery, and compiled once.
 
 mod animation;
 mod backdrop;

@@ -1,8 +1,7 @@
-//! How much of the sky reaches a point: less in corners and under things. This is what makes a box stand on the ground
-//! instead of floating above it.
+//! Ambient occlusion: how much of the sky's light reaches a point. Corners and the ground under bodies are darker, so that a box appears to stand on the ground
+//! rather than to float.
 //!
-//! Worked out on the picture alone: a pixel looks at some others around it, and counts those that stand above its
-//! own plane.
+//! Computed in screen space: each pixel samples some others around it, and counts those above its own plane.
 
 use std::{f32::consts::TAU, ops::Range};
 
@@ -10,15 +9,14 @@ use glam::{Vec2, Vec3};
 
 use super::camera::View;
 
-/// Neighbours that a pixel looks at.
+/// Pixels that are sampled around each pixel.
 const TAPS: usize = 8;
 
-/// How far they may be, as a part of the distance between eye and target, and of the picture's height.
+/// Radius of the samples: the first relative to the distance between eye and target, the second relative to the image's height. The smaller one applies.
 const REACH: f32 = 0.08;
 const REACH_SEEN: f32 = 0.12;
 
-/// What a pixel shows, for this purpose: how far away (infinite for the sky), which way it faces as seen from the eye
-/// (right, up, away), and whether it is more than just ground or sky.
+/// What occlusion reads of a pixel: its distance (infinite for the sky), its normal in view space (right, up, away), and whether it is more than ground or sky.
 #[derive(Clone, Copy)]
 pub(crate) struct Facet {
     pub(crate) depth: f32,
@@ -26,7 +24,7 @@ pub(crate) struct Facet {
     pub(crate) solid: bool,
 }
 
-/// The open part of the sky, 0 to 1, of each pixel.
+/// Unoccluded fraction of the sky, 0 to 1, of each pixel.
 pub(crate) fn openness(view: &View, facets: &[Facet], width: usize, height: usize) -> Vec<f32> {
     let around = Surroundings {
         facets,
@@ -36,7 +34,7 @@ pub(crate) fn openness(view: &View, facets: &[Facet], width: usize, height: usiz
         pixel: view.pixel(height),
         turns: (0..16).map(spiral).collect(),
     };
-    // Ground alone shades nothing: only what is near something solid needs a look.
+    // The ground alone occludes nothing: only pixels near something solid are processed.
     let farthest = (height as f32 * REACH_SEEN).ceil() as usize;
     let Some([columns, rows]) = around.solid(farthest) else {
         return vec![1.0; facets.len()];
@@ -55,7 +53,7 @@ pub(crate) fn openness(view: &View, facets: &[Facet], width: usize, height: usiz
     smooth
 }
 
-/// One of sixteen turns of the same spiral, out to radius 1.
+/// One of sixteen rotations of the same spiral of samples, within radius 1.
 fn spiral(turn: usize) -> [Vec2; TAPS] {
     let turn = turn as f32 / 16.0;
     std::array::from_fn(|tap| {
@@ -67,7 +65,7 @@ fn spiral(turn: usize) -> [Vec2; TAPS] {
 struct Surroundings<'a> {
     facets: &'a [Facet],
     size: [usize; 2],
-    /// Half the picture's height at distance 1, and a pixel's width there.
+    /// Half the image's height at distance 1, and the width of a pixel there.
     half: f32,
     pixel: f32,
     reach: f32,
@@ -75,7 +73,7 @@ struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// Columns and rows around all that is solid, with a margin.
+    /// Columns and rows around all solid pixels, with a margin.
     fn solid(&self, margin: usize) -> Option<[Range<usize>; 2]> {
         let [width, height] = self.size;
         let (mut low, mut high) = ([width, height], [0, 0]);
@@ -103,13 +101,13 @@ impl Surroundings<'_> {
         }
         let center = self.point(x, y, here.depth);
         let fall = (self.reach * self.reach).recip();
-        // A tile of 4x4 pixels holds each turn once; the blur averages exactly such a tile.
+        // A tile of 4×4 pixels has each rotation once; the blur averages exactly such a tile.
         let turn = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5][y % 4 * 4 + x % 4];
         let start = Vec2::new(x as f32, y as f32) + 0.5;
         let mut closed = 0.0;
         for step in &self.turns[turn] {
             let at = start + *step * pixels;
-            // Not negative: a conversion to a whole number would round that to 0.
+            // Negative coordinates are excluded below: the conversion to an integer would round them to 0.
             let (tx, ty) = (at.x as usize, at.y as usize);
             if at.x < 0.0 || at.y < 0.0 || tx >= width || ty >= height {
                 continue;
@@ -127,7 +125,7 @@ impl Surroundings<'_> {
         (1.0 - closed * (2.6 / TAPS as f32)).clamp(0.0, 1.0)
     }
 
-    /// Where something this far away is, as seen from the eye.
+    /// View-space position of a pixel at this depth.
     fn point(&self, x: usize, y: usize, depth: f32) -> Vec3 {
         let [width, height] = self.size;
         let across = (2 * x + 1) as f32 - width as f32;
@@ -138,7 +136,7 @@ impl Surroundings<'_> {
     }
 }
 
-/// The mean of a 4x4 tile, without what is clearly in front of or behind the pixel.
+/// Mean of a 4×4 tile, without pixels that are clearly in front of or behind this one.
 fn blurred(
     rough: &[f32],
     facets: &[Facet],
@@ -160,7 +158,7 @@ fn blurred(
     if count > 0.0 { sum / count } else { 1.0 }
 }
 
-/// Runs `work` on all rows of a buffer, shared among the cores.
+/// Runs `work` on all rows of a buffer, distributed over the cores.
 pub(crate) fn each_row<T: Send>(
     buffer: &mut [T],
     width: usize,

@@ -1,8 +1,7 @@
-//! The one place that talks to `euc`: triangles in clip space in, the nearest triangle of each sample out.
+//! Rasterisation with `euc`: takes triangles in clip space, returns the nearest triangle of each sample.
 //!
-//! `euc` draws whatever the projection says, so what is behind the eye or far outside of the picture is cut off before.
-//! Its fragments are not colours but the triangle's number and the position in it (a visibility buffer): a sample is
-//! shaded once, afterwards and on all cores, however often it was overdrawn.
+//! `euc` does not clip, so triangles are clipped against the near plane and far outside of the image beforehand. Its fragments are not colours but the
+//! triangle's number and the position in it (a visibility buffer): each sample is shaded once, afterwards and on all cores, however often it was overdrawn.
 
 use euc::{
     DepthStrategy, Interpolate, Pipeline,
@@ -11,11 +10,11 @@ use euc::{
 };
 use glam::{Vec2, Vec3, Vec4};
 
-/// How far beyond the picture's edge a triangle may reach before it is cut: far enough that few are, close enough that
-/// pixel numbers stay small.
+/// Guard band: how far beyond the edge a triangle may reach before it is clipped, as a multiple of the image's half size. Far enough that few triangles are
+/// clipped, near enough that pixel coordinates stay small.
 const GUARD: f32 = 3.0;
 
-/// What a sample sees: a triangle, and the weights of its first two corners there.
+/// The triangle at a sample, and the barycentric weights of its first two corners there.
 #[derive(Clone, Copy)]
 pub(crate) struct Fragment {
     pub(crate) triangle: u32,
@@ -23,18 +22,17 @@ pub(crate) struct Fragment {
 }
 
 impl Fragment {
-    /// No triangle at all.
+    /// No triangle.
     pub(crate) const NONE: Self = Self { triangle: u32::MAX, weights: [0.0; 2] };
 }
 
-/// The samples of a picture: what each one sees and how close that is (reversed depth, 0 is nothing).
+/// The samples of an image: the fragment of each and its reversed depth (0 is nothing).
 pub(crate) struct Samples {
     pub(crate) fragments: Buffer2d<Fragment>,
     pub(crate) depth: Buffer2d<f32>,
 }
 
-/// Finds the nearest triangle of each sample; `project` gives clip coordinates of a triangle's corners, `None` to leave
-/// it out.
+/// Finds the nearest triangle of each sample. `project` returns the clip coordinates of a triangle's corners, or `None` to leave it out.
 pub(crate) fn nearest(
     size: [usize; 2],
     near: f32,
@@ -51,7 +49,7 @@ pub(crate) fn nearest(
     Samples { fragments, depth }
 }
 
-/// The depth closest to the light in each texel, for a projection without perspective; infinite where nothing is.
+/// Depth nearest to the light in each texel, for an orthographic projection; infinite where there is no triangle.
 pub(crate) fn depths(
     size: usize,
     count: usize,
@@ -66,21 +64,21 @@ pub(crate) fn depths(
     depth
 }
 
-/// A corner on its way to the rasteriser: clip coordinates, and where in which triangle it is.
+/// A vertex for the rasteriser: clip coordinates, the triangle, and the position in it.
 #[derive(Clone, Copy)]
 struct Corner {
     clip: Vec4,
     at: Fragment,
 }
 
-/// Corners of all triangles, cut to what `euc` can draw; three a triangle.
+/// Corners of all triangles, clipped to what `euc` can draw; three for each triangle.
 fn clipped(
     size: [usize; 2],
     near: f32,
     count: usize,
     project: impl Fn(usize) -> Option<[Vec4; 3]>,
 ) -> Vec<Corner> {
-    // Inside is where the product with every one of these is positive.
+    // A vertex is inside of a plane where the product with it, less the offset, is positive.
     let planes = [
         (Vec4::W, near),
         (Vec4::new(1.0, 0.0, 0.0, GUARD), 0.0),
@@ -113,7 +111,7 @@ fn clipped(
     out
 }
 
-/// The part of a convex polygon where `inside` is positive (Sutherland and Hodgman, one plane).
+/// The part of a convex polygon where `inside` is positive (one plane of the Sutherland–Hodgman algorithm).
 fn cut_polygon(polygon: &[Corner], out: &mut Vec<Corner>, inside: impl Fn(&Corner) -> f32) {
     out.clear();
     for (i, b) in polygon.iter().enumerate() {
@@ -129,12 +127,11 @@ fn cut_polygon(polygon: &[Corner], out: &mut Vec<Corner>, inside: impl Fn(&Corne
     }
 }
 
-/// Adds a triangle if it covers something, in a shape that suits `euc`.
+/// Adds a triangle if it covers something, prepared for `euc`.
 ///
-/// - `euc` tests all samples of the rectangle around a triangle. For a long sliver across the picture (a pole, a rope)
-///   that is a thousand times too many: it is halved until it fills its rectangles somewhat.
-/// - `euc` rounds each triangle for itself, which leaves pinholes between neighbours: each is made larger, in its own
-///   plane, by some hundredths of a sample.
+/// - `euc` tests all samples of the rectangle around a triangle. For a long sliver across the image (a pole, a rope) that is a thousand times too many, so it
+///   is halved until it fills a fair part of its rectangles.
+/// - `euc` rounds each triangle separately, which leaves pinholes between neighbours, so each is enlarged in its own plane by some hundredths of a sample.
 fn push(out: &mut Vec<Corner>, corners: [Corner; 3], size: [usize; 2]) {
     let [a, b, c] = corners.map(|c| Vec3::new(c.clip.x, c.clip.y, c.clip.w));
     let determinant = (a - c).cross(b - c).dot(c);
@@ -162,14 +159,14 @@ fn push(out: &mut Vec<Corner>, corners: [Corner; 3], size: [usize; 2]) {
         return;
     }
     let length = edge(longest).sqrt();
-    // Not so far that the tip of a sliver shows.
+    // Limited so that the tip of a sliver does not show.
     let by = (0.03 * length / area).min(0.3 / length);
     let middle = corners[0].towards(corners[1], 0.5).towards(corners[2], 1.0 / 3.0);
     out.extend(corners.map(|corner| middle.towards(corner, 1.0 + by)));
 }
 
 impl Corner {
-    /// The point on the straight line to another corner.
+    /// The point at `t` on the straight line to another corner.
     fn towards(self, other: Self, t: f32) -> Self {
         Self {
             clip: self.clip.lerp(other.clip, t),
@@ -199,7 +196,7 @@ impl Interpolate for Fragment {
     }
 }
 
-/// Draws what a sample sees.
+/// Pipeline that writes fragments.
 struct Numbered;
 
 impl Pipeline for Numbered {
@@ -222,7 +219,7 @@ impl Pipeline for Numbered {
     }
 }
 
-/// Draws nothing but the depth.
+/// Pipeline that writes only the depth.
 struct DepthOnly;
 
 impl Pipeline for DepthOnly {

@@ -1,4 +1,4 @@
-//! What a picture shows: the input of `render`, in world space, so that a caller only copies what it already has.
+//! The input of `render`, in world space, so that a caller only copies what it already has.
 
 use std::{borrow::Cow, sync::Arc};
 
@@ -7,22 +7,22 @@ use glam::{Vec2, Vec3};
 use super::camera::Camera;
 use super::texture::Texture;
 
-/// One moment to draw.
+/// What is drawn in one image.
 pub struct Scene<'a> {
-    /// From where it is seen.
+    /// The camera.
     pub camera: Camera,
-    /// Points from the scene to the sun; the length does not matter.
+    /// Direction from the scene to the sun; the length does not matter.
     pub sun: Vec3,
-    /// Height of the endless ground, or `None` for things that float in the sky.
+    /// Height of the infinite ground, or `None` for sky only.
     pub ground: Option<f32>,
     /// Surfaces.
     pub items: Vec<Item<'a>>,
-    /// Strokes: springs, ropes, gizmos.
+    /// Lines: springs, ropes, gizmos.
     pub lines: Vec<Line>,
 }
 
 impl Scene<'_> {
-    /// Nothing yet, on the ground at height 0, under a late-morning sun from the left behind a camera that looks along -Z.
+    /// An empty scene with the ground at height 0 and a late-morning sun from behind on the left of a camera that looks along −Z.
     pub fn new(camera: Camera) -> Self {
         Self {
             camera,
@@ -34,13 +34,13 @@ impl Scene<'_> {
     }
 }
 
-/// A triangle mesh. Triangles with a corner that is missing or not finite, and those without area, are left out.
+/// A triangle mesh. Triangles with a missing or non-finite corner, and those without area, are left out.
 #[derive(Clone)]
 pub struct Item<'a> {
     /// Vertices in world space.
     pub positions: Cow<'a, [Vec3]>,
-    /// A normal per vertex. `None` works them out, smooth across shared vertices but not across sharp edges, so that
-    /// both a cloth and a box of eight vertices look right.
+    /// A normal per vertex. With `None` they are computed, smooth across shared vertices but not across sharp edges, so that both a cloth and a box of eight
+    /// vertices look right.
     pub normals: Option<Cow<'a, [Vec3]>>,
     /// A texture coordinate per vertex, (0, 0) at the top left of the texture, repeating.
     pub uvs: Option<Cow<'a, [Vec2]>>,
@@ -48,14 +48,14 @@ pub struct Item<'a> {
     pub indices: Cow<'a, [[u32; 3]]>,
     /// sRGB, 0 to 1 a channel; multiplies the texture.
     pub color: [f32; 3],
-    /// Drawn with `uvs`.
+    /// Texture; drawn only if there are `uvs`.
     pub texture: Option<Arc<Texture>>,
-    /// A sheet: visible from behind too, and some sunlight shines through it.
+    /// Whether the back is visible too, and some sunlight shines through, as for a sheet of cloth.
     pub double_sided: bool,
 }
 
 impl<'a> Item<'a> {
-    /// A closed body of one colour.
+    /// A closed body of one colour, with computed normals.
     pub fn new(
         positions: impl Into<Cow<'a, [Vec3]>>,
         indices: impl Into<Cow<'a, [[u32; 3]]>>,
@@ -73,12 +73,12 @@ impl<'a> Item<'a> {
     }
 }
 
-/// A straight stroke, some pixels wide however far away, that casts a thin shadow.
+/// A straight line, some pixels wide at any distance, that casts a thin shadow.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// Where it starts.
+    /// Its start.
     pub from: Vec3,
-    /// Where it ends.
+    /// Its end.
     pub to: Vec3,
     /// sRGB, 0 to 1 a channel; not shaded.
     pub color: [f32; 3],

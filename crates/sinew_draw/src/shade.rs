@@ -1,4 +1,4 @@
-//! Colours the samples and averages them to pixels: the last stage of a picture, and the function that runs them all.
+//! Colours the samples and averages them to pixels: the last stage, and the function that runs all stages.
 
 use glam::Vec3;
 
@@ -15,15 +15,15 @@ use super::shadow::ShadowMap;
 /// Samples along each side of a pixel.
 const FINE: usize = 2;
 
-/// Light of the sun, of the sky above and of what the ground throws back; linear, on a white surface.
+/// Light of the sun, of the sky above and reflected from the ground; linear, on a white surface.
 const SUN: Vec3 = Vec3::new(1.02, 0.96, 0.86);
 const SKY: Vec3 = Vec3::new(0.46, 0.52, 0.61);
 const BOUNCE: Vec3 = Vec3::new(0.33, 0.31, 0.29);
 
-/// The part of the sunlight that shines through a sheet.
+/// Fraction of the sunlight that shines through a double-sided item.
 const THROUGH: f32 = 0.35;
 
-/// Draws a scene: `width` by `height` pixels, four samples each.
+/// Renders a scene to `width` × `height` pixels, with four samples each.
 pub fn render(scene: &Scene, width: usize, height: usize) -> Image {
     let mut image = Image::new(width, height, [0, 0, 0, 255]);
     if width == 0 || height == 0 {
@@ -33,7 +33,7 @@ pub fn render(scene: &Scene, width: usize, height: usize) -> Image {
     let size = [width * FINE, height * FINE];
     let triangles = geometry::triangles(scene, &view, size[1]);
     let detail = (width.max(height) * 2).next_power_of_two().clamp(1024, 2048);
-    // The sun's view and the eye's, side by side.
+    // The shadow map and the camera's samples, in parallel.
     let (shadow, samples) = std::thread::scope(|scope| {
         let shadow = scope.spawn(|| ShadowMap::new(&triangles, scene.sun, &view, detail));
         let samples = raster::nearest(size, view.near, triangles.len(), |t| {
@@ -54,7 +54,7 @@ pub fn render(scene: &Scene, width: usize, height: usize) -> Image {
         size,
     };
 
-    // The sky's light changes slowly: one sample a pixel will do.
+    // Ambient light varies slowly: one sample a pixel is enough.
     let nothing = Facet { depth: f32::INFINITY, normal: Vec3::Y, solid: false };
     let mut facets = vec![nothing; width * height];
     each_row(&mut facets, width, |y, row| {
@@ -75,7 +75,7 @@ pub fn render(scene: &Scene, width: usize, height: usize) -> Image {
 
 struct Shader<'a> {
     scene: &'a Scene<'a>,
-    /// Of the items, linear.
+    /// Colours of the items, linear.
     colors: Vec<Vec3>,
     view: View,
     triangles: Vec<Triangle>,
@@ -87,7 +87,7 @@ struct Shader<'a> {
     pixel: f32,
 }
 
-/// What a sample shows.
+/// What is visible at a sample.
 enum Seen<'a> {
     Triangle(&'a Triangle, [f32; 3]),
     Ground(f32),
@@ -112,19 +112,19 @@ impl Seen<'_> {
 }
 
 impl Shader<'_> {
-    /// The colour of a pixel, linear, where this part of the sky is open.
+    /// Colour of a pixel, linear; `open` is the unoccluded fraction of the sky.
     fn pixel(&self, [x, y]: [usize; 2], open: f32) -> Vec3 {
         let samples =
             [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| [x * FINE + dx, y * FINE + dy]);
         if samples.iter().all(|sample| self.fragment(*sample).triangle == Fragment::NONE.triangle) {
-            // Ground and sky melt into each other: there is no edge between them to smooth.
+            // The ground fades into the sky: there is no edge between them to antialias.
             let ray = self.ray(samples[0], 1.0);
             return self.color(&self.behind(ray), ray, FINE as f32, open);
         }
         let rays = samples.map(|sample| self.ray(sample, 0.5));
         let seen = [0, 1, 2, 3].map(|i| self.seen(samples[i], rays[i]));
         if seen.iter().all(|other| other.is_like(&seen[0])) {
-            // Nothing to smooth: its middle stands for all of the pixel, which is most of them.
+            // No edge to antialias, as in most pixels: the middle is shaded for the whole pixel.
             let ray = self.ray(samples[0], 1.0);
             let middle = match seen[0] {
                 Seen::Sky | Seen::Ground(_) => self.behind(ray),
@@ -140,7 +140,7 @@ impl Shader<'_> {
         colors.sum::<Vec3>() * 0.25
     }
 
-    /// The colour of what is seen, ready for the screen but still linear, over a width of so many samples.
+    /// Tone-mapped colour at a sample, still linear, over a width in samples.
     fn color(&self, seen: &Seen, ray: Vec3, width: f32, open: f32) -> Vec3 {
         tone(match *seen {
             Seen::Sky => self.backdrop.sky(ray),
@@ -152,7 +152,7 @@ impl Shader<'_> {
         })
     }
 
-    /// What ambient occlusion has to know of a sample.
+    /// The values of a sample that ambient occlusion reads.
     fn facet(&self, sample: [usize; 2]) -> Facet {
         let (depth, normal, solid) = match self.seen(sample, self.ray(sample, 0.5)) {
             Seen::Sky => (f32::INFINITY, Vec3::Y, false),
@@ -165,7 +165,7 @@ impl Shader<'_> {
         Facet { depth, normal: self.view.turned(normal), solid }
     }
 
-    /// Along which the eye looks through a sample, so far (in samples) from its top left corner.
+    /// Ray through a sample, offset by `within` samples from its top left corner.
     #[inline]
     fn ray(&self, [x, y]: [usize; 2], within: f32) -> Vec3 {
         let across = (x as f32 + within) * 2.0 / self.size[0] as f32 - 1.0;
@@ -178,7 +178,7 @@ impl Shader<'_> {
         self.samples.fragments.as_ref()[y * self.size[0] + x]
     }
 
-    /// What there is where no triangle is.
+    /// Ground or sky, where there is no triangle.
     fn behind(&self, ray: Vec3) -> Seen<'_> {
         let ground = self.backdrop.ground_depth(self.view.eye, ray);
         ground.map_or(Seen::Sky, Seen::Ground)
@@ -193,7 +193,7 @@ impl Shader<'_> {
         let depth =
             self.view.near / self.samples.depth.as_ref()[sample[1] * self.size[0] + sample[0]];
         match self.backdrop.ground_depth(self.view.eye, ray) {
-            // What lies exactly on the ground is on top of it.
+            // A triangle exactly on the ground is drawn above it.
             Some(ground) if ground < depth * 0.9995 => Seen::Ground(ground),
             _ => {
                 let [a, b] = fragment.weights;
@@ -205,7 +205,7 @@ impl Shader<'_> {
     fn ground(&self, ray: Vec3, depth: f32, width: f32, open: f32) -> Vec3 {
         let point = self.view.eye + ray * depth;
         let across = self.pixel * width * depth;
-        // Seen at a slant, a sample is longer on the ground than it is wide: along the view's direction.
+        // Seen at an angle, a sample covers a longer stretch of the ground along the view direction than across it.
         let slant = ray.length() / ray.y.abs();
         let flat = ray.with_y(0.0).normalize_or_zero();
         let stretch = |along: f32| across * (1.0 + (slant - 1.0) * along.abs());
@@ -214,7 +214,7 @@ impl Shader<'_> {
         if fade >= 1.0 {
             return horizon;
         }
-        // In full light the ground has exactly its own colour, however high the sun: only shadows darken it.
+        // In full light the ground has exactly its own colour, whatever the height of the sun: only shadows darken it.
         let cosine = self.shadow.sun.y.max(0.0);
         let lit = if cosine > 0.0 { self.shadow.light(point, Vec3::Y) } else { 0.0 };
         let light = (SKY * open + SUN * (cosine * lit)) / (SKY + SUN * cosine);
@@ -255,7 +255,7 @@ impl Shader<'_> {
         } else if item.double_sided {
             light += SUN * (THROUGH * -facing * self.shadow.light(point, -triangle.face));
         }
-        // At a glancing angle everything mirrors a little of the sky.
+        // Fresnel term: at a grazing angle every surface reflects a little of the sky.
         let rim = (1.0 - normal.dot(to_eye).clamp(0.0, 1.0)).powi(4) * 0.22;
         let mirrored = self.backdrop.horizon.lerp(self.backdrop.zenith, 0.4) * open;
         (color * light).lerp(mirrored, rim) + SUN * shine

@@ -1,4 +1,4 @@
-//! How much of the sun reaches a point: a depth picture taken from the sun, looked up with soft edges.
+//! Shadow map: the depth as seen from the sun, sampled with soft edges.
 
 use euc::buffer::Buffer2d;
 use glam::{Vec3, Vec4};
@@ -7,26 +7,26 @@ use super::camera::View;
 use super::geometry::Triangle;
 use super::raster;
 
-/// The scene as the sun sees it.
+/// Depth of the scene as seen from the sun.
 pub(crate) struct ShadowMap {
     depth: Buffer2d<f32>,
     /// Texels along a side.
     size: usize,
-    /// Towards the sun, and two directions across.
+    /// Unit vector towards the sun, and two perpendicular to it.
     pub(crate) sun: Vec3,
     right: Vec3,
     up: Vec3,
-    /// Middle and half width of what is covered, across; texel size in the world.
+    /// Centre and half width of the covered square, perpendicular to the sun; texel size in the world.
     middle: [f32; 2],
     half: f32,
     texel: f32,
 }
 
 impl ShadowMap {
-    /// Covers all triangles that are within sight; one that flew off to the horizon must not cost the rest its detail.
+    /// Builds a map that covers all triangles near the camera's target; a body that flew off to the horizon must not cost the rest its resolution.
     pub(crate) fn new(triangles: &[Triangle], sun: Vec3, view: &View, size: usize) -> Self {
         let sun = sun.try_normalize().unwrap_or(Vec3::Y);
-        // Upright like the world, so that what stands upright there fills few texels here.
+        // Aligned with the world's vertical, so that upright things cover few texels.
         let right = Vec3::Y.cross(sun).try_normalize().unwrap_or(Vec3::X);
         let up = sun.cross(right);
         let reach = view.distance * 3.0;
@@ -41,7 +41,7 @@ impl ShadowMap {
         }
         let empty = low[0] > high[0];
         let middle = [0, 1].map(|i| if empty { 0.0 } else { (low[i] + high[i]) * 0.5 });
-        // A margin of a few texels, so that soft edges do not run out of the map.
+        // With a margin of a few texels, so that soft edges stay within the map.
         let half =
             if empty { 1.0 } else { ((high[0] - low[0]).max(high[1] - low[1]) * 0.51).max(1e-3) };
         let mut map = Self {
@@ -60,7 +60,7 @@ impl ShadowMap {
         map
     }
 
-    /// -1 to 1 across; depth grows away from the sun, in world units.
+    /// Position in the map: x and y from −1 to 1; depth grows away from the sun, in world units.
     #[inline]
     fn project(&self, p: Vec3) -> Vec4 {
         let x = (p.dot(self.right) - self.middle[0]) / self.half;
@@ -68,13 +68,13 @@ impl ShadowMap {
         Vec4::new(x, y, -p.dot(self.sun), 1.0)
     }
 
-    /// The lit part, 0 to 1, of a point on a surface with this true normal, which faces the sun.
+    /// Lit fraction, 0 to 1, of a point on a surface with this geometric normal, which faces the sun.
     #[inline]
     pub(crate) fn light(&self, point: Vec3, normal: Vec3) -> f32 {
         let cosine = normal.dot(self.sun).clamp(0.0, 1.0);
         let sine = (1.0 - cosine * cosine).sqrt();
-        // Lifted off the surface by as much as the surface slopes over the width of the soft edge: what lies there is
-        // the surface itself, not something that shades it.
+        // Normal offset: the point is moved off the surface by as much as the surface slopes over the width of the soft edge, so that the surface does not
+        // shade itself.
         let lifted = point + normal * (self.texel * (0.4 + 2.6 * sine));
         let p = self.project(lifted);
         let (u, v) = ((p.x + 1.0) * 0.5 * self.size as f32, (1.0 - p.y) * 0.5 * self.size as f32);
@@ -82,7 +82,7 @@ impl ShadowMap {
         if !(u > 2.0 && v > 2.0 && u < limit && v < limit) {
             return 1.0;
         }
-        // A box three texels wide that slides smoothly: four taps a side, the outer two in part.
+        // A box filter three texels wide that moves smoothly: four taps a side, the outer two weighted by their part.
         let (x, y) = ((u - 0.5).floor(), (v - 0.5).floor());
         let (fx, fy) = (u - 0.5 - x, v - 0.5 - y);
         let depth = self.depth.as_ref();

@@ -1,4 +1,4 @@
-//! Several pictures on one page, to see a motion at a glance.
+//! Contact sheets: several images on one page, to show a motion at a glance.
 
 use super::image::Image;
 use super::text::{self, Style};
@@ -6,11 +6,10 @@ use super::text::{self, Style};
 const PAPER: [u8; 4] = [250, 250, 251, 255];
 const INK: [u8; 3] = [28, 33, 43];
 const GREY: [u8; 3] = [104, 112, 126];
-/// Radius of the pictures' corners, in pixels.
+/// Corner radius of the images, pixels.
 const CORNER: f32 = 8.0;
 
-/// A page with a title, a subtitle, and captioned pictures in rows of `columns`. Pictures of different sizes share the
-/// cells of the largest.
+/// A page with a title, a subtitle, and captioned images in rows of `columns`. All cells have the size of the largest image.
 pub fn contact_sheet(
     title: &str,
     subtitle: &str,
@@ -21,7 +20,7 @@ pub fn contact_sheet(
     let rows = frames.len().div_ceil(columns);
     let cell_width = frames.iter().map(|(_, image)| image.width).max().unwrap_or(320);
     let cell_height = frames.iter().map(|(_, image)| image.height).max().unwrap_or(0);
-    // Everything grows with the pictures, so that a page that is scaled down for a README stays readable.
+    // All sizes scale with the images, so that a page that is scaled down for a README stays legible.
     let unit = (cell_width as f32 / 320.0).clamp(0.75, 2.5);
     let px = |n: f32| (n * unit).round() as usize;
     let (margin, gap, caption_room) = (px(28.0), px(16.0), px(26.0));
@@ -53,12 +52,12 @@ pub fn contact_sheet(
     page
 }
 
-/// Copies a picture with its corners rounded.
+/// Copies an image with rounded corners.
 fn paste(page: &mut Image, image: &Image, [left, top]: [usize; 2], radius: f32) {
     let half = [image.width as f32 * 0.5, image.height as f32 * 0.5];
     for y in 0..image.height {
         for x in 0..image.width {
-            // Distance outside of the rounded frame.
+            // Distance outside of the rounded rectangle.
             let dx = ((x as f32 + 0.5 - half[0]).abs() - half[0] + radius).max(0.0);
             let dy = ((y as f32 + 0.5 - half[1]).abs() - half[1] + radius).max(0.0);
             let coverage = (radius - dx.hypot(dy) + 0.5).clamp(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! Still pictures for a repository: PNG with a palette.
+//! Still images for a repository: PNG with a palette.
 
 use std::fs::File;
 use std::io::{self, BufWriter};
@@ -7,7 +7,8 @@ use std::path::Path;
 use super::animation::indexed;
 use super::image::Image;
 
-/// Writes a picture as PNG of at most 255 colours, without transparency: a third of the bytes of [`write_png`](crate::write_png), for what is kept in a repository.
+/// Writes an image as PNG with at most 255 colours, without transparency: a third of the bytes of [`write_png`](crate::write_png), for files that are kept in a
+/// repository.
 pub fn write_small_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> {
     let (palette, indices) = indexed(image);
     let file = BufWriter::new(File::create(path)?);
@@ -16,7 +17,7 @@ pub fn write_small_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> 
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_palette(palette);
     encoder.set_compression(png::Compression::High);
-    // Neighbouring numbers of a palette are not neighbouring colours.
+    // Filters predict from neighbouring values, but neighbouring palette indices are not similar colours.
     encoder.set_filter(png::Filter::NoFilter);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&indices)?;

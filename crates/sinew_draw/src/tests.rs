@@ -1,4 +1,4 @@
-//! Whether pictures show what is there.
+//! Tests of rendered images.
 
 use std::f32::consts::FRAC_PI_4;
 
@@ -10,7 +10,7 @@ use super::*;
 const RED: [f32; 3] = [0.9, 0.1, 0.1];
 const BLUE: [f32; 3] = [0.1, 0.1, 0.9];
 
-/// A camera on +Z that looks at the point (0, 1, 0).
+/// A scene with a camera on +Z, directed at the point (0, 1, 0).
 fn scene<'a>() -> Scene<'a> {
     Scene::new(Camera { eye: vec3(0.0, 1.0, 4.0), target: vec3(0.0, 1.0, 0.0), fov: FRAC_PI_4 })
 }
@@ -59,7 +59,7 @@ fn a_shadow_darkens_the_ground() {
     scene.camera.target = Vec3::ZERO;
     scene.sun = Vec3::Y;
     let lit = render(&scene, 64, 64);
-    // Out of the camera's sight, between the ground and the sun.
+    // Outside of the camera's view, between the ground and the sun.
     let roof = [vec3(-0.5, 20.0, -0.5), vec3(0.5, 20.0, -0.5), vec3(0.0, 20.0, 0.5)];
     scene.items = vec![triangle(roof, RED)];
     let dark = render(&scene, 64, 64);
@@ -90,7 +90,7 @@ fn what_reaches_behind_the_eye_is_cut_off_cleanly() {
     let mut scene = scene();
     scene.ground = None;
     let sky = render(&scene, 64, 64);
-    // A long strip under the eye, from far in front to far behind.
+    // A long strip below the eye, from far in front to far behind.
     let strip = [vec3(-1.0, 0.0, -50.0), vec3(-1.0, 0.0, 50.0), vec3(1.0, 0.0, 50.0)];
     scene.items = vec![triangle(strip, RED)];
     let image = render(&scene, 64, 64);
@@ -101,7 +101,7 @@ fn what_reaches_behind_the_eye_is_cut_off_cleanly() {
     }
     assert_ne!(image.at(24, 60), sky.at(24, 60), "the strip is there");
 
-    // Wholly behind: nothing.
+    // Wholly behind the eye: nothing is drawn.
     scene.items =
         vec![triangle([vec3(-1.0, 0.0, 9.0), vec3(1.0, 0.0, 9.0), vec3(0.0, 2.0, 9.0)], RED)];
     scene.items[0].double_sided = true;

@@ -1,4 +1,4 @@
-//! Words on pictures, with the fonts that the panel (egui) brings along anyway.
+//! Text on images, in a font that the panel (egui) depends on anyway.
 
 use std::sync::OnceLock;
 
@@ -6,7 +6,7 @@ use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 
 use super::image::Image;
 
-/// How a piece of text looks.
+/// Size and colour of a text.
 #[derive(Clone, Copy)]
 pub(crate) struct Style {
     /// Height of a line, in pixels.
@@ -14,7 +14,7 @@ pub(crate) struct Style {
     pub(crate) color: [u8; 3],
 }
 
-/// Writes one line, its top left corner at (`x`, `y`); characters that the font lacks are boxes.
+/// Writes one line with its top left corner at (`x`, `y`); characters that the font lacks are boxes.
 pub(crate) fn write(image: &mut Image, [x, y]: [f32; 2], style: Style, text: &str) {
     let font = font().as_scaled(PxScale::from(style.size));
     let mut pen = x;
@@ -29,14 +29,14 @@ pub(crate) fn write(image: &mut Image, [x, y]: [f32; 2], style: Style, text: &st
             let corner = outline.px_bounds().min;
             outline.draw(|dx, dy, coverage| {
                 let at = [corner.x as i64 + i64::from(dx), corner.y as i64 + i64::from(dy)];
-                // A light typeface: thin strokes would fade into the paper without a little help.
+                // The typeface is light: its thin strokes would be too faint without raising the coverage.
                 image.blend(at[0], at[1], style.color, coverage.powf(0.75));
             });
         }
     }
 }
 
-/// How wide a line of text gets, in pixels.
+/// Width of a line of text, pixels.
 pub(crate) fn width(style: Style, text: &str) -> f32 {
     let font = font().as_scaled(PxScale::from(style.size));
     let mut last = None;
@@ -48,7 +48,7 @@ pub(crate) fn width(style: Style, text: &str) -> f32 {
     text.chars().map(advance).sum()
 }
 
-/// As much of a text as fits, with an ellipsis if that is not all of it.
+/// As much of a text as fits into `room` pixels, with an ellipsis if it is shortened.
 pub(crate) fn shortened(style: Style, text: &str, room: f32) -> String {
     if width(style, text) <= room {
         return text.to_owned();

@@ -1,10 +1,10 @@
-//! Pictures on surfaces, filtered smoothly near and far.
+//! Textures with mipmaps and trilinear filtering.
 
 use glam::{Vec2, Vec3};
 
 use super::image::linear_of;
 
-/// A repeating picture to lay on an item, with smaller copies of itself for when it is far away.
+/// A repeating texture, with mipmaps.
 #[derive(Clone, Debug)]
 pub struct Texture {
     levels: Vec<Level>,
@@ -19,8 +19,7 @@ struct Level {
 }
 
 impl Texture {
-    /// From sRGB bytes, four a pixel, rows from the top; alpha is not looked at. Panics when `rgba` is too short or the
-    /// picture is empty.
+    /// Creates a texture from sRGB bytes, four a pixel, rows from the top; alpha is ignored. Panics if `rgba` is too short or the texture is empty.
     pub fn from_rgba8(width: usize, height: usize, rgba: &[u8]) -> Self {
         assert!(
             width > 0 && height > 0 && rgba.len() >= width * height * 4,
@@ -41,12 +40,12 @@ impl Texture {
         Self { levels }
     }
 
-    /// Texels in the full picture.
+    /// Number of texels in the finest level.
     pub(crate) fn area(&self) -> f32 {
         (self.levels[0].width * self.levels[0].height) as f32
     }
 
-    /// Linear light at `uv`; `lod` is how many times the picture is halved, so that a texel is about a sample wide.
+    /// Linear light at `uv`; `lod` is the mip level, the number of times the texture is halved so that a texel is about a sample wide.
     #[inline]
     pub(crate) fn sample(&self, uv: Vec2, lod: f32) -> Vec3 {
         let lod = lod.clamp(0.0, (self.levels.len() - 1) as f32);

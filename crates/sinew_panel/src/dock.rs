@@ -1,4 +1,4 @@
-//! A place for panels at the edge of the screen.
+//! A container for panels, docked to an edge of the screen.
 
 use std::sync::Arc;
 
@@ -6,28 +6,28 @@ use bevy_egui::egui::{
     self, Area, Frame, Id, Margin, Order, Pos2, Rect, ScrollArea, Style, Ui, vec2,
 };
 
-/// The edge of the screen that a panel stands at.
+/// The edge of the screen that a panel is docked to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PanelSide {
-    /// The left one.
+    /// The left edge.
     Left,
-    /// The right one.
+    /// The right edge.
     #[default]
     Right,
 }
 
-/// Width of a docked panel, points.
+/// Width of a docked panel, points. A narrower screen is filled whole.
 pub const DOCK_WIDTH: f32 = 300.0;
 
-/// Draws into a panel of [`DOCK_WIDTH`] that fills one edge of the screen and scrolls if it must.
+/// Draws into a panel of [`DOCK_WIDTH`] that fills one edge of the screen and scrolls if its content is taller.
 ///
-/// It is an area of its own and no `egui::Panel`: `bevy_egui` does not hand out the root `Ui`, and egui takes a pointer over a panel that stands
-/// in any other for one over the game, so that a drag on the panel would also turn the camera.
+/// It is an egui `Area`, not an `egui::Panel`: `bevy_egui` does not expose the root `Ui`, and egui does not count the pointer over a panel inside any other
+/// `Ui` as its own, so a drag on the panel would also turn the game's camera.
 pub fn dock<R>(ctx: &egui::Context, side: PanelSide, add: impl FnOnce(&mut Ui) -> R) -> R {
     dock_styled(ctx, side, None, add)
 }
 
-/// The same in a style of its own.
+/// Like [`dock`], with a style that applies to this panel only.
 pub(crate) fn dock_styled<R>(
     ctx: &egui::Context,
     side: PanelSide,

@@ -1,4 +1,4 @@
-//! The last seconds in numbers: a ring buffer, filled once a tick while somebody looks at the plots.
+//! Ring buffer of what is plotted: one sample a tick, taken only while the plots are shown.
 
 use std::collections::VecDeque;
 
@@ -7,35 +7,35 @@ use bevy::prelude::*;
 use bevy_sinew::TickTime;
 use bevy_sinew::sinew::{Ledger, SolverReport};
 
-/// The numbers of one tick, as of its end.
+/// The plotted values of one tick, as of its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlotSample {
-    /// When, in seconds of simulated time.
+    /// End of the tick, seconds of simulated time.
     pub seconds: f64,
-    /// Energy of motion, J.
+    /// Kinetic energy, J.
     pub kinetic: f64,
-    /// Energy of height, J, zero at the world's origin.
+    /// Gravitational potential energy, J, zero at the world's origin.
     pub gravitational: f64,
-    /// Energy in springs and between charges, J.
+    /// Potential energy of springs and between charges, J.
     pub stored: f64,
-    /// Momentum of all that is free, kg·m/s.
+    /// Momentum of all free particles, kg·m/s.
     pub momentum: DVec3,
-    /// Angular momentum about the world's origin, kg·m²/s.
+    /// Angular momentum of all free particles about the world's origin, kg·m²/s.
     pub angular_momentum: DVec3,
-    /// Largest error left in a hard constraint, metres.
+    /// Largest residual of a hard constraint, metres.
     pub error: f32,
-    /// Largest error left in a hard distance, as a share of its length.
+    /// Largest residual of a hard distance constraint, relative to its length.
     pub strain: f32,
-    /// Rounds over all constraints, summed over the substeps.
+    /// Sweeps over all constraints, summed over the substeps.
     pub sweeps: u32,
-    /// How long gathering, the substeps and scattering took, seconds of the wall's clock.
+    /// Duration of the gather, of the substeps and of the scatter, seconds of wall-clock time.
     pub parts: [f32; 3],
-    /// How long each phase took, seconds of the wall's clock; zero where phases were not measured.
+    /// Duration of each phase, seconds of wall-clock time; zero where phases are not measured.
     pub phases: [f32; 6],
 }
 
 impl PlotSample {
-    /// Reads what there is to be known of the last tick.
+    /// Collects the values of the last tick. `seconds` is the clock at its end.
     pub fn new(seconds: f64, ledger: &Ledger, report: &SolverReport, took: &TickTime) -> Self {
         Self {
             seconds,
@@ -66,21 +66,21 @@ impl PlotSample {
 
 /// The samples of the last [`SPAN`](Self::SPAN) seconds, oldest first.
 ///
-/// It forgets everything when the clock goes back, as after a reset or a rollback: what it holds then never happened.
+/// It is cleared when the clock goes back, as after a reset or a rollback, because the samples then belong to ticks that never happened.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct PlotHistory {
     samples: VecDeque<(u64, PlotSample)>,
 }
 
 impl PlotHistory {
-    /// Simulated seconds that it looks back.
+    /// How far back the samples reach, seconds of simulated time.
     pub const SPAN: f64 = 10.0;
-    /// The most samples that it holds, however fast the ticks are.
+    /// The most samples that are kept, whatever the tick rate.
     pub const CAPACITY: usize = 4096;
-    /// A longer gap, in seconds, is no curve: after it the history starts afresh.
+    /// A gap longer than this, in seconds, is not drawn as a curve: the history is cleared after it.
     const GAP: f64 = 1.0;
 
-    /// Appends the sample of a tick. One for a tick that it knows, or one that is not finite, is left out.
+    /// Appends the sample of a tick. A second sample of the latest tick, or one that is not finite, is left out.
     pub fn push(&mut self, tick: u64, sample: PlotSample) {
         self.rewind(tick);
         if !sample.is_finite() {
@@ -103,14 +103,14 @@ impl PlotHistory {
         self.samples.push_back((tick, sample));
     }
 
-    /// Forgets everything if the clock stands before the last sample.
+    /// Clears the history if the clock is before the last sample.
     pub fn rewind(&mut self, tick: u64) {
         if self.samples.back().is_some_and(|&(last, _)| tick < last) {
             self.samples.clear();
         }
     }
 
-    /// Forgets what came after a tick.
+    /// Drops the samples after a tick.
     pub fn truncate(&mut self, tick: u64) {
         self.samples.truncate(self.samples.partition_point(|&(known, _)| known <= tick));
     }
@@ -135,9 +135,9 @@ impl PlotHistory {
         self.samples.is_empty()
     }
 
-    /// About `most` samples, or twice as many at worst, and always the last one.
+    /// A subset of about `most` samples, at worst twice as many, that always includes the last one.
     ///
-    /// Which ticks are kept depends on their number alone, so that a curve that moves to the left keeps its shape.
+    /// Which ticks are kept depends on their numbers alone, so a curve keeps its shape while it moves to the left.
     pub fn thinned(&self, most: usize) -> impl Iterator<Item = &PlotSample> {
         let stride = (self.samples.len() / most.max(1)).max(1).next_power_of_two() as u64;
         let last = self.samples.len().saturating_sub(1);
@@ -240,7 +240,7 @@ mod tests {
         let (a, b) = (kept(&earlier), kept(&later));
         assert!(a.len() <= 201);
         assert_eq!(a.last().copied(), earlier.last().map(|s| s.seconds));
-        // All but the moving end of the one is in the other.
+        // Each sample of the first set is in the second as well, apart from its first and last.
         let inner = a[1..a.len() - 1].iter();
         assert_eq!(inner.filter(|s| !b.contains(s)).count(), 0);
         assert_eq!(PlotHistory::default().thinned(0).count(), 0);

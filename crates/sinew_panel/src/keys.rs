@@ -1,4 +1,4 @@
-//! The keys of the panel.
+//! Key bindings of the panel.
 
 use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
@@ -7,20 +7,20 @@ use bevy_sinew::{PhaseSteps, SinewControl};
 use crate::recording::Recording;
 use crate::state::PanelState;
 
-/// The keys that work while the panel is shown and egui does not want the keyboard, as where somebody types a number; `None` switches one off. The panel
-/// names them. A resource that may be changed at any time.
+/// Key bindings that are active while the panel is shown and egui does not use the keyboard, as it does for a text field; `None` disables one. The panel lists
+/// them. A resource that may be changed at any time.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct PanelKeys {
-    /// Stops and starts simulated time. Default F2.
+    /// Pauses and resumes simulated time. Default F2.
     pub pause: Option<KeyCode>,
     /// Goes back by one recorded tick, and pauses. Default F3.
     pub back: Option<KeyCode>,
     /// Simulates one tick while paused. Default F4.
     pub step: Option<KeyCode>,
-    /// Shows the next phase of a tick while paused. Default F6.
+    /// Shows the state after the next phase of a tick while paused. Default F6.
     pub half_step: Option<KeyCode>,
-    /// Selects nothing. Default Escape.
+    /// Clears the selection. Default Escape.
     pub deselect: Option<KeyCode>,
 }
 
@@ -37,7 +37,7 @@ impl Default for PanelKeys {
 }
 
 impl PanelKeys {
-    /// What the keys of time do, as a line for a screen; empty where there is none.
+    /// One line for the screen that lists the keys of the Time section; empty if all are disabled.
     pub(crate) fn line(&self) -> String {
         let keys = [
             (self.pause, "pauses"),
@@ -51,14 +51,14 @@ impl PanelKeys {
     }
 }
 
-/// What a key is called on a screen: `N`, `Space`, `F3`.
+/// Name of a key for the screen: `N`, `Space`, `F3`.
 pub(crate) fn name(key: KeyCode) -> String {
     let name = format!("{key:?}");
     let short = name.strip_prefix("Key").or_else(|| name.strip_prefix("Digit"));
     short.map_or(name.clone(), Into::into)
 }
 
-/// Does what the keys say.
+/// Applies the key bindings.
 pub(crate) fn press(
     keys: Option<Res<ButtonInput<KeyCode>>>,
     egui: Option<Res<EguiWantsInput>>,

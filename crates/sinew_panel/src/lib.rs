@@ -1,6 +1,6 @@
 //! An egui panel that tunes, inspects and steps a Sinew world.
 //!
-//! Add it after the plugins that make the window, and it stands at the right edge of the screen; F1 hides and shows it:
+//! Add it after the plugins that create the window. It is docked to the right edge of the screen; F1 hides and shows it:
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -10,7 +10,7 @@
 //! App::new().add_plugins((DefaultPlugins, SinewPlugins, SinewPanelPlugin::default())).run();
 //! ```
 //!
-//! Or draw it into a panel of one's own, below or above whatever else is there:
+//! Or draw it into a panel of your own, above or below other widgets:
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -38,71 +38,71 @@
 //!
 //! | section | reads | writes |
 //! |---|---|---|
-//! | Time | `SinewClock`, [`Recording`] | `SinewControl`, `PhaseSteps`, and everything where you go back |
+//! | Time | `SinewClock`, [`Recording`] | `SinewControl`, `PhaseSteps`, and the whole state when you go back |
 //! | Selected body | the components of the [`Selection`], contacts in `SinewWorld::report` | `Representation`, `Sleep`; despawns a constraint |
 //! | Solver | | `SolverConfig` |
 //! | World | | `Gravity`, `AirDrag`, every `Wind`, `Electric` if there are charges |
 //! | Report | `SinewWorld::report`, `TickTime` | |
-//! | Plots | [`PlotHistory`], sampled from `SinewWorld::ledger`, its report and `TickTime` | `TickTime::by_phase`, while that is plotted |
+//! | Plots | [`PlotHistory`], sampled from `SinewWorld::ledger`, its report and `TickTime` | `TickTime::by_phase`, while the phases are plotted |
 //! | View | | `enabled` and the layers of `SinewGizmoConfigGroup`, if there are gizmos |
-//! | Settings | a file | that file, or all that is in [`PanelSettings`] |
+//! | Settings | a file | that file, or everything in [`PanelSettings`] |
 //!
-//! It writes where the user's hand is and nowhere else: opening it changes nothing. The plots (energies by kind, momentum, angular
-//! momentum, error, strain, how long a tick takes by parts or by phases) cost one more summation of the forces in a tick, and only while their section is open; to
-//! measure the phases costs more, and is done only while that is plotted. Recording costs a copy of the state, 1 ms a tick at the most in the long run
-//! ([`RecordingConfig::max_microseconds`]), and only while the panel is shown and Record is ticked.
+//! The panel writes only what the user edits: opening it changes nothing. The plots (energies by kind, momentum, angular momentum, error, strain, duration of a
+//! tick by parts or by phases) cost one more summation of the forces in a tick, and only while their section is open. Measuring the phases costs more, and
+//! happens only while they are plotted. Recording costs a copy of the state, on average at most 1 ms a tick ([`RecordingConfig::max_microseconds`]), and only
+//! while the panel is shown and Record is ticked.
 //!
 //! # Time backwards
 //!
-//! While the panel is shown, it records the state of the last ticks: 600 of them and 512 MiB at the most, and of a large scene every few ticks ([`RecordingConfig`]). The button Back, its key or
-//! the slider below puts the world back to one of them and pauses. Run or Step goes on from there, bit for bit as before: the panel compares what is simulated
-//! again with what it recorded, and says whether it is the same. With the first tick that differs, because you changed a setting, dragged a body, or the game
-//! acted, the recorded ticks from there on are dropped.
+//! While the panel is shown, it records the state of the last ticks: at most 600 of them and 512 MiB, and of a large scene only every few ticks
+//! ([`RecordingConfig`]). The button Back, its key or the slider below restores one of them and pauses. Run or Step goes on from there, bit for bit as before:
+//! the panel compares each tick that is simulated again with the recorded one and shows whether they are the same. At the first tick that differs, because you
+//! changed a setting, dragged a body, or the game acted, the recorded ticks from there on are dropped.
 //!
-//! - What goes back is the state of the simulation ([`StateTypes`](bevy_sinew::StateTypes)), settings and gravity included. Pause and speed are yours.
-//! - **A game's own state does not go back**: scores, timers, cameras, what it spawned without particles. [`RegisterState`](bevy_sinew::RegisterState) adds
-//!   components and resources to the state, and the event [`WentBack`] says when to do the rest.
+//! - The state of the simulation goes back ([`StateTypes`](bevy_sinew::StateTypes)), settings and gravity included. Pause and speed are left alone.
+//! - **A game's own state does not go back**: scores, timers, cameras, entities without particles. [`RegisterState`](bevy_sinew::RegisterState) adds components
+//!   and resources to the state, and the event [`WentBack`] is the place to restore the rest.
 //! - Input is not recorded. Bodies that were despawned come back under new ids, with their meshes; a material comes back with them if it is registered
 //!   (`app.register_unsaved_state::<MeshMaterial3d<StandardMaterial>>()`).
-//! - [`Recording`] does the same from code, without a panel: [`RecordWhen::Always`], [`Recording::go_to`].
+//! - [`Recording`] offers the same from code, without a panel: [`RecordWhen::Always`], [`Recording::go_to`].
 //!
 //! # The selected body
 //!
-//! A press on a body in the game's view selects it: the panel reads what [`MouseDragPlugin`](bevy_sinew::MouseDragPlugin) catches, so add that plugin; or set
-//! [`Selection`]. The panel shows its mass, its motion, its energies, how well its constraints hold, and what it touches, and cuts the rod or spring that is
-//! nearest to where it was clicked. What is selected is marked by lines in an app that has gizmos: a cross at its centre, and what would be cut in red. Escape or
-//! a click into the void selects nothing. Selecting changes nothing of the motion; only a drag does.
+//! A press on a body in the game's view selects it. The panel takes the body that [`MouseDragPlugin`](bevy_sinew::MouseDragPlugin) grabs, so add that plugin;
+//! or set [`Selection`]. The panel shows the body's mass, motion and energies, the residuals of its constraints and its contacts, and can cut the rod or spring
+//! that is nearest to the clicked point. In an app with gizmos, lines mark the selected body: a cross at its centre of mass, and in red what would be cut.
+//! Escape or a click on empty space clears the selection. Selecting does not affect the motion; only a drag does.
 //!
 //! # Keys
 //!
-//! | key | what it does | where it is set |
+//! | key | effect | where it is set |
 //! |---|---|---|
 //! | F1 | hides and shows the docked panel | [`SinewPanel::key`] |
-//! | F2 | stops and starts simulated time | [`PanelKeys::pause`] |
+//! | F2 | pauses and resumes simulated time | [`PanelKeys::pause`] |
 //! | F3 | goes back by one recorded tick | [`PanelKeys::back`] |
 //! | F4 | simulates one tick while paused | [`PanelKeys::step`] |
-//! | F6 | shows the next phase of a tick while paused | [`PanelKeys::half_step`] |
-//! | Escape | selects nothing | [`PanelKeys::deselect`] |
+//! | F6 | shows the state after the next phase of a tick while paused | [`PanelKeys::half_step`] |
+//! | Escape | clears the selection | [`PanelKeys::deselect`] |
 //!
-//! # Where there is no screen
+//! # Without a screen
 //!
-//! Without a window, its input or a renderer the plugin adds no egui, which would not start there, and draws nothing; the game runs as without it.
-//! Without a camera there is no egui context, and the panel waits for one.
+//! Without a window, its input or a renderer the plugin does not add egui, which would panic there, and draws nothing; the game runs as it would without the
+//! panel. Without a camera there is no egui context; the panel appears once a camera is spawned.
 //!
-//! # The map
+//! # Modules
 //!
-//! | file | what it holds |
+//! | module | content |
 //! |---|---|
 //! | `panel` | what the panel reads and writes, the order of its sections, the sampling |
 //! | `sections` | one file a section |
-//! | `settings` | what the panel sets, as a file |
+//! | `settings` | what the panel can set, as a file |
 //! | `widgets` | rows, sliders, numbers, headers |
 //! | `history` | the ring buffer of what is plotted |
-//! | `recording` | the snapshots of the last ticks, and the way back to them |
-//! | `keys` | the keys |
-//! | `selection` | the body that was clicked, and what is known of it |
+//! | `recording` | the snapshots of the last ticks, and restoring one |
+//! | `keys` | key bindings |
+//! | `selection` | the selected body, and the values shown of it |
 //! | `mark` | lines at the selected body |
-//! | `dock` | the place at the edge of the screen |
+//! | `dock` | the container at the edge of the screen |
 //! | `style` | colours, fonts, spacing |
 
 mod dock;
@@ -146,19 +146,19 @@ pub use style::style;
 
 use state::PanelState;
 
-/// Adds the panel, and `EguiPlugin` if the app has none yet. Must come after the plugins that make the window, such as `DefaultPlugins`.
+/// Adds the panel, and `EguiPlugin` if the app does not have it yet. Must be added after the plugins that create the window, such as `DefaultPlugins`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SinewPanelPlugin {
-    /// Who draws it. Default [`PanelMode::Docked`], at the right, shown, with F1 as its key.
+    /// What draws the panel. Default [`PanelMode::Docked`], at the right, shown, with F1 as its key.
     pub mode: PanelMode,
 }
 
-/// Who draws the panel, and where.
+/// What draws the panel, and where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PanelMode {
-    /// The plugin does, at an edge of the screen, and wears the looks of [`style()`] there.
+    /// The plugin draws it at an edge of the screen, in the style of [`style()`].
     Docked(SinewPanel),
-    /// A system of the game does, by calling [`show`].
+    /// A system of the game draws it, by calling [`show`].
     Embedded,
 }
 
@@ -173,9 +173,9 @@ impl Default for PanelMode {
 pub struct SinewPanel {
     /// Whether it is shown. Default true.
     pub shown: bool,
-    /// The edge it stands at. Default the right one.
+    /// The edge that it is docked to. Default right.
     pub side: PanelSide,
-    /// The key that hides and shows it. Default F1.
+    /// The key that hides and shows it; `None` disables it. Default F1.
     pub key: Option<KeyCode>,
 }
 
@@ -186,12 +186,12 @@ impl Default for SinewPanel {
 }
 
 impl SinewPanelPlugin {
-    /// A panel at an edge of the screen.
+    /// The plugin with a panel docked to an edge of the screen.
     pub fn docked(panel: SinewPanel) -> Self {
         Self { mode: PanelMode::Docked(panel) }
     }
 
-    /// No panel of its own: a system of the game draws it with [`show`].
+    /// The plugin without a panel of its own: a system of the game draws it with [`show`].
     pub fn embedded() -> Self {
         Self { mode: PanelMode::Embedded }
     }
@@ -211,7 +211,8 @@ impl Plugin for SinewPanelPlugin {
         let follow = || {
             (panel::sample, recording::record.run_if(recording::is_on)).chain().run_if(simulated)
         };
-        // Once a tick where ticks are fixed; the second time serves worlds that tick in a schedule of their own, and finds nothing to do elsewhere.
+        // Once a tick in apps that tick in the fixed schedules. The second time, in `Last`, is for worlds that tick in a schedule of their own; elsewhere the
+        // tick is already sampled and it does nothing.
         app.add_systems(FixedLast, follow())
             .add_systems(
                 Last,
@@ -238,13 +239,13 @@ impl Plugin for SinewPanelPlugin {
         }
     }
 
-    /// Not while building: the gizmos of a plugin that comes later are there by now.
+    /// Runs after all plugins are built, so that the gizmos of a plugin that is added later exist.
     fn finish(&self, app: &mut App) {
         mark::add(app);
     }
 }
 
-/// Adds egui unless it is there. Returns false, and adds nothing, where it would panic.
+/// Adds egui unless the app has it. Returns false, and adds nothing, if egui would panic.
 fn add_egui(app: &mut App) -> bool {
     if app.is_plugin_added::<EguiPlugin>() {
         return true;
@@ -259,7 +260,7 @@ fn add_egui(app: &mut App) -> bool {
     ready
 }
 
-/// Whether the app stores assets of the handle's type: the way to ask for shaders without naming a renderer.
+/// Whether the app stores assets of the handle's type. This detects shaders without naming a renderer.
 fn has_assets_of<A: Asset>(app: &App, _: &Handle<A>) -> bool {
     app.world().contains_resource::<Assets<A>>()
 }
@@ -281,7 +282,7 @@ fn draw(
     mut params: PanelParams,
     mut looks: Local<Option<Arc<egui::Style>>>,
 ) {
-    // A game without a camera has no context yet.
+    // Without a camera there is no context yet.
     let Ok(ctx) = contexts.ctx_mut() else { return };
     let looks = looks.get_or_insert_with(|| {
         let mut looks = egui::Style::clone(&ctx.global_style());

@@ -1,4 +1,4 @@
-//! Lines that mark the selected body in the game's view: nothing of it is read back.
+//! Lines that mark the selected body in the game's view. They only read the simulation.
 
 use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::prelude::*;
@@ -11,7 +11,7 @@ use crate::state::PanelState;
 #[derive(Default, Reflect, GizmoConfigGroup)]
 pub struct SinewPanelGizmos;
 
-/// Adds the lines where there are gizmos.
+/// Adds the lines if the app has gizmos.
 pub(crate) fn add(app: &mut App) {
     if !app.world().contains_resource::<GizmoConfigStore>() {
         return;
@@ -19,7 +19,7 @@ pub(crate) fn add(app: &mut App) {
     app.init_gizmo_group::<SinewPanelGizmos>();
     let store = app.world_mut().resource_mut::<GizmoConfigStore>().into_inner();
     let (config, _) = store.config_mut::<SinewPanelGizmos>();
-    // In front of whatever it is in.
+    // Drawn in front of the body and of what hides it.
     config.depth_bias = -1.0;
     config.line.width = 3.0;
     app.add_systems(PostUpdate, draw.run_if(resource_exists::<SinewWorld>));
@@ -32,7 +32,7 @@ const VELOCITY: Color = Color::srgb(0.3, 0.9, 0.95);
 const CONTACT: Color = Color::srgb(1.0, 0.85, 0.2);
 const CUT: Color = Color::srgb(1.0, 0.15, 0.1);
 
-/// A cross at the centre of mass, the velocity, the contacts with their normals, and what would be cut.
+/// Draws a cross at the centre of mass, the velocity, the contacts with their normals, and the constraint that would be cut.
 fn draw(
     mut gizmos: Gizmos<SinewPanelGizmos>,
     selection: Res<Selection>,

@@ -1,4 +1,4 @@
-//! The panel itself: the order of its sections.
+//! The order of the panel's sections, and the sampling of its plots.
 
 use bevy::prelude::*;
 use bevy_egui::egui::Ui;
@@ -10,9 +10,9 @@ use crate::sections;
 use crate::state::{PanelState, Plotted};
 use crate::widgets::section;
 
-/// Draws the sections into any `Ui`, such as a side panel of a game's own. See the [crate docs](crate) for an example.
+/// Draws the sections into a `Ui`, such as a side panel of a game. See the [crate docs](crate) for an example.
 ///
-/// It takes the width that is there; 260 points and more look well.
+/// It fills the available width, which should be at least 260 points.
 pub fn show(ui: &mut Ui, panel: &mut PanelParams) {
     panel.state.shown = true;
     section(ui, "Time", |ui| sections::time(ui, panel));
@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, panel: &mut PanelParams) {
     section(ui, "Settings", |ui| sections::files(ui, panel));
 }
 
-/// Follows the ticks: the time they took, and their numbers while somebody looks.
+/// Samples the last tick: its duration always, the plotted values while the plots are shown.
 pub(crate) fn sample(
     clock: Res<SinewClock>,
     took: Res<TickTime>,
@@ -41,19 +41,19 @@ pub(crate) fn sample(
         return;
     }
     let milliseconds = took.substeps.as_secs_f32() * 1e3;
-    // A clock that went back is another world.
+    // After a clock that went back the average starts afresh.
     let share = if clock.tick < state.tick || state.milliseconds == 0.0 { 1.0 } else { 0.05 };
     state.milliseconds += (milliseconds - state.milliseconds) * share;
     state.tick = clock.tick;
     if state.plots {
-        // Reading the ledger sums up forces in the solver's scratch: no change that anybody should hear of.
+        // Computing the ledger sums up forces in the solver's scratch memory; that is not a change of the world.
         let world = world.bypass_change_detection();
         let ledger = world.ledger();
         history.push(clock.tick, PlotSample::new(clock.seconds, &ledger, world.report(), &took));
     }
 }
 
-/// Asks anew each frame whether somebody looks, and has phases measured while somebody looks at those.
+/// Resets the flags of what is shown, which [`show`] sets in each frame, and switches the measuring of phases on while they are plotted.
 pub(crate) fn forget_who_looked(mut state: ResMut<PanelState>, took: Option<ResMut<TickTime>>) {
     let by_phase = state.plots && state.by_phase && state.plot == Plotted::Time;
     if by_phase != state.measured

@@ -14,9 +14,9 @@ use crate::recording::{Recording, RecordingConfig};
 use crate::selection::{Selected, Selection};
 use crate::state::PanelState;
 
-/// Everything that [`show`](crate::show) reads and writes, for a system of a game to ask for.
+/// System parameter with everything that [`show`](crate::show) reads and writes.
 ///
-/// A system that has it cannot ask for the same resources a second time: it finds them in the public fields.
+/// A system with this parameter must not request the same resources a second time; they are available as public fields.
 #[derive(SystemParam)]
 pub struct PanelParams<'w, 's> {
     /// Pause, single steps and speed.
@@ -29,9 +29,9 @@ pub struct PanelParams<'w, 's> {
     pub config: ResMut<'w, SolverConfig>,
     /// Gravity.
     pub gravity: ResMut<'w, Gravity>,
-    /// The air's drag.
+    /// Drag of the air.
     pub air: ResMut<'w, AirDrag>,
-    /// The law of charges.
+    /// Coulomb's constant and its softening.
     pub electric: ResMut<'w, Electric>,
     /// Every wind.
     pub winds:
@@ -47,19 +47,19 @@ pub struct PanelParams<'w, 's> {
         Query<'w, 's, (Entity, &'static CreationOrder, &'static mut Fluid, Option<&'static Name>)>,
     /// Every charge.
     pub charges: Query<'w, 's, (), With<Charge>>,
-    /// The solver's columns and its report.
+    /// The solver's particles and its report.
     pub world: Res<'w, SinewWorld>,
-    /// The switch of the lines.
+    /// Configuration of the lines, if the app has gizmos.
     pub gizmos: Option<ResMut<'w, GizmoConfigStore>>,
-    /// Energies, momenta, errors and times of the last seconds.
+    /// Energies, momenta, errors and durations of the last seconds.
     pub history: Res<'w, PlotHistory>,
-    /// The ticks of the last seconds.
+    /// The recorded ticks.
     pub recording: ResMut<'w, Recording>,
-    /// When and how much is recorded.
+    /// When ticks are recorded, and the limits of that.
     pub recording_config: ResMut<'w, RecordingConfig>,
-    /// The keys, which stand in the panel.
+    /// The key bindings.
     pub keys: Res<'w, PanelKeys>,
-    /// What is selected.
+    /// The selected body.
     pub selection: ResMut<'w, Selection>,
     pub(crate) selected: Selected<'w, 's>,
     pub(crate) commands: Commands<'w, 's>,

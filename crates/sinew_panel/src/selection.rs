@@ -1,4 +1,4 @@
-//! The body that somebody clicked: which it is, and what is to be known of it.
+//! The selected body, and the values that the panel shows of it.
 
 #[cfg(test)]
 mod tests;
@@ -20,16 +20,16 @@ use crate::keys::PanelKeys;
 use crate::recording::WentBack;
 use crate::state::PanelState;
 
-/// What is selected. A resource that a game may set, too.
+/// The selected body. A resource that a game may set as well.
 ///
-/// While the panel is shown, a press on a body or a loose particle selects it, where [`MouseDragPlugin`](bevy_sinew::MouseDragPlugin) is there and
-/// catches it; a click that catches nothing selects nothing, and so does [`PanelKeys::deselect`].
+/// While the panel is shown, a press on a body or a loose particle selects it, if [`MouseDragPlugin`](bevy_sinew::MouseDragPlugin) is added and grabs it. A
+/// click that grabs nothing clears the selection, and so does [`PanelKeys::deselect`].
 #[derive(Resource, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct Selection {
-    /// The body or the loose particle. One that goes stays selected: whoever goes back in time finds it again. Default none.
+    /// The body or the loose particle. It stays selected when it is despawned, because going back in time may spawn it again. Default none.
     pub body: Option<Entity>,
-    /// The point that was clicked: the particles that it is between, and how much each has of it. The shares sum up to 1. Empty: the centre of mass.
+    /// The clicked point: the particles that it lies between and the weight of each; the weights sum to 1. Empty: the centre of mass.
     pub anchor: Vec<(Entity, f32)>,
 }
 
@@ -39,16 +39,16 @@ impl Selection {
         *self = Self { body: Some(body), anchor: Vec::new() };
     }
 
-    /// Selects nothing.
+    /// Clears the selection.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 }
 
-/// How far a pointer may move while it clicks, logical pixels.
+/// How far a pointer may move between press and release of a click, logical pixels.
 const STILL: f32 = 6.0;
 
-/// Selects what a pointer catches, and nothing where it clicks into the void.
+/// Selects the body that the pointer grabs, and clears the selection on a click on empty space.
 pub(crate) fn select(
     state: Res<PanelState>,
     bound: Res<PanelKeys>,
@@ -94,7 +94,7 @@ pub(crate) fn select(
     }
 }
 
-/// Has the contacts of what is selected reported while somebody looks.
+/// Watches the contacts of the selected body while the panel is shown, so that the solver reports them.
 pub(crate) fn watch(
     state: Res<PanelState>,
     selection: Res<Selection>,
@@ -106,7 +106,7 @@ pub(crate) fn watch(
     }
 }
 
-/// What was spawned again by going back in time is the same body under another id.
+/// Keeps the selection on a body that was spawned again under another id by going back.
 pub(crate) fn follow_back(went: On<WentBack>, mut selection: ResMut<Selection>) {
     let now = |entity: Entity| went.entities.get(&entity).copied().unwrap_or(entity);
     if went.entities.is_empty() || selection.body.is_none() {
@@ -116,7 +116,7 @@ pub(crate) fn follow_back(went: On<WentBack>, mut selection: ResMut<Selection>) 
     selection.anchor.iter_mut().for_each(|one| one.0 = now(one.0));
 }
 
-/// What is known of what is selected.
+/// System parameter that reads the values of the selected body.
 #[derive(SystemParam)]
 pub(crate) struct Selected<'w, 's> {
     bodies: Query<
@@ -140,7 +140,7 @@ pub(crate) struct Selected<'w, 's> {
     springs: Query<'w, 's, &'static Spring>,
 }
 
-/// Which recipe a body is from.
+/// Which recipe a body is from; one flag for each.
 type Recipes = (
     Has<RigidBox>,
     Has<RigidMesh>,
@@ -151,43 +151,43 @@ type Recipes = (
     Has<BodyParticles>,
 );
 
-/// One body in numbers, as of the end of the last tick.
+/// The values of one body, as of the end of the last tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Readout {
-    /// Number of its particles and of its constraints.
+    /// Number of its particles, and of its constraints.
     pub(crate) particles: usize,
     pub(crate) constraints: usize,
-    /// Mass, kg, and its centre, m.
+    /// Mass, kg, and centre of mass, m.
     pub(crate) mass: f32,
     pub(crate) centre: Vec3,
     /// Velocity, m/s, and angular velocity, rad/s.
     pub(crate) velocity: Vec3,
     pub(crate) spin: Vec3,
-    /// Inertia about the axes of the world through its centre, kg·m².
+    /// Inertia tensor about its centre of mass in world axes, kg·m².
     pub(crate) inertia: Mat3,
-    /// Angular momentum about its centre, kg·m²/s.
+    /// Angular momentum about its centre of mass, kg·m²/s.
     pub(crate) angular_momentum: Vec3,
-    /// Energy of motion of all its particles, J; of its centre; of its spin.
+    /// Kinetic energy of all its particles, J; that of the centre of mass; that of the spin.
     pub(crate) kinetic: f64,
     pub(crate) of_centre: f64,
     pub(crate) of_spin: f64,
-    /// How it is represented, if it is rigid.
+    /// Its representation, if it is rigid.
     pub(crate) representation: Option<Representation>,
 }
 
-/// What can be cut.
+/// A rod or spring that can be cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cuttable {
     pub(crate) constraint: Entity,
     /// Its ends, m.
     pub(crate) ends: [Vec3; 2],
-    /// By how much it is longer than its rest length, as a share of that.
+    /// Elongation relative to the rest length.
     pub(crate) strain: f32,
     pub(crate) is_spring: bool,
 }
 
 impl Selected<'_, '_> {
-    /// What it is called.
+    /// Name of a body for the panel: its `Name`, its kind and its entity.
     pub(crate) fn title(&self, body: Entity) -> String {
         let Ok((name, recipes)) = self.names.get(body) else { return "gone".into() };
         let (rigid_box, mesh, rope, cloth, soft, ragdoll, is_body) = recipes;
@@ -207,12 +207,12 @@ impl Selected<'_, '_> {
         }
     }
 
-    /// Whether it may sleep, and whether it does; with how long it has been still, seconds.
+    /// Its `Sleep` component: none if it never sleeps.
     pub(crate) fn sleep(&self, body: Entity) -> Option<&Sleep> {
         self.sleep.get(body).ok()
     }
 
-    /// The numbers of a body or a loose particle.
+    /// The values of a body or a loose particle; `None` if it does not exist.
     pub(crate) fn readout(&self, world: &SinewWorld, body: Entity) -> Option<Readout> {
         let Ok((members, centre, velocity, spin, inertia, constraints, representation, rigid)) =
             self.bodies.get(body)
@@ -255,7 +255,7 @@ impl Selected<'_, '_> {
         })
     }
 
-    /// Energy of motion of some particles, J.
+    /// Kinetic energy of some particles, J.
     fn kinetic(&self, world: &SinewWorld, particles: impl Iterator<Item = Entity>) -> f64 {
         let energy = |particle: Entity| {
             let (_, row, mass) = self.particles.get(particle).ok()?;
@@ -266,13 +266,13 @@ impl Selected<'_, '_> {
         particles.filter_map(energy).sum()
     }
 
-    /// The row of a particle of it, by which the solver's report of it is found.
+    /// Row of one of its particles, which identifies its island in the solver's report.
     pub(crate) fn row(&self, body: Entity) -> Option<usize> {
         let members = self.bodies.get(body).ok().and_then(|found| found.0.iter().next());
         self.particles.get(members.unwrap_or(body)).ok()?.1.get()
     }
 
-    /// Where the point that was clicked is now, m.
+    /// Present position of the clicked point, m.
     pub(crate) fn point(&self, selection: &Selection) -> Option<Vec3> {
         let body = selection.body?;
         if selection.anchor.is_empty() {
@@ -285,7 +285,7 @@ impl Selected<'_, '_> {
         places.sum::<Result<Vec3, _>>().ok()
     }
 
-    /// Of the rods and springs of a body the one that is nearest to the point that was clicked; of several the oldest.
+    /// The rod or spring of the body that is nearest to the clicked point; of several at the same distance the oldest.
     pub(crate) fn nearest(&self, selection: &Selection) -> Option<Cuttable> {
         let (body, point) = (selection.body?, self.point(selection)?);
         let list = self.bodies.get(body).ok()?.5?;
@@ -313,7 +313,7 @@ impl Selected<'_, '_> {
     }
 }
 
-/// The contacts of a body in the last tick: with whom, as far as that is still there, and how.
+/// The contacts of a body in the last tick, each with the other entity if that still exists.
 pub(crate) fn contacts(
     world: &SinewWorld,
     body: Entity,

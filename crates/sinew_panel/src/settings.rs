@@ -1,4 +1,4 @@
-//! What the panel sets, as a file: saved and loaded whole, or not at all.
+//! The panel's settings as a file, saved and loaded as a whole or not at all.
 
 #[cfg(test)]
 mod tests;
@@ -14,10 +14,10 @@ use bevy_sinew::SolverConfig;
 use crate::recording::RecordingConfig;
 use crate::state::default_settings_path;
 
-/// The format of the file. One of another format is refused.
+/// Version of the file format. Other versions are rejected.
 const VERSION: u32 = 1;
 
-/// What the panel sets for a whole world, to be written as RON (Rusty Object Notation) and read again. Winds and fluids belong to a scene, and are not in it.
+/// The settings of a whole world, which can be written as RON (Rusty Object Notation) and read again. Winds and fluids belong to a scene and are not included.
 ///
 /// ```
 /// # use sinew_panel::PanelSettings;
@@ -37,16 +37,16 @@ pub struct PanelSettings {
     pub air_drag: f32,
     /// Coulomb's constant of [`Electric`](bevy_sinew::Electric), N·m²/C².
     pub electric_constant: f32,
-    /// Its softening, m, 0 and up.
+    /// Softening distance of [`Electric`](bevy_sinew::Electric), m, 0 and up.
     pub electric_softening: f32,
     /// [`SinewControl::relative_speed`](bevy_sinew::SinewControl::relative_speed), 0 to 16.
     pub speed: f32,
-    /// When and how much is recorded.
+    /// When ticks are recorded, and the limits of that.
     pub recording: RecordingConfig,
 }
 
 impl Default for PanelSettings {
-    /// Those of a new world.
+    /// The settings of a new world.
     fn default() -> Self {
         let electric = bevy_sinew::Electric::default();
         Self {
@@ -61,39 +61,39 @@ impl Default for PanelSettings {
     }
 }
 
-/// What a file holds: the panel's name with the format, by which it is known, and the settings.
+/// Content of a file: the version under the panel's name, which identifies the file, and the settings.
 #[derive(Reflect)]
 struct File {
     sinew_panel: u32,
     settings: PanelSettings,
 }
 
-/// Why settings cannot be saved or loaded. Nothing has changed.
+/// Why settings could not be saved or loaded. Nothing was changed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsFault {
     /// The file cannot be read or written.
     #[error("{0}")]
     File(String),
-    /// It is no file of this panel's.
+    /// It is not a settings file of this panel.
     #[error("it is not a file of the panel's settings")]
     Foreign,
-    /// It is of another format.
+    /// It has another version of the format.
     #[error("it is of format {0}, and this is format {VERSION}")]
     Version(u32),
-    /// It is cut off or garbled, or has a field that is not known.
+    /// It is truncated or malformed, or has an unknown field.
     #[error("it is broken: {0}")]
     Broken(String),
-    /// A number that is out of its range or not finite.
+    /// This number is out of its range or not finite.
     #[error("its {0} is out of range")]
     Number(&'static str),
 }
 
 impl PanelSettings {
-    /// As text.
+    /// The settings as RON text.
     ///
     /// # Errors
-    /// None that could be met: every field can be written.
+    /// None in practice: every field can be serialized.
     pub fn to_ron(&self) -> Result<String, SettingsFault> {
         let registry = registry();
         let file = File { sinew_panel: VERSION, settings: *self };
@@ -105,10 +105,10 @@ impl PanelSettings {
             .map_err(|fault| SettingsFault::Broken(fault.to_string()))
     }
 
-    /// Reads what [`to_ron`](Self::to_ron) wrote. A setting that is missing has its default.
+    /// Parses the text of [`to_ron`](Self::to_ron). A missing setting gets its default.
     ///
     /// # Errors
-    /// Text that is something else, of another format or broken, or that has a number out of its range.
+    /// Text that is something else, has another version or is malformed, or has a number out of its range.
     pub fn from_ron(text: &str) -> Result<Self, SettingsFault> {
         let registry = registry();
         let broken = |fault: String| {
@@ -132,7 +132,7 @@ impl PanelSettings {
     /// Writes a file.
     ///
     /// # Errors
-    /// A path that cannot be written.
+    /// If the path cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), SettingsFault> {
         std::fs::write(path, self.to_ron()?).map_err(|fault| SettingsFault::File(fault.to_string()))
     }
@@ -140,22 +140,22 @@ impl PanelSettings {
     /// Reads a file.
     ///
     /// # Errors
-    /// A path that cannot be read, and as [`from_ron`](Self::from_ron).
+    /// If the path cannot be read, and those of [`from_ron`](Self::from_ron).
     pub fn load(path: &Path) -> Result<Self, SettingsFault> {
         let text = std::fs::read_to_string(path);
-        // What is no text is no file of ours.
+        // A file that is not text is not a settings file.
         Self::from_ron(&text.map_err(|fault| match fault.kind() {
             std::io::ErrorKind::InvalidData => SettingsFault::Foreign,
             _ => SettingsFault::File(fault.to_string()),
         })?)
     }
 
-    /// Where settings are saved unless somebody says otherwise: `settings.ron` beside the program, or in the working directory where that is not known.
+    /// Default path of the settings: `settings.ron` beside the executable, or in the working directory if that is not known.
     pub fn default_path() -> PathBuf {
         default_settings_path()
     }
 
-    /// What is out of its range.
+    /// Name of a setting that is out of its range, if there is one.
     fn fault(&self) -> Option<&'static str> {
         let solver = &self.solver;
         let up = |number: f32| number.is_finite() && number >= 0.0;
@@ -174,7 +174,7 @@ impl PanelSettings {
     }
 }
 
-/// What the settings are made of.
+/// The registry of the types in a file.
 fn registry() -> TypeRegistry {
     let mut registry = TypeRegistry::new();
     registry.register::<File>();

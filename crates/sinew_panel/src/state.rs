@@ -1,10 +1,10 @@
-//! What the panel remembers from frame to frame.
+//! State that the panel keeps from frame to frame.
 
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-/// What is plotted over time.
+/// Choice of what is plotted over time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Plotted {
     #[default]
@@ -16,30 +16,30 @@ pub(crate) enum Plotted {
     Time,
 }
 
-/// What the panel remembers. Never part of the simulation's state.
+/// State of the panel; never part of the simulation's state.
 #[derive(Resource)]
 pub(crate) struct PanelState {
     /// Gravity before it was switched off.
     pub(crate) gravity: Option<Vec3>,
-    /// Duration of a tick's substeps, smoothed.
+    /// Duration of a tick's substeps, milliseconds, smoothed.
     pub(crate) milliseconds: f32,
-    /// The last tick that was looked at.
+    /// The last tick that was sampled.
     pub(crate) tick: u64,
-    /// Somebody looks at the plots: worth summing up the energies.
+    /// Whether the plots were drawn in this frame; only then are the energies summed up.
     pub(crate) plots: bool,
     /// What is plotted.
     pub(crate) plot: Plotted,
-    /// Whether the time of each phase is plotted.
+    /// Whether the duration of each phase is plotted.
     pub(crate) by_phase: bool,
-    /// Whether the panel has asked for phases to be measured.
+    /// Whether the panel has switched on the measuring of phases.
     pub(crate) measured: bool,
-    /// Somebody looks at the panel.
+    /// Whether the panel was drawn in this frame.
     pub(crate) shown: bool,
-    /// Somebody did in the last frame.
+    /// Whether it was drawn in the last frame.
     pub(crate) was_shown: bool,
-    /// Where settings are saved.
+    /// Path that settings are saved to and loaded from.
     pub(crate) settings_path: String,
-    /// How that went.
+    /// Result of the last save or load, as shown.
     pub(crate) settings_said: Option<Result<String, String>>,
 }
 
@@ -61,7 +61,7 @@ impl Default for PanelState {
     }
 }
 
-/// `settings.ron` beside the program, or in the working directory where that is not known.
+/// `settings.ron` beside the executable, or in the working directory if that is not known.
 pub(crate) fn default_settings_path() -> PathBuf {
     let program = std::env::current_exe().unwrap_or_default();
     program.parent().unwrap_or(Path::new("")).join("settings.ron")

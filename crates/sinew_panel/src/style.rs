@@ -1,21 +1,21 @@
-//! The looks: a calm dark theme, one accent, numbers in a monospaced face.
+//! The style of the panel: a dark theme, one accent colour, numbers in a monospaced font.
 
 use bevy_egui::egui::{self, Color32, CornerRadius, FontFamily, FontId, Stroke, TextStyle};
 
-/// What is good, or holds.
+/// Good values: converged, within tolerance.
 pub(crate) const GOOD: Color32 = Color32::from_rgb(116, 190, 140);
-/// What deserves a look.
+/// Values that need attention.
 pub(crate) const WARN: Color32 = Color32::from_rgb(230, 169, 90);
-/// Energy of motion in the plot, and the accent of everything else.
+/// Kinetic energy in the plot, and the accent of everything else.
 pub(crate) const KINETIC: Color32 = Color32::from_rgb(92, 168, 230);
-/// Energy of height in the plot.
+/// Gravitational energy in the plot.
 pub(crate) const GRAVITATIONAL: Color32 = Color32::from_rgb(222, 152, 96);
-/// Energy in springs and between charges in the plot.
+/// Energy of springs and between charges in the plot.
 pub(crate) const STORED: Color32 = Color32::from_rgb(150, 134, 214);
 /// Sum of all energies in the plot.
 pub(crate) const TOTAL: Color32 = Color32::from_rgb(226, 230, 236);
 
-/// Components along x, y and z in the plots: red, green and blue as axes are everywhere.
+/// Components along x, y and z in the plots: red, green and blue, the usual colours of axes.
 pub(crate) const AXES: [Color32; 3] = [
     Color32::from_rgb(226, 106, 98),
     Color32::from_rgb(122, 194, 116),
@@ -42,15 +42,16 @@ const TEXT: Color32 = Color32::from_rgb(172, 179, 190);
 const STRONG: Color32 = Color32::from_rgb(230, 233, 238);
 const WEAK: Color32 = Color32::from_rgb(118, 126, 139);
 
-/// Gives a whole egui context the looks of the panel: for an app that embeds the panel and has no looks of its own.
+/// Applies the panel's style to a whole egui context: for an app that embeds the panel and has no style of its own.
 ///
-/// Call it once, or every time; the panel of [`PanelMode::Docked`](crate::PanelMode::Docked) wears them by itself and leaves the context as it is.
+/// Call it once or in every frame. The panel of [`PanelMode::Docked`](crate::PanelMode::Docked) uses this style by itself and leaves the context's style as it
+/// is.
 pub fn style(ctx: &egui::Context) {
     ctx.set_theme(egui::Theme::Dark);
     ctx.style_mut_of(egui::Theme::Dark, dress);
 }
 
-/// Turns any style into the panel's.
+/// Changes a style to the panel's.
 pub(crate) fn dress(style: &mut egui::Style) {
     style.text_styles = [
         (TextStyle::Small, FontId::new(11.0, FontFamily::Proportional)),

@@ -1,4 +1,4 @@
-//! The panel without a screen: the plugin in an app of `MinimalPlugins`, and the layout in an egui context that nobody paints.
+//! The panel without a screen: the plugin in an app of `MinimalPlugins`, and the layout in an egui context that is not painted.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
@@ -9,7 +9,7 @@ use bevy_sinew::{Charge, SinewClock, TickTime};
 
 use super::*;
 
-/// Height of the screen, points: high enough for all sections, for what is scrolled out of sight cannot be clicked.
+/// Height of the screen, points: enough for all sections, because a widget that is scrolled out of sight cannot be clicked.
 const HEIGHT: f32 = 2400.0;
 
 pub(crate) fn app(plugin: SinewPanelPlugin) -> App {
@@ -24,12 +24,12 @@ pub(crate) fn app(plugin: SinewPanelPlugin) -> App {
     app
 }
 
-/// Draws the panel once, on a screen 1280 wide, and says what it covers.
+/// Draws the panel once, on a screen 1280 points wide, and returns the output and the covered rectangle.
 fn draw_once(app: &mut App, ctx: &egui::Context, side: PanelSide) -> (egui::FullOutput, Rect) {
     draw_with(app, ctx, side, Vec::new())
 }
 
-/// The same after events of a pointer or a keyboard.
+/// Like [`draw_once`], after events of a pointer or a keyboard.
 pub(crate) fn draw_with(
     app: &mut App,
     ctx: &egui::Context,
@@ -54,7 +54,7 @@ pub(crate) fn draw_with(
     app.world_mut().run_system_once(draw).expect("the panel's parameters are there")
 }
 
-/// Where a text stands in the panel: the middle of the first one that contains it.
+/// Position of a text in the panel: the middle of the first shape that contains it.
 pub(crate) fn find_text(output: &egui::FullOutput, text: &str) -> Option<egui::Pos2> {
     fn find(shape: &egui::Shape, text: &str) -> Option<egui::Pos2> {
         match shape {
@@ -68,7 +68,7 @@ pub(crate) fn find_text(output: &egui::FullOutput, text: &str) -> Option<egui::P
     output.shapes.iter().find_map(|clipped| find(&clipped.shape, text))
 }
 
-/// Presses and releases the pointer at a place of the panel, with a frame of the app between each two.
+/// Presses and releases the pointer at a position, with a frame of the app after each event.
 pub(crate) fn click(app: &mut App, ctx: &egui::Context, at: egui::Pos2) {
     let button = |pressed| egui::Event::PointerButton {
         pos: at,
@@ -82,9 +82,9 @@ pub(crate) fn click(app: &mut App, ctx: &egui::Context, at: egui::Pos2) {
     }
 }
 
-/// Clicks on what has a text on it.
+/// Clicks on the widget with a text.
 pub(crate) fn click_text(app: &mut App, ctx: &egui::Context, text: &str) {
-    // The first time it is only measured.
+    // The first frame only measures the layout.
     draw_with(app, ctx, PanelSide::Right, Vec::new());
     let (output, _) = draw_with(app, ctx, PanelSide::Right, Vec::new());
     let at = find_text(&output, text).unwrap_or_else(|| panic!("no \"{text}\" in the panel"));
@@ -100,7 +100,7 @@ fn an_app_without_a_screen_runs_as_without_the_panel() {
         }
         assert!(!app.is_plugin_added::<EguiPlugin>());
         assert!(app.world().resource::<SinewClock>().tick > 2);
-        // Nobody looked: no energy was summed up.
+        // The panel was not drawn: no energies were summed up.
         assert!(app.world().resource::<PlotHistory>().is_empty());
     }
 }
@@ -186,7 +186,7 @@ fn nothing_sticks_out_of_the_panel() {
         for _ in 0..30 {
             app.update();
             let (_, covered) = draw_once(&mut app, &ctx, side);
-            // The panel less its margins: one widget too wide pushes the edge of all below it.
+            // The panel's width less its margins: one widget that is too wide pushes the edge of all below it.
             assert!(covered.width() <= DOCK_WIDTH - 28.0, "{covered}");
             widths.push(covered.width());
             let edges = match side {
@@ -250,13 +250,13 @@ fn phases_are_measured_only_while_somebody_looks_at_them() {
     // Hidden.
     (0..3).for_each(|_| app.update());
     assert!(!measured(&app));
-    // A game that asks for itself keeps them.
+    // Measuring that a game has switched on itself stays on.
     app.world_mut().resource_mut::<TickTime>().by_phase = true;
     (0..3).for_each(|_| app.update());
     assert!(measured(&app));
 }
 
-/// What a window and a renderer bring along for egui, without either.
+/// The assets and resources of a window and a renderer that egui needs, without either.
 fn add_pretended_screen(app: &mut App) {
     fn init_assets_of<A: Asset>(app: &mut App, _: &Handle<A>) {
         app.init_asset::<A>();

@@ -1,4 +1,4 @@
-//! The few shapes that every section is made of: a header that folds, a row with a label column, a number with its unit.
+//! Building blocks of the sections: a foldable header, a row with a label column, a number with its unit.
 
 use bevy_egui::egui::collapsing_header::CollapsingState;
 use bevy_egui::egui::emath::Numeric;
@@ -9,13 +9,13 @@ use bevy_egui::egui::{
 
 /// Width of the column of labels, points.
 const LABEL: f32 = 84.0;
-/// Width of the number beside a slider, points: room for ten characters, or it grows and pushes the edge of everything below.
+/// Width of the number beside a slider, points: enough for ten characters, as otherwise it grows and pushes the edge of everything below.
 const VALUE: f32 = 84.0;
 /// Width of the button that resets a number, points.
 const RESET: f32 = 16.0;
 /// Width of the column of units, points.
 const UNIT: f32 = 30.0;
-/// How many letters a unit may have there.
+/// The most characters of a unit that fit into that column.
 const UNIT_LETTERS: usize = 3;
 
 /// A section under a header that folds it. Returns whether it is open.
@@ -48,7 +48,7 @@ pub(crate) fn section(ui: &mut Ui, title: &str, body: impl FnOnce(&mut Ui)) -> b
     state.is_open()
 }
 
-/// A row: a label in its column, then whatever `add` puts to its right. Hovering the label explains it.
+/// A row: a label in its column, then what `add` draws to its right. The label has a tooltip.
 pub(crate) fn row<R>(ui: &mut Ui, label: &str, hint: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
     ui.horizontal(|ui| {
         let size = vec2(LABEL, ui.spacing().interact_size.y);
@@ -62,14 +62,14 @@ pub(crate) fn row<R>(ui: &mut Ui, label: &str, hint: &str, add: impl FnOnce(&mut
     .inner
 }
 
-/// A row with a slider that fills it, its number in a column of fixed width. Returns whether the user moved it.
+/// A row with a slider that fills it, and its number in a column of fixed width. Returns whether the user moved it.
 ///
-/// A value out of the slider's range stays as it is until then: looking at a world must not change it.
+/// A value outside the slider's range stays as it is until then: drawing the panel must not change the world.
 pub(crate) fn slider(ui: &mut Ui, label: &str, hint: &str, slider: Slider<'_>) -> bool {
     row(ui, label, hint, |ui| rail(ui, hint, slider, 0.0))
 }
 
-/// The same with a button that puts the number back to its default, and is there where it is another one.
+/// Like [`slider`], with a button that resets the number to its default, visible where the number differs from it.
 pub(crate) fn number<N: Numeric>(
     ui: &mut Ui,
     label: &str,
@@ -98,7 +98,7 @@ fn rail(ui: &mut Ui, hint: &str, slider: Slider<'_>, space: f32) -> bool {
     response.on_hover_text(hint).changed()
 }
 
-/// A small button that resets what is left of it. Its place is kept where there is nothing to reset, so that nothing moves.
+/// A small button that resets the value to its left. Its space is reserved where there is nothing to reset, so that the layout does not move.
 fn reset(ui: &mut Ui, differs: bool, to: &str) -> bool {
     let size = vec2(RESET, ui.spacing().interact_size.y);
     if !differs {
@@ -109,7 +109,7 @@ fn reset(ui: &mut Ui, differs: bool, to: &str) -> bool {
     ui.add_sized(size, button).on_hover_text(format!("Back to {to}.")).clicked()
 }
 
-/// A row with one number to drag for each axis, and a button that puts them back to their defaults. Returns whether the user changed one.
+/// A row with one draggable number for each axis, and a button that resets them to their defaults. Returns whether the user changed one.
 pub(crate) fn vector(
     ui: &mut Ui,
     label: &str,
@@ -137,12 +137,12 @@ pub(crate) fn vector(
     })
 }
 
-/// A row with a number that is only read: right-aligned, with its unit in a column of its own, so that nothing moves as it changes.
+/// A row with a read-only number: right-aligned, with its unit in a column of its own, so that nothing moves as it changes.
 pub(crate) fn value(ui: &mut Ui, label: &str, hint: &str, number: &str, unit: &str) {
     colored_value(ui, None, label, hint, number, unit, None);
 }
 
-/// A row with three numbers that are only read, and their unit behind the label, in three significant digits.
+/// A row with a read-only vector, each component in three significant digits, and the unit behind the label.
 pub(crate) fn vector_value(
     ui: &mut Ui,
     label: &str,
@@ -166,19 +166,19 @@ pub(crate) fn vector_value(
     response.on_hover_text(hint);
 }
 
-/// A number in three significant digits, and no more than two behind the point.
+/// A number in three significant digits, with at most two decimals.
 pub(crate) fn short(number: f64) -> String {
     match number.abs() {
         size if size >= 99_999.5 => format!("{number:.0e}"),
         size if size >= 99.95 => format!("{number:.0}"),
         size if size >= 9.995 => format!("{number:.1}"),
-        // No minus before what is zero when it is written.
+        // No minus sign where the number is written as zero.
         size if size < 0.005 => "0.00".into(),
         _ => format!("{number:.2}"),
     }
 }
 
-/// The same, with a coloured dot before the label and a colour for the number. A unit that is too wide for its column stands behind the label.
+/// Like [`value`], with a coloured dot before the label and a colour for the number. A unit that is too wide for its column is written behind the label.
 pub(crate) fn colored_value(
     ui: &mut Ui,
     dot: Option<Color32>,
@@ -213,12 +213,12 @@ pub(crate) fn colored_value(
 }
 
 fn readout_space(ui: &mut Ui) -> (egui::Rect, Response) {
-    // Closer together than what has to be hit with a pointer.
+    // Rows are closer together than those with something to click.
     let size = vec2(ui.available_width(), ui.spacing().interact_size.y - 3.0);
     ui.allocate_exact_size(size, Sense::hover())
 }
 
-/// An integer with a gap between its thousands.
+/// An integer with a space between groups of three digits.
 pub(crate) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -231,7 +231,7 @@ pub(crate) fn grouped(number: u64) -> String {
     text
 }
 
-/// The factor and the prefix that leave one to three digits before the point.
+/// The factor and the SI prefix that leave one to three digits before the decimal point.
 pub(crate) fn prefix(size: f64) -> (f64, &'static str) {
     match size.abs() {
         x if x >= 1e9 => (1e9, "G"),
@@ -240,7 +240,7 @@ pub(crate) fn prefix(size: f64) -> (f64, &'static str) {
         x if x >= 1.0 || x == 0.0 => (1.0, ""),
         x if x >= 1e-3 => (1e-3, "m"),
         x if x >= 1e-6 => (1e-6, "µ"),
-        // Smaller than anything worth a digit.
+        // Too small to show any digit.
         _ => (1.0, ""),
     }
 }

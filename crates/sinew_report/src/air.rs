@@ -16,8 +16,8 @@ cases! {
     "F5" a_storm_never_reverses_what_moves_in_it;
 }
 
-/// A square of 2 m² and `mass` kg, turned by `angle` (radians) out of the flat about x. Its corners weigh what they have of its triangles, so that it
-/// moves as a whole without anything that holds it together.
+/// A square sheet of 2 m² and `mass` kg, turned by `angle` (radians) about x from the horizontal. Each corner has the share of the mass that belongs to its
+/// triangles, so the sheet moves as a whole without constraints.
 fn sheet(mass: f32, angle: f64) -> Simulation {
     let mut world = empty(1);
     let (s, c) = (libm::sin(angle), libm::cos(angle));
@@ -33,7 +33,7 @@ fn sheet(mass: f32, angle: f64) -> Simulation {
     world
 }
 
-/// Ten roundings of `f32` on the way to a force of some 20 N.
+/// Tolerance: ten roundings of `f32` on the way to a force of about 20 N.
 fn wind_presses_on_a_sheet_by_the_area_that_it_shows() -> Vec<Row> {
     [0.0, 30.0, 60.0, 90.0]
         .map(|degrees: f64| {
@@ -47,7 +47,7 @@ fn wind_presses_on_a_sheet_by_the_area_that_it_shows() -> Vec<Row> {
         .into()
 }
 
-/// Back and front both show their area, so the front has half of the force.
+/// The back has the same projected area as the front, so the front takes half of the force.
 fn the_front_of_a_closed_body_feels_the_wind_on_its_silhouette() -> Vec<Row> {
     let size = Vec3::new(1.0, 2.0, 3.0);
     let body = box_3d(&BoxSpec { size, ..BoxSpec::default() }).expect("a sound box");
@@ -62,7 +62,7 @@ fn the_front_of_a_closed_body_feels_the_wind_on_its_silhouette() -> Vec<Row> {
             }
             *world.forces.surfaces = body.triangles.clone();
             world.forces.winds.push(Wind::steady(Vec3::X * 10.0));
-            // A box shows each of its three pairs of faces by the cosine of its normal.
+            // The projected area of each of the three pairs of faces is its area times the cosine of its normal.
             let shown = |axis: DVec3, area: f64| (turn * axis).x.abs() * area;
             let exact = 10.0 * (shown(DVec3::X, 6.0) + shown(DVec3::Y, 3.0) + shown(DVec3::Z, 2.0));
             let front = 0.5 * force(&mut world).x;
@@ -81,7 +81,7 @@ fn drag_and_lift_follow_the_angle_of_attack() -> Vec<Row> {
     let mut rows = Vec::new();
     for degrees in [15.0, 45.0, 90.0] {
         let attack = degrees * core::f64::consts::PI / 180.0;
-        // A heavy sheet, which the bound against overshooting does not touch.
+        // A heavy sheet, on which the bound against overshooting does not act.
         let mut world = sheet(100.0, core::f64::consts::FRAC_PI_2 - attack);
         let flow = AirFlow { lift: 1.0, ..AirFlow::steady(Vec3::Y * 5.0) };
         world.forces.air_flows.push(flow);
@@ -97,7 +97,7 @@ fn drag_and_lift_follow_the_angle_of_attack() -> Vec<Row> {
     rows
 }
 
-/// The force is the law's at any step, so only the speed at which it balances the weight counts: some ten roundings.
+/// The force does not depend on the step, so the speed at which it balances the weight is exact but for about ten roundings.
 fn a_falling_sheet_reaches_its_terminal_speed() -> Vec<Row> {
     let mut world = sheet(0.5, 0.0);
     world.settings.substeps = 10;
@@ -123,7 +123,7 @@ fn a_storm_never_reverses_what_moves_in_it() -> Vec<Row> {
         }
     }
     vec![
-        // Rounded once or twice at 40 m/s.
+        // One or two roundings at 40 m/s.
         Row::at_most(
             "fastest of a sheet of 0.1 g in a storm of 40 m/s, 1/60 s",
             "m/s",

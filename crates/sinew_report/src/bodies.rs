@@ -1,4 +1,4 @@
-//! Rows B2', M1 and M2: rigid shapes by one law, rigid bodies with an orientation of their own, and the swap between them and particles.
+//! Rows B2', M1 and M2: rigid shapes by one constraint, rigid bodies with an orientation, and the swap between them and particles.
 
 use sinew::constraints::Rigid;
 use sinew::glam::{DVec3, Quat, Vec3};
@@ -21,7 +21,7 @@ cases! {
     "M2" a_body_swapped_in_mid_flight_keeps_its_momenta;
 }
 
-/// A 1×2×3 box of 12 kg with the inertia of the solid one.
+/// A 1×2×3 m box of 12 kg with the inertia of the solid box.
 fn plan() -> Blueprint {
     let spec = BoxSpec {
         size: Vec3::new(1.0, 2.0, 3.0),
@@ -36,7 +36,7 @@ fn rest_of(body: &Blueprint) -> Vec<Vec3> {
     body.particles.iter().map(|p| p.position).collect()
 }
 
-/// It in the void, spinning, held together by one rigid shape.
+/// A simulation of the body, spinning, without gravity, held together by one rigid-shape constraint.
 fn shaped(body: &Blueprint, substeps: u32, omega: Vec3, gradient_at: GradientAt) -> Simulation {
     let mut world = empty(substeps);
     world.settings.gradient_at = gradient_at;
@@ -49,7 +49,7 @@ fn shaped(body: &Blueprint, substeps: u32, omega: Vec3, gradient_at: GradientAt)
     world
 }
 
-/// 0.5 % of the spin at 20 substeps is the figure, and so 1 % of the energy; the page gives 98.8 to 100 %.
+/// Tolerance: 0.5 % of the spin at 20 substeps is the required accuracy, and so 1 % of the energy; physics.md gives 98.8 to 100 %.
 fn a_rigid_shape_keeps_its_spin_and_its_energy() -> Vec<Row> {
     let cube = box_3d(&BoxSpec::default()).expect("a sound box");
     let mut rows = Vec::new();
@@ -88,14 +88,14 @@ pub(crate) fn turn(body: &mut RigidBody, h: f32, integrator: RigidIntegrator) {
     body.step(Vec3::ZERO, Vec3::ZERO, h, integrator).expect("a body without fault");
 }
 
-/// Its angular velocity in its own axes, rad/s.
+/// Angular velocity in the body's own axes, rad/s.
 pub(crate) fn inside(body: &RigidBody) -> DVec3 {
     let q = body.rotation;
     let q = sinew::glam::DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into());
     q.normalize().conjugate() * body.angular_velocity.as_dvec3()
 }
 
-/// The two methods of second order; Euler's energy grows by some `(ωh)²` a step, and its flips with that.
+/// Only the two methods of second order: with Euler the energy grows by about `(ωh)²` a step, which shifts the flips.
 fn a_rigid_body_flips_about_its_middle_axis() -> Vec<Row> {
     let h = 1.0 / 240.0;
     let rows = |integrator| {
@@ -114,7 +114,8 @@ fn a_rigid_body_flips_about_its_middle_axis() -> Vec<Row> {
     [RigidIntegrator::Leapfrog, RigidIntegrator::Verlet].into_iter().flat_map(rows).collect()
 }
 
-/// Euler's equations `I ω' = I ω × ω` by Runge and Kutta in `f64`, fine enough to be the truth: the angular velocity after `t` seconds.
+/// Angular velocity after `t` seconds by Euler's equations `I ω' = I ω × ω`, integrated by Runge–Kutta in `f64` with steps fine enough to serve as the
+/// reference.
 fn truth(omega: DVec3, t: f64) -> DVec3 {
     let inertia = DVec3::new(13.0, 10.0, 5.0);
     let rate = |w: DVec3| (inertia * w).cross(w) / inertia;
@@ -130,7 +131,7 @@ fn truth(omega: DVec3, t: f64) -> DVec3 {
     w
 }
 
-/// The order over four step sizes, ± 0.1 being the figure; steps are long enough that rounding to `f32` does not show.
+/// The order over four step sizes; ± 0.1 is the required accuracy. The steps are long enough that rounding to `f32` does not show.
 fn rigid_bodies_turn_in_the_order_of_their_method() -> Vec<Row> {
     let omega = Vec3::new(1.0, 4.0, 2.0);
     let row = |integrator, expected, first: u32| {
@@ -152,7 +153,7 @@ fn rigid_bodies_turn_in_the_order_of_their_method() -> Vec<Row> {
     ]
 }
 
-/// The same in a world, with particles that are read off the body.
+/// The same body in a simulation, with particles that follow it.
 fn a_compound_that_moves_as_a_rigid_body_flips_too() -> Vec<Row> {
     let body = plan();
     let mut world = empty(1);
@@ -177,8 +178,8 @@ fn a_compound_that_moves_as_a_rigid_body_flips_too() -> Vec<Row> {
     rows
 }
 
-/// 1e-5 is the figure. A particle that steps by Verlet has the velocity of half a substep ago, so the first swap turns the velocities by
-/// `ωh/2` = 0.0019 rad, to where the particles are; the second finds them of one instant.
+/// 1e-5 is the required accuracy. A particle that steps by Verlet stores the velocity of half a substep ago, so the first swap rotates the velocities by `ωh/2`
+/// = 0.0019 rad, to the instant of the positions. At the second swap both are of one instant already.
 fn a_swap_there_and_back_changes_nothing() -> Vec<Row> {
     let body = plan();
     let rows: Vec<usize> = (0..8).collect();
@@ -271,7 +272,7 @@ fn a_body_swapped_in_mid_flight_keeps_its_momenta() -> Vec<Row> {
     let after = world.ledger();
     let turned = (after.angular_momentum - before.angular_momentum).length();
     vec![
-        // 0.5 % of the spin in 10 s, as without swaps.
+        // 0.5 % of the spin in 10 s, the same as without swaps.
         Row::absolute(
             "angular momentum after 10 s with 10 swaps, change of itself",
             "",

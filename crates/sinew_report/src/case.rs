@@ -1,25 +1,25 @@
-//! A case: one claim of `physics.md`, run and measured. The tests and the report run the same ones.
+//! A case: one claim of `physics.md`, run and measured. The tests and the report run the same cases.
 
 use crate::Row;
 
-/// One claim and how it is measured.
+/// One claim and the function that measures it.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
-    /// The row of `physics.md` that it belongs to, such as `"I1"`, or the heading where the page has no number.
+    /// The row of `physics.md` that the case belongs to, such as `"I1"`, or the heading if the row has no number.
     pub id: &'static str,
-    /// What it shows, as the name of a function; [`title`](Self::title) reads better.
+    /// What the case shows, as the name of a function; [`title`](Self::title) is easier to read.
     pub name: &'static str,
-    /// Runs it and measures. Every row's `id` is empty; [`rows`](Self::rows) fills it in.
+    /// Runs the case. The `id` of the returned rows is empty; [`rows`](Self::rows) fills it in.
     pub run: fn() -> Vec<Row>,
 }
 
 impl Case {
-    /// What it shows, in words.
+    /// What the case shows, in words.
     pub fn title(&self) -> String {
         self.name.replace('_', " ")
     }
 
-    /// Runs it: every number that it measured, each with its verdict.
+    /// Runs the case and returns each measured number, with its verdict.
     pub fn rows(&self) -> Vec<Row> {
         let mut rows = (self.run)();
         for row in &mut rows {
@@ -29,12 +29,12 @@ impl Case {
     }
 }
 
-/// A part of `physics.md`.
+/// A chapter of `physics.md`.
 #[derive(Clone, Copy, Debug)]
 pub struct Chapter {
     /// Its heading.
     pub title: &'static str,
-    /// Its cases, in the order of the page, group by group.
+    /// Its cases by group, in the order of the page.
     pub groups: &'static [&'static [Case]],
 }
 
@@ -62,7 +62,7 @@ macro_rules! cases {
 }
 pub(crate) use cases;
 
-/// Fails with every wrong row of a case, not just the first.
+/// Panics with every failed row of a case, not just the first.
 #[cfg(test)]
 pub(crate) fn assert_right(rows: &[Row]) {
     assert!(!rows.is_empty(), "a case that measures nothing shows nothing");

@@ -18,8 +18,8 @@ cases! {
     "B3" a_pendulum_swings_in_the_time_of_its_amplitude;
 }
 
-/// Its centre falls as a loose particle does, which I1 compares with the parabola; momentum is handed on between the corners with a rounding
-/// each, 1e-5 of the way. 0.5 % of the spin over 10 s is the figure.
+/// Its centre of mass falls like a loose particle, which I1 compares with the parabola. Exchanging momentum between the corners rounds each time: 1e-5 of the
+/// distance. 0.5 % of the spin over 10 s is the required accuracy.
 fn a_box_in_2d_falls_turns_and_keeps_its_spin() -> Vec<Row> {
     let mut world = Simulation::default();
     world.settings.substeps = 20;
@@ -62,7 +62,7 @@ fn particles_at_a_third_root_have_the_inertia_of_the_solid_box() -> Vec<Row> {
     for (axis, exact) in [(0, 13.0), (1, 10.0), (2, 5.0)] {
         let name = ["x", "y", "z"][axis];
         let what = format!("inertia of a 1×2×3 box of 12 kg about {name}, equimomental");
-        // A handful of roundings of f32.
+        // A few roundings of f32.
         rows.push(Row::relative(what, "kg·m²", exact, f64::from(solid.col(axis)[axis]), 5e-7));
         let threefold = f64::from(corners.col(axis)[axis]) / exact;
         rows.push(Row::relative(
@@ -76,14 +76,14 @@ fn particles_at_a_third_root_have_the_inertia_of_the_solid_box() -> Vec<Row> {
     rows
 }
 
-/// Time from flip to flip of a 1×2×3 box that spins about its middle axis at 6 rad/s and 1 % about its first (physics.md B2).
+/// Time between flips of a 1×2×3 box that spins about its middle axis at 6 rad/s and about its first at 1 % of that, seconds (physics.md B2).
 pub(crate) const FLIP: f64 = 3.903;
 
-/// The box of the flips: equimomental, 28 rods.
+/// The box of the flip cases: equimomental particles, 28 rods.
 pub(crate) fn tumbling_box() -> (Simulation, core::ops::Range<usize>) {
     let mut world = empty(1);
     converge(&mut world, GradientAt::StepStart, 50);
-    // The round-off of positions of 1 m: sweeps beyond that only stir it, fifty of them by 1 % of an interval.
+    // Round-off of positions of 1 m. Sweeps beyond that only add noise: fifty of them shift the time between flips by 1 %.
     world.settings.tolerance = 1e-6;
     let spec = BoxSpec {
         size: Vec3::new(1.0, 2.0, 3.0),
@@ -101,10 +101,10 @@ pub(crate) fn middle_spin(world: &Simulation, rows: core::ops::Range<usize>) -> 
     f64::from(whole(world, rows).angular_velocity.dot(axis))
 }
 
-/// Times between changes of sign of `value`, over `seconds` at steps of `dt`, as rows: their mean, and the one that is farthest from [`FLIP`].
+/// Measures the times between changes of sign of `value`, over 20 s at steps of `dt`. Returns two rows: their mean, and the one that is farthest from [`FLIP`].
 ///
-/// Within 1 % at 1/240 s is the figure. A flip grows out of the tilt as an exponential, so whatever adds to the tilt moves it: energy and
-/// angular momentum that are off by 1e-4 of themselves are worth 1 % of tilt.
+/// Within 1 % at 1/240 s is the required accuracy. The tilt grows exponentially up to a flip, so any error that adds to the tilt shifts the flip: relative
+/// errors of 1e-4 in energy and angular momentum amount to 1 % of tilt.
 pub(crate) fn flip_rows(
     name: &str,
     world: &mut Simulation,
@@ -123,7 +123,7 @@ pub(crate) fn flip_rows(
     rows_of(name, &times)
 }
 
-/// The same of the times of the flips.
+/// The same rows from the times of the flips.
 pub(crate) fn rows_of(name: &str, times: &[f64]) -> Vec<Row> {
     let between = times.windows(2).map(|pair| pair[1] - pair[0]);
     let off = |x: &f64| (x - FLIP).abs();

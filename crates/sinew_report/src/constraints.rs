@@ -1,4 +1,4 @@
-//! Rows C1 to C5, C10 and C11: distances, pins, boundaries, limits of angles, and a law of a game's own.
+//! Rows C1 to C5, C10 and C11: distances, pins, boundaries, joint limits, and a constraint defined by the game.
 
 use core::f64::consts::PI;
 
@@ -25,7 +25,7 @@ cases! {
     "C11" a_law_of_a_games_own_does_what_a_built_in_one_does;
 }
 
-/// Particles at rest in the void, each at a place and with a mass; one substep a step, and `sweeps` in it.
+/// A simulation of particles at rest without gravity, each with a position and a mass; one substep a step, with `sweeps` sweeps in it.
 pub(crate) fn placed(points: &[(Vec3, f32)], sweeps: u32) -> Simulation {
     let mut world = empty(1);
     world.settings.max_sweeps = sweeps;
@@ -36,12 +36,12 @@ pub(crate) fn placed(points: &[(Vec3, f32)], sweeps: u32) -> Simulation {
     world
 }
 
-/// Where the particles are, metres.
+/// Positions of the particles, metres.
 pub(crate) fn places(world: &Simulation) -> Vec<DVec3> {
     (0..world.particles.len()).map(|i| at(world, i)).collect()
 }
 
-/// One rounding or two of a coordinate of 4 m.
+/// Tolerance: one or two roundings of a coordinate of 4 m.
 fn two_particles_share_a_correction_by_their_masses() -> Vec<Row> {
     let points = [(Vec3::new(0.0, 1.0, 0.0), 2.0), (Vec3::new(3.0, 1.0, 4.0), 3.0)];
     let mut world = placed(&points, 1);
@@ -119,7 +119,7 @@ fn a_pinned_particle_is_where_its_moving_target_is() -> Vec<Row> {
 
 fn boundaries_lead_to_the_nearest_point() -> Vec<Row> {
     let normal = Vec3::new(1.0, 2.0, 2.0) / 3.0;
-    // They come out of bounds in the step: what begins there comes back at a bounded speed.
+    // The particles leave the bounds within the step. One that starts outside would come back at a limited speed.
     let foot = Vec3::new(2.0, -1.0, 0.0);
     let mut world = placed(&[(foot + normal * 0.1, 1.0), (normal * 0.2, 1.0)], 1);
     world.particles.set_velocity(0, normal * (-0.4 / TICK));
@@ -148,7 +148,7 @@ fn boundaries_lead_to_the_nearest_point() -> Vec<Row> {
     ]
 }
 
-/// The angle of a joint of two bones of 1 m, bent by `degrees` (180 is straight), after the law has been enforced.
+/// Angle, degrees, of a joint of two bones of 1 m after one step with the constraint; it starts at `degrees` (180 is straight).
 fn bent(degrees: f64, kind: &ConstraintKind) -> f64 {
     let angle = degrees * PI / 180.0;
     let bone = DVec3::new(libm::cos(angle), libm::sin(angle), 0.0).as_vec3();
@@ -165,8 +165,8 @@ fn bent(degrees: f64, kind: &ConstraintKind) -> f64 {
     if found < 0.0 { found + 360.0 } else { found }
 }
 
-/// A limit is a limit: Newton's step, which takes the joint there, may go a little beyond, to the side that is allowed. An angle that is kept is met.
-/// Either to some roundings of a coordinate: 1e-6 rad, 6e-5°.
+/// A limit is an inequality: the Newton step that moves the joint to it may go a little beyond, to the allowed side. An equality (equal limits) is satisfied.
+/// Both to a few roundings of a coordinate: 1e-6 rad, 6e-5°.
 fn a_joint_stays_within_its_limits() -> Vec<Row> {
     let rad = |degrees: f64| (degrees * PI / 180.0) as f32;
     let angle = |min, max| ConstraintKind::Angle(Angle::between(rad(min), rad(max)));
@@ -189,7 +189,7 @@ fn a_joint_stays_within_its_limits() -> Vec<Row> {
     ]
 }
 
-/// The angle of a bone from the axis of a cone of 35°, after that has been enforced; it begins at `degrees`.
+/// Angle, degrees, between a bone and the axis of a cone of 35° after one step with the constraint; it starts at `degrees`.
 fn coned(degrees: f64) -> f64 {
     let (axis, widest) = (Vec3::X, (35.0 * PI / 180.0) as f32);
     let cone = Cone::about(Vec3::ZERO, Vec3::Y, Vec3::Z, axis, widest).expect("a frame");
@@ -206,7 +206,8 @@ fn coned(degrees: f64) -> f64 {
     libm::atan2(axis.cross(segment).length(), axis.dot(segment)) * 180.0 / PI
 }
 
-/// `Σ m d` and `Σ m q × d` of one projection, as shares of `Σ m‖d‖` and `Σ m‖q‖‖d‖`: what a law between particles adds to neither.
+/// `Σ m d` and `Σ m q × d` of one projection, relative to `Σ m‖d‖` and `Σ m‖q‖‖d‖`: a constraint between particles changes neither momentum nor angular
+/// momentum.
 fn limits_keep_momentum_and_angular_momentum() -> Vec<Row> {
     let rad = |degrees: f64| (degrees * PI / 180.0) as f32;
     let points = [
@@ -229,7 +230,7 @@ fn limits_keep_momentum_and_angular_momentum() -> Vec<Row> {
     rows
 }
 
-/// One step of a world at rest with one constraint: that it moves something, and neither momentum nor angular momentum by it.
+/// One step of a simulation at rest with one constraint: rows that momentum and angular momentum stay zero. They are NaN, and so fail, if nothing moved.
 pub(crate) fn conserved(name: &str, mut world: Simulation) -> Vec<Row> {
     let before = places(&world);
     let masses: Vec<f64> = (0..before.len()).map(|i| f64::from(world.particles.mass(i))).collect();
@@ -243,7 +244,7 @@ pub(crate) fn conserved(name: &str, mut world: Simulation) -> Vec<Row> {
         p_size += d.length();
         l_size += before[i].length() * d.length();
     }
-    // Displacements of some decimetres between coordinates of 1 m: a few roundings are 1e-6 of them.
+    // Displacements of some decimetres at coordinates of 1 m: a few roundings are 1e-6 of them.
     vec![
         Row::absolute(format!("Σ m d of {name}, of Σ m‖d‖"), "", 0.0, p.length() / p_size, 2e-6),
         Row::absolute(
@@ -269,7 +270,7 @@ fn a_particle_rests_on_a_plane_as_if_it_were_glued() -> Vec<Row> {
     ]
 }
 
-/// A rod to the origin, as a game might write it.
+/// A rod of 1 m to the origin, as a game might define it.
 #[derive(Debug)]
 struct Leash;
 
@@ -285,7 +286,7 @@ impl Equation for Leash {
     }
 }
 
-/// The same sums in another order, 1200 substeps of them: roundings of 6e-8 m that add up with time.
+/// The same sums in another order over 1200 substeps: roundings of 6e-8 m that accumulate with time.
 fn a_law_of_a_games_own_does_what_a_built_in_one_does() -> Vec<Row> {
     let swing = |own: bool| {
         let mut world = Simulation::default();

@@ -1,4 +1,4 @@
-//! What physics.md says of places far from the origin: a scene 5 km away does what it does at home.
+//! The claims of physics.md on places far from the origin: a scene 5 km away behaves as it does near the origin.
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxSpec, box_3d};
@@ -16,10 +16,10 @@ cases! {
     "Far" gravity_acts_on_a_body_that_hardly_moves;
 }
 
-/// 5 km from the origin and not by whole metres, so that the digits differ.
+/// 5 km from the origin, metres. Not whole metres, so that coordinates are rounded differently.
 const AWAY: Vec3 = Vec3::new(4999.7, 1234.56, -4321.1);
 
-/// Where a cube is after 10 s, corner by corner, relative to where it began; dropped from `drop` metres over the ground.
+/// Displacement of each corner of a cube in 10 s, metres; dropped from `drop` metres above the ground.
 fn dropped(offset: Vec3, drop: f32, ground: bool) -> Vec<Vec3> {
     let mut world = Simulation::default();
     if ground {
@@ -33,13 +33,13 @@ fn dropped(offset: Vec3, drop: f32, ground: bool) -> Vec<Vec3> {
     rows.map(|i| world.particles.relative_to(i, offset) - before[i]).collect()
 }
 
-/// Farthest that a corner is from where it is at home, metres.
+/// Largest distance between a corner's displacement far out and the same near the origin, metres.
 fn astray(drop: f32, ground: bool) -> f64 {
     let (home, away) = (dropped(Vec3::ZERO, drop, ground), dropped(AWAY, drop, ground));
     largest(home.iter().zip(&away).map(|(a, b)| f64::from(a.distance(*b))))
 }
 
-/// 1 mm is the figure, and 4 roundings of a coordinate out there: what it costs to say where the cube is.
+/// 1 mm is the required accuracy; it equals four roundings of a coordinate at that distance, since the cube's position itself is rounded.
 fn a_body_at_rest_five_kilometres_out_stays_at_rest() -> Vec<Row> {
     let crept = largest(dropped(AWAY, 0.0, true).iter().map(|d| f64::from(d.length())));
     vec![
@@ -74,7 +74,7 @@ fn a_body_falls_there_as_at_home() -> Vec<Row> {
 }
 
 fn a_pendulum_swings_there_as_at_home() -> Vec<Row> {
-    // On a grid that f32 can hold out there, so that both start alike.
+    // Positions on a grid that f32 represents at that distance, so that both start identically.
     let offset = Vec3::new(5000.0, -3000.0, 4000.0);
     let end = |offset: Vec3| {
         let mut world = pendulum(1.0, GradientAt::StepStart);
@@ -97,7 +97,8 @@ fn a_pendulum_swings_there_as_at_home() -> Vec<Row> {
     )]
 }
 
-/// `p - p_old` in world coordinates would lose it beyond 128 m at 20 substeps: 6.8e-6 m a substep, where `f32` are 1.5e-5 m apart.
+/// `p - p_old` in world coordinates would lose gravity beyond 128 m at 20 substeps: it moves a particle by 6.8e-6 m in a substep, where neighbouring `f32` are
+/// 1.5e-5 m apart.
 fn gravity_acts_on_a_body_that_hardly_moves() -> Vec<Row> {
     let mut world = Simulation::default();
     world.settings.substeps = 20;
@@ -105,7 +106,7 @@ fn gravity_acts_on_a_body_that_hardly_moves() -> Vec<Row> {
     steps(&mut world, TICK, 1);
     let fallen = f64::from(world.particles.relative_to(0, AWAY).y);
     let t = f64::from(TICK);
-    // It is relative to a point that f32 knows to 6e-8 m once it is near it.
+    // Positions near that point are stored relative to it, to 6e-8 m.
     vec![Row::absolute(
         "fall of a particle in the first 1/60 s, 5 km out",
         "m",

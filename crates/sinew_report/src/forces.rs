@@ -1,4 +1,4 @@
-//! Rows F1 to F4: gravity, a force of the game's own, springs and charges, each against the motion that it must make.
+//! Rows F1 to F4: gravity, forces of the game, springs and charges, each against the exact motion.
 
 use core::f64::consts::TAU;
 
@@ -32,7 +32,7 @@ fn bodies_of_any_mass_fall_alike() -> Vec<Row> {
     let y = [0, 1, 2].map(|i| at(&world, i).y);
     vec![
         Row::relative("fall of 1 kg in 2 s", "m", -2.0 * G, y[1], 1e-5),
-        // 1/m and m·(1/m) are rounded, so the force is right to 1e-7.
+        // 1/m and m·(1/m) are rounded, so the force is accurate to 1e-7.
         Row::absolute("1 g falls farther than 1000 kg by", "m", 0.0, y[2] - y[0], 2e-6),
     ]
 }
@@ -53,7 +53,7 @@ fn a_control_force_accelerates_by_f_over_m() -> Vec<Row> {
     )]
 }
 
-/// On a 1×2×3 m box of 12 kg, whose moments of inertia are 13, 10 and 5 kg·m²: 13 N along z at 1 m along y turn it by 1 rad/s² about x.
+/// A 1×2×3 m box of 12 kg has moments of inertia of 13, 10 and 5 kg·m²: 13 N along z at 1 m along y give it 1 rad/s² about x.
 fn a_control_force_on_a_compound_acts_at_its_barycentre_or_at_a_point() -> Vec<Row> {
     let answer = |point: Option<Vec3>| {
         let mut world = empty(1);
@@ -68,7 +68,7 @@ fn a_control_force_on_a_compound_acts_at_its_barycentre_or_at_a_point() -> Vec<R
         world.forces.controls.push(Control { point, ..thrust });
         world.ledger();
         let particles = &world.particles;
-        // Accelerations in the place of velocities: the motion that they start.
+        // With accelerations in place of velocities, `motion` returns the acceleration of the body.
         let started =
             rows.map(|i| (particles.position(i), particles.acceleration(i), particles.mass(i)));
         motion(started).expect("a compound of finite particles")
@@ -106,7 +106,7 @@ fn a_control_force_on_a_compound_acts_at_its_barycentre_or_at_a_point() -> Vec<R
     ]
 }
 
-/// Two masses on a spring of 40 N/m, stretched by a fifth of its length of 1 m.
+/// Two masses on a spring of 40 N/m, stretched by 20 % of its rest length of 1 m.
 fn pair(damping: f32) -> Simulation {
     let mut world = empty(1);
     for (x, mass) in [(0.0, 1.0), (1.2, 3.0)] {
@@ -128,7 +128,7 @@ fn a_spring_swings_at_its_period_and_keeps_momentum() -> Vec<Row> {
     let momentum = world.ledger().momentum.length();
     let turn = omega * f64::from(h);
     vec![
-        // Verlet's own shift is (ωh)²/24 (I9); 1e-5 is for the crossings.
+        // Verlet shifts the period by (ωh)²/24 (I9); 1e-5 is for interpolating the crossings.
         Row::relative(
             "period 2π√(μ/k) at 1/240 s",
             "s",
@@ -136,13 +136,13 @@ fn a_spring_swings_at_its_period_and_keeps_momentum() -> Vec<Row> {
             measured,
             turn * turn / 24.0 + 1e-5,
         ),
-        // 4800 roundings of either sign, 6e-8 each, of the 1.1 kg·m/s that each end swings by.
+        // 4800 roundings of either sign, 6e-8 each, of the 1.1 kg·m/s amplitude of each end's momentum.
         Row::absolute("momentum of both after 20 s", "kg·m/s", 0.0, momentum, 6e-8 * 70.0 * 1.1),
     ]
 }
 
-/// The damping force is that of the velocity half a step ago. So a swing shrinks by `√(1 - β)` a step, `β = b h/μ`: at the rate `b/2μ` times
-/// `1 + β/2 + …`, of first order in `h`.
+/// The damping force uses the velocity of half a step ago. So the amplitude shrinks by `√(1 - β)` a step, where `β = b h/μ`. That is the rate `b/2μ` times
+/// `1 + β/2 + …`, which is of first order in `h`.
 fn a_damped_spring_loses_its_swing_at_the_rate_of_its_damping() -> Vec<Row> {
     let (h, b, mu) = (1.0_f32 / 240.0, 1.0_f32, 0.75);
     let mut world = pair(b);
@@ -151,7 +151,7 @@ fn a_damped_spring_loses_its_swing_at_the_rate_of_its_damping() -> Vec<Row> {
         step(&mut world, h);
         swing.push(stretch(&world));
     }
-    // Peaks by the parabola through three samples.
+    // Peaks are found by the parabola through three samples.
     let mut peaks = vec![(0.0, swing[0])];
     for k in 1..swing.len() - 1 {
         let [a, m, c] = [swing[k - 1], swing[k], swing[k + 1]];
@@ -167,7 +167,7 @@ fn a_damped_spring_loses_its_swing_at_the_rate_of_its_damping() -> Vec<Row> {
     let own = -0.5 * libm::log1p(-beta) / f64::from(h);
     steps(&mut world, h, 240 * 20);
     vec![
-        // A peak found between three samples is known to 1e-6 of the first, and compared with one of a tenth of it.
+        // A peak interpolated between three samples is accurate to 1e-6 of the first, and the last one is a tenth of that.
         Row::relative(
             "decay of the swing by the method, ζ = 0.09, 1/240 s",
             "1/s",
@@ -227,7 +227,7 @@ fn like_charges_come_as_close_as_their_energy_allows() -> Vec<Row> {
         closest = closest.min(f64::from(world.particles.separation(0, 1).length()));
     }
     let back = world.ledger().energy();
-    // They turn round within √(d m/2F) = 5 ms: 50 steps, of which the square is 1/2500, and its 24th part 2e-5.
+    // They turn round within √(d m/2F) = 5 ms, which is 50 steps: the error is about 1/50² / 24 = 2e-5.
     vec![
         Row::relative("closest approach K q²/E", "m", strength / energy, closest, 1e-4),
         Row::relative("energy on the way back", "J", energy, back, 1e-4),
@@ -250,7 +250,7 @@ fn softening_bounds_the_force_of_charges_that_meet() -> Vec<Row> {
         .map(|r: f32| {
             let expected = exact(f64::from(r));
             let what = format!("force between 1 µC and 1 µC {r} m apart, ε = 0.1 m");
-            // Some ten roundings in a pair's force.
+            // About ten roundings in the force of a pair.
             Row::absolute(what, "N", expected, force(r), 6e-7 * expected)
         })
         .into()

@@ -1,4 +1,4 @@
-//! Rows K5 and K6: what bounces keeps its momentum, and without loss its energy.
+//! Rows K5 and K6: collisions keep momentum, and with restitution 1 energy.
 
 use sinew::glam::{DVec3, Quat, Vec3};
 use sinew::recipes::{BoxLayout, BoxSpec, box_3d};
@@ -14,14 +14,14 @@ cases! {
     "K6" two_hundred_balls_in_a_box_keep_their_energy_for_a_minute;
 }
 
-/// What a ball is made of: nothing turns it.
+/// A material without friction, so that nothing turns a ball.
 fn smooth(restitution: f32) -> Material {
     Material::default().with_friction(0.0).with_restitution(restitution)
 }
 
-/// Adds a ball of so many metres and kilograms.
+/// Adds a ball with a radius, metres, a mass, kg, and restitution `e`.
 fn add(world: &mut Simulation, radius: f32, mass: f32, at: Vec3, velocity: Vec3, e: f32) {
-    // The box with the moments of inertia of a solid ball.
+    // A box with the moments of inertia of a solid ball.
     let size = Vec3::splat(radius * libm::sqrtf(2.4));
     let layout = BoxLayout::Equimomental;
     let spec = BoxSpec { size, mass, layout, ..BoxSpec::default() };
@@ -34,7 +34,7 @@ fn add(world: &mut Simulation, radius: f32, mass: f32, at: Vec3, velocity: Vec3,
     }
 }
 
-/// Kinetic energy, J, and momentum, kg·m/s, by the mean velocities of the last substep.
+/// Kinetic energy, J, and momentum, kg·m/s, from the mean velocities of the last substep.
 fn sums(world: &Simulation) -> (f64, DVec3) {
     let particles = &world.particles;
     let each = (0..particles.len()).map(|i| {
@@ -44,7 +44,8 @@ fn sums(world: &Simulation) -> (f64, DVec3) {
     each.fold((0.0, DVec3::ZERO), |sum, one| (sum.0 + one.0, sum.1 + one.1))
 }
 
-/// Runs a world of balls: the share of the energy that it has in the end, by how much of its momentum that has changed, and the most that one step gained.
+/// Runs a simulation of balls. Returns the final energy relative to the initial one, the relative change of momentum, and the largest gain of energy in a step,
+/// relative to the initial energy.
 fn run(world: &mut Simulation, ticks: u32) -> [f64; 3] {
     let (energy, momentum) = sums(world);
     let (mut now, mut gain) = ((energy, momentum), 0.0_f64);
@@ -57,14 +58,14 @@ fn run(world: &mut Simulation, ticks: u32) -> [f64; 3] {
     [now.0 / energy, (now.1 - momentum).length() / momentum.length(), gain / energy]
 }
 
-/// What two smooth balls have left of their energy: the one that moves comes along x at 2 m/s, and the line between them when they touch is turned from that
-/// by the angle whose sine is `aside`.
+/// Energy that two smooth balls keep, relative to the initial one. One comes along x at 2 m/s; the line between the centres at contact has an angle to x whose
+/// sine is `aside`.
 fn left(masses: [f64; 2], e: f64, aside: f64) -> f64 {
     let share = masses[1] / (masses[0] + masses[1]);
     1.0 - (1.0 - e * e) * (1.0 - aside * aside) * share
 }
 
-/// Momentum to 2e-5 at the worst: places of a metre are rounded, which is 2e-5 m/s at 2400 substeps a second.
+/// Momentum is accurate to 2e-5 at worst: rounding a position of a metre gives 2e-5 m/s at 2400 substeps a second.
 fn two_balls_bounce_as_their_masses_and_their_restitution_have_it() -> Vec<Row> {
     let mut rows = Vec::new();
     for e in [1.0_f64, 0.5] {
@@ -87,7 +88,7 @@ fn two_balls_bounce_as_their_masses_and_their_restitution_have_it() -> Vec<Row> 
                 }
                 let [a, b] = masses;
                 let way = if aside == 0.0 { "head-on" } else { "obliquely" };
-                // With a loss the direction counts, and a ball is met up to a substep's way early: 8 mm of its metre at 4.
+                // With e < 1 the direction of the normal matters, and a contact starts up to one substep's travel early: 8 mm at 4 substeps, for a ball of 1 m.
                 let share = if e == 1.0 { 1e-3 } else { 5e-3 };
                 let what = format!(
                     "energy left of a ball of {a} kg that meets one of {b} kg {way}, e = {e}"
@@ -101,7 +102,7 @@ fn two_balls_bounce_as_their_masses_and_their_restitution_have_it() -> Vec<Row> 
     rows
 }
 
-/// With `e = 1`, and gaps of nothing and of 0.01 mm.
+/// With `e = 1`, and gaps of zero and of 0.01 mm.
 fn a_ball_into_two_that_touch_and_a_row_of_five_keep_their_energy() -> Vec<Row> {
     let mut rows = Vec::new();
     let pair = |gap: f32| [1.0, -1.0].map(|side| Vec3::new(2.0, 0.0, side * (0.5 + gap))).to_vec();
@@ -135,7 +136,7 @@ fn a_ball_into_two_that_touch_and_a_row_of_five_keep_their_energy() -> Vec<Row> 
     rows
 }
 
-/// Balls of 10 cm at up to 3.5 m/s, between six planes, without gravity.
+/// Balls of 10 cm radius at up to 3.5 m/s between six planes, without gravity.
 fn two_hundred_balls_in_a_box_keep_their_energy_for_a_minute() -> Vec<Row> {
     let mut rows = Vec::new();
     for (share, least) in [(0.05_f32, 0.99), (0.3, 0.95)] {

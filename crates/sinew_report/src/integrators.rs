@@ -1,4 +1,4 @@
-//! Rows I1 to I9: a particle alone, thrown, damped or on a spring, against the formula of its motion.
+//! Rows I1 to I9: a single particle, thrown, damped or on a spring, against the formula of its motion.
 
 use sinew::glam::Vec3;
 use sinew::{Integrator, ParticleSeed, Simulation, Spring};
@@ -25,7 +25,7 @@ cases! {
     "I9" beyond_two_steps_a_radian_an_oscillator_blows_up;
 }
 
-/// Where a particle thrown with (3, 4) m/s is after `t` seconds.
+/// Position after `t` seconds of a particle thrown with (3, 4) m/s.
 fn parabola(t: f64) -> [f64; 2] {
     [3.0 * t, 4.0 * t - 0.5 * G * t * t]
 }
@@ -39,7 +39,7 @@ fn thrown(integrator: Integrator) -> Simulation {
     world
 }
 
-/// 1e-5 relative is the figure: 100 roundings of `f32`, where 120 steps make 120 of either sign.
+/// 1e-5 relative is the required accuracy: 100 roundings of `f32`, where 120 steps make 120 of either sign.
 fn a_thrown_particle_stays_on_the_parabola() -> Vec<Row> {
     let mut world = thrown(Integrator::Verlet);
     let mut worst = 0.0;
@@ -58,7 +58,7 @@ fn a_thrown_particle_stays_on_the_parabola() -> Vec<Row> {
     ]
 }
 
-/// The same figure where it is hardest: 12 000 substeps to 98 m/s, each adding 8 mm/s to a velocity whose neighbours are up to 8 µm/s apart.
+/// The same accuracy in the hardest case: 12 000 substeps up to 98 m/s, each adding 8 mm/s to a velocity whose neighbouring `f32` are up to 8 µm/s apart.
 fn a_long_fall_in_short_substeps_stays_on_the_parabola() -> Vec<Row> {
     let row = |substeps| {
         let mut world = Simulation::default();
@@ -72,7 +72,7 @@ fn a_long_fall_in_short_substeps_stays_on_the_parabola() -> Vec<Row> {
     [1, 4, 10, 20].map(row).into()
 }
 
-/// What physics.md warns of and the crate does not ship: `p_old = p - v h`, which is a velocity that is said to be half a step old.
+/// The start that physics.md warns of and the crate does not use: `p_old = p - v h`, where `v` is taken as half a step old.
 fn the_naive_start_of_verlet_errs_by_half_a_h_t() -> Vec<Row> {
     let h = 1.0_f32 / 60.0;
     let mut world = thrown(Integrator::Verlet);
@@ -81,7 +81,7 @@ fn the_naive_start_of_verlet_errs_by_half_a_h_t() -> Vec<Row> {
     steps(&mut world, h, 120);
     let t = 120.0 * f64::from(h);
     let off = parabola(t)[1] - at(&world, 0).y;
-    // The difference of two heights that are right to 1e-5 of 12 m.
+    // The difference of two heights that are accurate to 1e-5 of 12 m.
     vec![Row::absolute(
         "its error after 2 s at 1/60 s: ½·a·h·t",
         "m",
@@ -98,7 +98,7 @@ fn damping_takes_its_share_of_the_velocity_each_second_whatever_the_step() -> Ve
         world.particles.push(seed).expect("a sound particle");
         let count = (3.0 / h).round() as u32;
         steps(&mut world, h, count);
-        // The velocity is the mean of the last step: true half a step ago.
+        // The velocity is the mean over the last step, so it belongs to half a step ago.
         let t = (f64::from(count) - 0.5) * f64::from(h);
         let exact = 10.0 * libm::pow(f64::from(1.0 - 0.3_f32), t);
         let measured = f64::from(world.particles.velocity(0).x);
@@ -109,8 +109,8 @@ fn damping_takes_its_share_of_the_velocity_each_second_whatever_the_step() -> Ve
         .into()
 }
 
-/// `v = c v + h a` rests at `a h/(1 - c)`. That is the continuous `a/λ` times `1 + λh/2 + …`: the force is not damped within its own step, so
-/// the terminal speed of the lectures' formula is of first order in `h`, and the second row may be off by just that.
+/// `v = c v + h a` has the fixed point `a h/(1 - c)`. That is the continuous `a/λ` times `1 + λh/2 + …`: the force is not damped within its own step, so the
+/// terminal speed is of first order in `h`, and the second row may be off by just that.
 fn a_falling_body_reaches_the_terminal_speed_of_its_drag() -> Vec<Row> {
     let h = 1.0_f32 / 240.0;
     let mut world = Simulation::default();
@@ -157,7 +157,7 @@ fn x(world: &Simulation) -> f64 {
     at(world, 1).x
 }
 
-/// Round-off of two ways to the same numbers: 1000 steps of 6e-8 of 1 m, all the same way, are 6e-5 m.
+/// Round-off of two ways to the same numbers: 1000 roundings of 6e-8 m, all of the same sign, are 6e-5 m.
 fn leapfrog_runs_along_the_trajectory_of_verlet() -> Vec<Row> {
     let worst = |pick: fn(&mut Dice) -> f32| {
         let [mut one, mut other] = [Integrator::Verlet, Integrator::Leapfrog].map(oscillator);
@@ -196,7 +196,7 @@ fn oscillator_error(integrator: Integrator, h: f32, seconds: f32) -> f64 {
     worst
 }
 
-/// The order over four step sizes, ± 0.1 being the figure.
+/// The order over four step sizes; ± 0.1 is the required accuracy.
 fn order_row(integrator: Integrator, expected: f64, first: f32, seconds: f32) -> Row {
     let sizes = [first, first / 2.0, first / 4.0, first / 8.0];
     let errors = sizes.map(|h| (f64::from(h), oscillator_error(integrator, h, seconds)));
@@ -213,7 +213,7 @@ fn both_eulers_are_of_first_order_and_the_explicit_one_gains_energy() -> Vec<Row
     vec![
         order_row(Integrator::SemiImplicitEuler, 1.0, 0.02, 2.0),
         order_row(Integrator::ExplicitEuler, 1.0, 0.02, 2.0),
-        // (1 + ω²h²) a step is what the formula gives; a thousand roundings are 1e-4 of it.
+        // Exactly (1 + ω²h²) a step; a thousand roundings are 1e-4 of it.
         Row::relative(
             "energy of ExplicitEuler after 1000 steps of ωh = 0.05: (1+ω²h²)ⁿ",
             "",
@@ -230,7 +230,7 @@ pub(crate) fn reverse(world: &mut Simulation) {
     world.particles.reverse(&all);
 }
 
-/// Round-off at its worst: one rounding a step (6e-8 of the largest coordinate), all the same way, there and back.
+/// Round-off at worst: one rounding a step (6e-8 of the largest coordinate), all of the same sign, there and back.
 fn swapping_the_two_positions_runs_the_motion_backwards() -> Vec<Row> {
     let row = |name: &str, mut world: Simulation, i: usize, h: f32, count: u32, scale: f64| {
         let start = at(&world, i);
@@ -253,7 +253,7 @@ fn swapping_the_two_positions_runs_the_motion_backwards() -> Vec<Row> {
     ]
 }
 
-/// Three roundings: `1/m`, `w·i`, and `m` again when it is measured; 6e-8 each.
+/// Three roundings, 6e-8 each: `1/m`, `w·i`, and `m` again when it is measured.
 fn an_impulse_changes_momentum_by_itself() -> Vec<Row> {
     let mut world = thrown(Integrator::Verlet);
     let heavy = ParticleSeed { mass: 3.0, ..world.particles.seed(0) };
@@ -306,7 +306,7 @@ fn an_oscillator_swings_at_the_frequency_of_the_method() -> Vec<Row> {
     [0.1, 0.5].map(row).into()
 }
 
-/// Energy of an oscillator, as a share of its energy at first, step by step.
+/// Energy of an oscillator after each step, relative to its initial energy.
 pub(crate) fn energies(integrator: Integrator, h: f32, count: u32) -> Vec<f64> {
     let mut world = oscillator(integrator);
     let before = world.ledger().energy();
@@ -317,8 +317,8 @@ pub(crate) fn energies(integrator: Integrator, h: f32, count: u32) -> Vec<f64> {
     (0..count).map(energy).collect()
 }
 
-/// With `x = cos kθ` and `v = -sin kθ · sin θ/h` the energy is `1 - (ωh)²/4 · sin² kθ` of what it was. A rounding a step, of either sign, makes
-/// 6e-8·√20000 = 1e-5 in 20 000 steps; twice that, as it goes into position and velocity.
+/// With `x = cos kθ` and `v = -sin kθ · sin θ/h` the energy is `1 - (ωh)²/4 · sin² kθ` of the initial one. One rounding a step, of either sign, makes
+/// 6e-8·√20000 = 1e-5 in 20 000 steps; twice that, as it affects position and velocity.
 fn an_oscillator_neither_drifts_nor_leaves_its_bounds() -> Vec<Row> {
     let h = 0.5_f32;
     let energies = energies(Integrator::Verlet, h, 20_000);
@@ -328,7 +328,7 @@ fn an_oscillator_neither_drifts_nor_leaves_its_bounds() -> Vec<Row> {
     vec![
         Row::absolute("least energy in 1600 periods, ωh = 0.5: 1-(ωh)²/4", "", 0.9375, least, 3e-5),
         Row::absolute("most energy in 1600 periods", "", 1.0, largest(energies), 3e-5),
-        // A mean over 1000 steps is some 80 periods and a part of one, which is worth up to 1 % of the swing of the energy.
+        // 1000 steps are about 80 periods and a fraction of one, which shifts the mean by up to 1 % of the amplitude of the energy.
         Row::absolute("drift of the mean energy", "", 0.0, drift, 3e-4),
     ]
 }
@@ -352,7 +352,7 @@ fn beyond_two_steps_a_radian_an_oscillator_blows_up() -> Vec<Row> {
             farthest(1.99, 1000),
             1e-3,
         ),
-        // One rounding of ωh, 1e-7, moves μ by 1e-6: 4e-5 of a growth over 40 steps; rounding on the way does as much.
+        // One rounding of ωh, 1e-7, shifts μ by 1e-6: 4e-5 of the growth over 40 steps. Rounding in each step does as much.
         Row::relative(
             "the same in 40 steps at ωh = 2.01: cosh 40μ",
             "m",

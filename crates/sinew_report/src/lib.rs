@@ -1,21 +1,21 @@
-//! Every claim of the physics, run and measured: one case each, shared by the tests and by `cargo run --example physics_report`.
+//! Every claim of the physics, run and measured: one case for each, shared by the tests and by `cargo run --example physics_report`.
 //!
-//! A [`Case`] builds a world, runs it and returns [`Row`]s: what a formula gives, what the solver gave, and how far apart the two may be. What is
-//! allowed is derived from the order of the method at the step that is used, and says so beside the number; it is never loosened so that a row
-//! passes. Each case is a test of this crate as well, named after what it shows.
+//! A [`Case`] builds a simulation, runs it and returns [`Row`]s: the value by a formula, the value by the solver, and the tolerance. The tolerance is derived
+//! from the order of the method at the step that is used, and the derivation is beside the number; it is never loosened to make a row pass. Each case is also a
+//! test of this crate, named after what it shows.
 //!
-//! | file | what of it |
+//! | module | content |
 //! |---|---|
-//! | `integrators` | I1 to I9: parabola, damping, steps that change, orders, reversal |
+//! | `integrators` | I1 to I9: parabola, damping, variable steps, orders, reversal |
 //! | `forces`, `air`, `media` | F1 to F9: springs, charges; wind; fluids, friction, statics |
 //! | `constraints`, `shapes` | C1 to C11: distances, limits and boundaries; planes, lines, areas, volumes and bending |
-//! | `solver` | direction, loop, substeps, softness, the ledger of a long run |
-//! | `compounds`, `readback`, `bodies` | B1 to B3: boxes and pendulums; E1 to E3: what is read back; B2', M1, M2: rigid shapes and rigid bodies |
-//! | `rolling` | K1 to K3: what is round rolls, slips and spins |
-//! | `impacts` | K5 and K6: what bounces keeps its momentum and its energy |
-//! | `loads` | K7, K8 and K10: what carries, what lies still, and what slides |
-//! | `far` | what 5 km from the origin change: nothing |
-//! | `plots` | the pictures |
+//! | `solver` | gradients, sweeps, substeps, softness, conservation in a long run |
+//! | `compounds`, `readback`, `bodies` | B1 to B3: boxes and pendulums; E1 to E3: pose, motion, inertia; B2', M1, M2: rigid shapes and rigid bodies |
+//! | `rolling` | K1 to K3: rolling, slipping and spinning of round shapes |
+//! | `impacts` | K5 and K6: momentum and energy in collisions |
+//! | `loads` | K7, K8 and K10: stacks, bodies at rest, and slopes |
+//! | `far` | the same results 5 km from the origin |
+//! | `plots` | the plots |
 //! | `table` | the page as text, and as JSON |
 
 mod air;

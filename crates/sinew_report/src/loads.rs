@@ -1,4 +1,4 @@
-//! Rows K7, K8 and K10: what carries, what lies still, and what slides.
+//! Rows K7, K8 and K10: stacks, bodies at rest, and slopes.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, RopeSpec, box_3d, rope};
@@ -21,21 +21,21 @@ fn on_a_floor(substeps: u32) -> Simulation {
     world
 }
 
-/// Adds a cube of 1 m, whose centre is so high, metres.
+/// Adds a cube of 1 m with its centre at `height` metres.
 fn add_cube(world: &mut Simulation, mass: f32, height: f32) {
     let spec = BoxSpec { mass, ..BoxSpec::default() };
     let body = box_3d(&spec).expect("a sound box").transformed(Quat::IDENTITY, Vec3::Y * height);
     body.build_colliding(world, BodyContacts::default()).expect("room");
 }
 
-/// How high the middle of some particles is, metres.
+/// Mean height of some particles, metres.
 fn height(world: &Simulation, rows: core::ops::Range<usize>) -> f64 {
     let count = rows.len() as f64;
     rows.map(|i| f64::from(world.particles.position(i).y)).sum::<f64>() / count
 }
 
-/// Cubes of 1 m on each other for 20 s: how much lower than it should be the lowest of them ever was, as a share of the height of all. The report says how
-/// deep they are in each other, and does not call that converged where it is more than the tolerance.
+/// Cubes of 1 m stacked for 20 s: how far one of them was ever below its place, relative to the height of the stack. The report states their overlap, and does
+/// not count as converged where that exceeds the tolerance.
 fn light_cubes_carry_heavy_ones() -> Vec<Row> {
     let mut rows = Vec::new();
     for masses in [&[1.0, 1000.0][..], &[1.0, 100.0], &[1.0, 10.0, 100.0]] {
@@ -76,7 +76,7 @@ fn light_cubes_carry_heavy_ones() -> Vec<Row> {
     rows
 }
 
-/// From the fifth second to the tenth; the pendulum starts level, and is 1 m long.
+/// Speeds from the fifth second to the tenth. The pendulum starts level and is 1 m long.
 fn what_lies_or_hangs_still_has_no_velocity_and_what_swings_has_its_own() -> Vec<Row> {
     let mut rows = Vec::new();
     for (substeps, most) in [(1, 1e-4), (4, 1e-4), (10, 1.2e-4), (40, 1e-3)] {
@@ -102,7 +102,7 @@ fn what_lies_or_hangs_still_has_no_velocity_and_what_swings_has_its_own() -> Vec
                 still = largest(speeds.chain([still]));
             }
             let fallen = f64::from(pivot.y - world.particles.position(swings).y);
-            // Where it is fast: at its turning points a speed has no share to be right to.
+            // Only where it is fast: near the turning points a relative error has no meaning.
             if (10..120).contains(&tick) && fallen > 0.2 {
                 let speed = libm::sqrt(2.0 * G * fallen);
                 let seen = f64::from(world.velocity_now(swings).length());
@@ -118,8 +118,9 @@ fn what_lies_or_hangs_still_has_no_velocity_and_what_swings_has_its_own() -> Vec
     rows
 }
 
-/// A block, a particle with a radius and a rope, on planes: what slides in two seconds at 1.02 and at 0.98 of the friction that holds, and how fast at 0.9
-/// of it. With 40 substeps the latter is not claimed: what presses in one of them is less than the rounding of a place some metres down (K9).
+/// A block, a particle with a radius and a rope on planes: the distance in two seconds with 1.02 and with 0.98 of the friction that holds them, and the error
+/// of the distance with 0.9 of it. The last is not claimed at 40 substeps: the depth by which a substep of gravity presses them in is less than the rounding of
+/// a position some metres down (K9).
 fn what_lies_on_a_slope_slides_if_and_only_if_it_is_steeper_than_its_friction() -> Vec<Row> {
     let mut rows = Vec::new();
     for (kind, name) in ["block", "particle", "rope"].into_iter().enumerate() {
@@ -137,7 +138,7 @@ fn what_lies_on_a_slope_slides_if_and_only_if_it_is_steeper_than_its_friction() 
             }
             let what = format!("how far a {name} slides down {degrees}° that its friction holds");
             rows.push(Row::at_most(what, "m", 1e-3, stuck));
-            // A quarter of what two seconds bring: with 40 substeps a rope of 40 g loses two thirds of so little.
+            // A quarter of the exact distance in two seconds: with 40 substeps a rope of 40 g loses two thirds of so short a distance.
             let least = G * sin * 0.01;
             rows.push(Row::at_least("and that it does not hold, by 2 %", "m", least, slid));
             rows.push(Row::at_most("how wrong its way is at 0.9 of it", "", 0.02, off));
@@ -146,7 +147,7 @@ fn what_lies_on_a_slope_slides_if_and_only_if_it_is_steeper_than_its_friction() 
     rows
 }
 
-/// How far something slides down a plane in two seconds, metres.
+/// Distance that a block (0), a particle (1) or a rope (2) slides down a plane in two seconds, metres.
 fn slides(kind: usize, degrees: f64, friction: f32, substeps: u32) -> f64 {
     let half = 0.5 * degrees.to_radians();
     let turned = Quat::from_xyzw(0.0, 0.0, -libm::sin(half) as f32, libm::cos(half) as f32);

@@ -1,17 +1,17 @@
-//! What the cases measure with: worlds to start from, runs, crossings, slopes. Everything measured is `f64`, and mathematics comes from
-//! `libm`, so that the page of results is the same on every machine.
+//! Tools of the cases: initial simulations, runs, zero crossings, slopes. All measurements are in `f64`, and mathematical functions come from `libm`, so that
+//! the results are the same on every machine.
 
 use sinew::glam::{DQuat, DVec3, Vec3};
 use sinew::pose::{Motion, motion};
 use sinew::{GradientAt, Simulation, SolverReport};
 
-/// Gravity of a world by default, m/s².
+/// Default gravity of a simulation, m/s².
 pub(crate) const G: f64 = 9.81;
 
-/// A step of a game, seconds.
+/// Duration of a tick, seconds.
 pub(crate) const TICK: f32 = 1.0 / 60.0;
 
-/// A world without gravity and with as many substeps as asked for.
+/// A simulation without gravity, with a number of substeps.
 pub(crate) fn empty(substeps: u32) -> Simulation {
     let mut world = Simulation::default();
     world.forces.gravity = Vec3::ZERO;
@@ -19,28 +19,28 @@ pub(crate) fn empty(substeps: u32) -> Simulation {
     world
 }
 
-/// Makes the loop converge as far as `f32` goes: for claims about the direction of a correction, and not about how far the loop went.
+/// Makes the solver converge as far as `f32` allows: for claims about the direction of a correction rather than about convergence.
 pub(crate) fn converge(world: &mut Simulation, gradient_at: GradientAt, sweeps: u32) {
     world.settings.gradient_at = gradient_at;
     world.settings.max_sweeps = sweeps;
     world.settings.tolerance = 0.0;
 }
 
-/// One step. The cases choose steps that can be taken.
+/// Simulates one step. The cases only choose valid steps.
 pub(crate) fn step(world: &mut Simulation, dt: f32) -> &SolverReport {
     world.step(dt).expect("a positive step")
 }
 
-/// As many steps of `dt` seconds as are asked for.
+/// Simulates `count` steps of `dt` seconds.
 pub(crate) fn steps(world: &mut Simulation, dt: f32, count: u32) {
     for _ in 0..count {
         step(world, dt);
     }
 }
 
-/// Times, in seconds from now, at which `value` rises through zero: interpolated, over `seconds` at steps of `dt`.
+/// Times, in seconds from now, at which `value` rises through zero, interpolated; runs for `seconds` at steps of `dt`.
 ///
-/// At a zero of an oscillation its second derivative is zero too, so the straight line between two samples errs by `dt³` only.
+/// At a zero of an oscillation its second derivative is zero too, so linear interpolation between two samples errs by `dt³` only.
 pub(crate) fn rises(
     world: &mut Simulation,
     dt: f32,
@@ -61,7 +61,7 @@ pub(crate) fn rises(
     times
 }
 
-/// Mean time between the first and the last of some events, seconds; NaN if there are none to measure between.
+/// Mean time between events, seconds; NaN for fewer than two.
 pub(crate) fn period(times: &[f64]) -> f64 {
     match times {
         [first, .., last] => (last - first) / (times.len() - 1) as f64,
@@ -83,7 +83,7 @@ pub(crate) fn order(errors: &[(f64, f64)]) -> f64 {
     xy / xx
 }
 
-/// The largest of some numbers; NaN if one of them is.
+/// The largest of some numbers that are not negative; NaN if one of them is NaN.
 pub(crate) fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
     numbers.into_iter().fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
 }
@@ -93,19 +93,19 @@ pub(crate) fn at(world: &Simulation, i: usize) -> DVec3 {
     world.particles.position(i).as_dvec3() + world.particles.remainder(i).as_dvec3()
 }
 
-/// How far two points are from each other, as a share of `scale`.
+/// Distance between two points, relative to `scale`.
 pub(crate) fn gap(a: DVec3, b: DVec3, scale: f64) -> f64 {
     (a - b).length() / scale
 }
 
-/// What some particles do as a whole, with velocities at the instant of the positions.
+/// Mass, centre of mass and motion of some particles as a whole, with velocities at the instant of the positions.
 pub(crate) fn whole(world: &Simulation, rows: core::ops::Range<usize>) -> Motion {
     let particles = &world.particles;
     let point = |i| (particles.position(i), world.velocity_now(i), particles.mass(i));
     motion(rows.map(point)).expect("a compound of finite particles")
 }
 
-/// Lets some particles turn about the origin with the angular velocity `spin`, rad/s.
+/// Adds a rotation about the origin to the velocities of some particles; angular velocity `spin`, rad/s.
 pub(crate) fn spin(world: &mut Simulation, rows: core::ops::Range<usize>, spin: Vec3) {
     for i in rows {
         let arm = world.particles.position(i);
@@ -114,7 +114,7 @@ pub(crate) fn spin(world: &mut Simulation, rows: core::ops::Range<usize>, spin: 
     }
 }
 
-/// The sum of all forces on the particles where they are now, N.
+/// Sum of the forces on all free particles at their present positions, N.
 pub(crate) fn force(world: &mut Simulation) -> DVec3 {
     world.ledger();
     let particles = &world.particles;
@@ -127,7 +127,7 @@ pub(crate) fn vector(dice: &mut Dice) -> DVec3 {
     DVec3::new(dice.signed(), dice.signed(), dice.signed())
 }
 
-/// A rotation, all of them as likely.
+/// A rotation, uniformly distributed.
 pub(crate) fn rotation(dice: &mut Dice) -> DQuat {
     loop {
         let q = DQuat::from_xyzw(dice.signed(), dice.signed(), dice.signed(), dice.signed());
@@ -137,7 +137,7 @@ pub(crate) fn rotation(dice: &mut Dice) -> DQuat {
     }
 }
 
-/// Numbers that look like chance and are the same in every run (Knuth's linear congruence).
+/// Pseudo-random numbers that are the same in every run (Knuth's linear congruential generator).
 pub(crate) struct Dice(pub(crate) u32);
 
 impl Dice {

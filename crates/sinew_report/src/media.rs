@@ -19,7 +19,7 @@ cases! {
     "F9" a_chain_hangs_as_its_catenary;
 }
 
-/// Depth over radius at which a ball of `ratio` of the fluid's density floats: `d²(3 - d) = 4·ratio`, by bisection.
+/// Depth relative to the radius at which a ball of `ratio` of the fluid's density floats: solves `d²(3 - d) = 4·ratio` by bisection.
 fn floating_depth(ratio: f64) -> f64 {
     let (mut low, mut high) = (0.0, 2.0);
     for _ in 0..60 {
@@ -29,7 +29,7 @@ fn floating_depth(ratio: f64) -> f64 {
     low
 }
 
-/// It rests where two forces of `f32` cancel, which is known to 1e-6 of the radius; a quarter of the drag leaves e⁻²² of the first swing.
+/// At rest two forces of `f32` cancel, which determines the depth to 1e-6 of the radius. A quarter of the drag's rate leaves e⁻²² of the initial amplitude.
 fn a_ball_floats_as_deep_as_its_density_says() -> Vec<Row> {
     let row = |ratio: f32| {
         let radius = 0.2_f32;
@@ -47,7 +47,7 @@ fn a_ball_floats_as_deep_as_its_density_says() -> Vec<Row> {
     [0.25, 0.5, 0.75].map(row).into()
 }
 
-/// A box of 3×1×3 m with a hull, level and with its middle at `height` over the water; without its top if it is open.
+/// A box of 3×1×3 m with a hull, level, with its centre at `height` above the water; without its top if it is open.
 fn boat(ratio: f32, height: f32, drag: f32, open: bool) -> Simulation {
     let mut world = Simulation::default();
     world.forces.fluids.push(Fluid { drag, ..Fluid::water(0.0) });
@@ -64,12 +64,12 @@ fn boat(ratio: f32, height: f32, drag: f32, open: bool) -> Simulation {
     world
 }
 
-/// Height of its middle, m.
+/// Height of its centre, m.
 fn middle(world: &Simulation) -> f64 {
     (0..8).map(|i| at(world, i).y).sum::<f64>() / 8.0
 }
 
-/// Two forces of `f32` cancel where it rests, and e⁻²² is left of the first swing.
+/// At rest two forces of `f32` cancel, and e⁻²² is left of the initial amplitude.
 fn a_box_floats_as_deep_as_its_density_says_closed_or_open() -> Vec<Row> {
     let row = |(ratio, open): (f32, bool)| {
         let mut world = boat(ratio, 0.6 - ratio, 0.95, open);
@@ -81,7 +81,7 @@ fn a_box_floats_as_deep_as_its_density_says_closed_or_open() -> Vec<Row> {
     [(0.25, false), (0.5, false), (0.75, false), (0.25, true), (0.5, true)].map(row).into()
 }
 
-/// Vertical walls make it a harmonic oscillator, and Verlet's own shift is (ωh)²/24 = 2e-6 of its period at 600 substeps a second.
+/// Vertical walls make it a harmonic oscillator. Verlet shifts the period by (ωh)²/24 = 2e-6 at 600 substeps a second.
 fn a_box_heaves_in_the_time_of_a_pendulum_as_long_as_its_draft() -> Vec<Row> {
     let mut world = boat(0.5, 0.1, 0.0, false);
     let measured = period(&rises(&mut world, TICK, 20.0, middle));
@@ -95,7 +95,7 @@ fn a_box_heaves_in_the_time_of_a_pendulum_as_long_as_its_draft() -> Vec<Row> {
     )]
 }
 
-/// A ball that floats in equilibrium is pushed sideways: nothing but the drag acts along.
+/// A ball that floats in equilibrium moves sideways: along that direction only the drag acts.
 fn a_fluid_damps_by_the_submerged_share() -> Vec<Row> {
     let row = |(name, height, ratio, share): (&str, f32, f32, f64)| {
         let radius = 0.2_f32;
@@ -124,7 +124,7 @@ fn a_fluid_damps_by_the_submerged_share() -> Vec<Row> {
         .into()
 }
 
-/// How far something slides in 2 s down a slope of `slope` (tan θ) with friction 0.4.
+/// Distance, metres, that a particle slides in 2 s down a slope of `slope` (tan θ) with friction 0.4.
 fn slid(slope: f32) -> f64 {
     let mut world = Simulation::default();
     let normal = Vec3::new(slope, 1.0, 0.0);
@@ -135,8 +135,8 @@ fn slid(slope: f32) -> f64 {
     at(&world, 0).length()
 }
 
-/// The corrections are those of Coulomb's law in every substep, so nothing but round-off is left: the way into the plane is 3e-5 m a substep,
-/// and a position of 1 m is rounded by 6e-8 m, either way.
+/// The corrections obey Coulomb's law in every substep, so only round-off is left: a particle is pressed into the plane by 3e-5 m a substep, and a position of
+/// 1 m is rounded by 6e-8 m, either way.
 fn a_block_slides_exactly_if_the_slope_is_steeper_than_friction_holds() -> Vec<Row> {
     let exact = |slope: f64| G * (slope - 0.4) / libm::sqrt(1.0 + slope * slope) * 2.0;
     vec![
@@ -146,7 +146,7 @@ fn a_block_slides_exactly_if_the_slope_is_steeper_than_friction_holds() -> Vec<R
     ]
 }
 
-/// The lectures' planar friction is an exponential, taken substep by substep: exact but for round-off.
+/// Planar drag is an exponential, applied in each substep: exact but for round-off.
 fn a_drag_along_the_plane_takes_its_share_each_second() -> Vec<Row> {
     let speed = |along: f32| {
         let mut world = Simulation::default();
@@ -176,7 +176,7 @@ fn a_sliding_block_stops_where_friction_has_eaten_its_speed() -> Vec<Row> {
         steps(&mut world, TICK, 180);
         let exact = f64::from(speed * speed) / (2.0 * f64::from(friction) * G);
         let what = format!("way of a block of {speed} m/s, μ = {friction}: v²/2μg");
-        // The last substep is not stopped within itself: it errs by less than v·h = μg·h² there.
+        // The particle stops at the end of a substep, not within it: an error of less than v·h = μg·h².
         Row::relative(what, "m", exact, at(&world, 0).x, 1e-3)
     };
     [(3.0, 0.5), (2.0, 0.2)].map(row).into()
@@ -199,14 +199,14 @@ pub(crate) fn hanging_chain(links: u32) -> Simulation {
     world.settings.substeps = 1;
     world.settings.tolerance = 0.0;
     world.settings.max_sweeps = 1000;
-    // Long steps walk far and leave the links stretched by what they fall in a step; shorter ones walk on from there.
+    // Long steps move the chain far and leave the links stretched by the distance that they fall in a step; shorter steps refine from there.
     steps(&mut world, 1.0 / 30.0, 100);
     steps(&mut world, 1.0 / 120.0, 500);
     world
 }
 
-/// Sags of chains of N links, found link by link from the balance of forces (physics.md F9); the curve itself sags by 0.5026 m. Half a per cent
-/// is the figure: a sweep hands a force on by one link, so that a thousand leave a hundred links some thousandth longer than they are.
+/// The sag of a chain of N links, computed link by link from the balance of forces (physics.md F9); the catenary itself sags by 0.5026 m. 0.5 % is the required
+/// accuracy: a sweep propagates a force by one link, so after a thousand sweeps a hundred links are still about 0.1 % too long.
 fn a_chain_hangs_as_its_catenary() -> Vec<Row> {
     let mut rows = Vec::new();
     for (links, exact) in [(10, 0.50595), (20, 0.50345), (50, 0.50276), (100, 0.50267)] {

@@ -1,4 +1,4 @@
-//! Rows E1 to E3: what is read back from compounds, the transform, the motion and the inertia.
+//! Rows E1 to E3: pose, motion and inertia that are computed from the particles of a compound.
 
 use sinew::glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 use sinew::pose::{motion, pose};
@@ -14,17 +14,17 @@ cases! {
     "E3" inertia_and_spin_are_those_of_a_rigid_body;
 }
 
-/// Angle in radians between a rotation and another.
+/// Angle between two rotations, radians.
 fn turned(a: Quat, b: DQuat) -> f64 {
     let a = DQuat::from_xyzw(f64::from(a.x), f64::from(a.y), f64::from(a.z), f64::from(a.w));
     let d = a.conjugate() * b;
     2.0 * libm::atan2(DVec3::new(d.x, d.y, d.z).length(), d.w.abs())
 }
 
-/// Positions and rotation are rounded to `f32`, 6e-8 of a metre and a radian, some four times each.
+/// Tolerance: positions and rotation are rounded to `f32`, 6e-8 of a metre or a radian, about four times each.
 fn the_transform_is_exact_for_any_rotation_and_stretch() -> Vec<Row> {
     let mut dice = Dice(11);
-    // A shape with equal moments, for which the answer is exact whatever the stretch, and one without.
+    // The cube has equal moments, for which the rotation is exact under any stretch; the random bodies do not.
     let cube: Vec<DVec3> = (0..8)
         .map(|i| {
             DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1)) * 2.0 - 1.0
@@ -42,7 +42,7 @@ fn the_transform_is_exact_for_any_rotation_and_stretch() -> Vec<Row> {
     for _ in 0..1000 {
         let loose: Vec<DVec3> = (0..7).map(|_| vector(&mut dice)).collect();
         error(0, &loose, DMat3::IDENTITY, &mut dice);
-        // S = Q D Qᵀ, symmetric and positive, along any axes.
+        // S = Q D Qᵀ, symmetric and positive definite, along arbitrary axes.
         let axes = DMat3::from_quat(rotation(&mut dice));
         let scale = DVec3::new(0.5, 1.0, 2.0);
         error(1, &cube, axes * DMat3::from_diagonal(scale) * axes.transpose(), &mut dice);
@@ -62,12 +62,12 @@ fn the_transform_is_exact_for_any_rotation_and_stretch() -> Vec<Row> {
     ]
 }
 
-/// What a rotation takes `v` to.
+/// `v` rotated by `q`.
 fn carried(q: Quat, v: DVec3) -> DVec3 {
     DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into()) * v
 }
 
-/// Some roundings of `f32`, as above; a line of `f32` is known to 1e-7 rad.
+/// Tolerance: some roundings of `f32`, as above; the direction of a line is accurate to 1e-7 rad.
 fn the_transform_survives_mirrors_lines_points_and_half_turns() -> Vec<Row> {
     let mut dice = Dice(21);
     let [mut mirrored, mut aimed, mut kept, mut half] = [0.0; 4];
@@ -105,7 +105,7 @@ fn the_transform_survives_mirrors_lines_points_and_half_turns() -> Vec<Row> {
     ]
 }
 
-/// Eight particles of different masses, and a motion of all of them.
+/// Eight particles of different masses, moving rigidly: position, velocity and mass of each, the velocity and the angular velocity.
 fn moving_body() -> (Vec<(Vec3, Vec3, f32)>, DVec3, DVec3) {
     let mut dice = Dice(5);
     let (velocity, omega) = (DVec3::new(1.0, -2.0, 0.5), DVec3::new(0.7, 3.0, -1.1));
@@ -129,7 +129,7 @@ fn mass_barycentre_and_velocity_are_the_weighted_means() -> Vec<Row> {
     let slow = (found.velocity.as_dvec3() - exact).length();
     vec![
         Row::relative("mass of 8 particles", "kg", mass, f64::from(found.mass), 1e-7),
-        // Rounded once, at the end, from what is summed in f64.
+        // Summed in f64 and rounded once at the end.
         Row::absolute("barycentre, off by", "m", 0.0, off, 1e-7),
         Row::absolute("its velocity, off by", "m/s", 0.0, slow, 5e-7),
     ]
@@ -149,7 +149,7 @@ fn inertia_and_spin_are_those_of_a_rigid_body() -> Vec<Row> {
     let size = |m: Mat3| {
         (m.as_dmat3() - exact).to_cols_array().iter().map(|x| x.abs()).fold(0.0, f64::max)
     };
-    // A rod spins about its length as it likes: the pseudo-inverse says not at all.
+    // The spin of a rod about its own length is undetermined; the pseudo-inverse gives zero.
     let rod = [-1.0, 1.0].map(|x| {
         let r = Vec3::X * x;
         (r, Vec3::new(5.0, 2.0, 0.0).cross(r), 1.0)

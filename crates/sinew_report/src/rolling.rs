@@ -1,4 +1,4 @@
-//! Rows K1 to K3: what is round rolls, slips and spins.
+//! Rows K1 to K3: rolling, slipping and spinning of round shapes.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::pose::{Motion, motion};
@@ -16,10 +16,11 @@ cases! {
     "K3" a_ball_without_friction_keeps_its_spin;
 }
 
-/// Radius of all that rolls here, metres.
+/// Radius of all round shapes here, metres.
 const RADIUS: f32 = 0.5;
 
-/// Something round: what it is, its shape, the size of the box with its moments of inertia, and what it has of `m r²` for the one that it rolls with.
+/// A round shape: its name, its collision shape, the size of the box with the same moments of inertia, and its moment of inertia about the rolling axis divided
+/// by `m r²`.
 struct Round {
     name: &'static str,
     shape: Shape,
@@ -27,9 +28,10 @@ struct Round {
     inertia: f64,
 }
 
-/// A ball and a capsule with the inertia of a solid ball, and a solid cylinder; the axes of the last two are y.
+/// A ball, a capsule with the inertia of a solid ball, and a solid cylinder; the axes of the last two are y.
 fn round() -> [Round; 3] {
-    // A box of side s has m s²/6, a ball 2/5 m r², a cylinder 1/2 m r² about its axis and, if both are as high, the same as the box across it.
+    // A cube of side s has m s²/6, a ball 2/5 m r², a cylinder 1/2 m r² about its axis. Across the axis a cylinder of the same height as the box has the same
+    // moment as the box.
     let (ball, cylinder) = (RADIUS * libm::sqrtf(2.4), RADIUS * libm::sqrtf(3.0));
     let shape = |shape: Result<Shape, _>| shape.expect("a sound shape");
     [
@@ -55,7 +57,7 @@ fn round() -> [Round; 3] {
 }
 
 impl Round {
-    /// A world with it on a ground, both with a friction.
+    /// A simulation with the shape on a ground, both with the same friction.
     fn on(&self, ground: &Shape, frames: [&Frame; 2], friction: f32, substeps: u32) -> Simulation {
         let [ground_at, at] = frames;
         let mut world = Simulation::default();
@@ -66,7 +68,7 @@ impl Round {
         let spec = BoxSpec { size: self.size, mass: 2.0, layout, ..BoxSpec::default() };
         let mut body = box_3d(&spec).expect("a sound box");
         body.parts[0].shape = Some(self.shape.clone());
-        // Across the slope, or over the level.
+        // The axis lies horizontally, across the slope.
         let lies = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
         let body = body.transformed(lies, at.translation);
         let contacts = BodyContacts { material, ..Default::default() };
@@ -75,7 +77,7 @@ impl Round {
     }
 }
 
-/// A slope down x: where it is, and what it is made of.
+/// A slope down x: its frame, and three grounds with their frames: a plane, a box and a mesh.
 fn slopes(degrees: f64) -> (Frame, [(Shape, Frame); 3]) {
     let half = 0.5 * degrees.to_radians();
     let turned = Quat::from_xyzw(0.0, 0.0, -libm::sin(half) as f32, libm::cos(half) as f32);
@@ -88,8 +90,8 @@ fn slopes(degrees: f64) -> (Frame, [(Shape, Frame); 3]) {
     (frame, [(Shape::half_space(), frame), (plate, below), (mesh, frame)])
 }
 
-/// How far it came down in two seconds, metres; how fast it is then, m/s; and how fast it turns, rad/s. The one of all grounds and numbers of substeps
-/// that is farthest from what is expected.
+/// Distance in two seconds, metres; speed then, m/s; and angular speed, rad/s. Of each the value farthest from the expected one, over all grounds and numbers
+/// of substeps.
 fn down(
     round: &Round,
     degrees: f64,
@@ -121,8 +123,8 @@ fn down(
     worst
 }
 
-/// The farthest of a plane, a box and a mesh, with 4, 10 and 40 substeps; with 1.2 of the friction `tan θ k / (1 + k)` that it needs, where `k` is its inertia
-/// by `m r²`.
+/// The worst of a plane, a box and a mesh, with 4, 10 and 40 substeps; with 1.2 times the friction that rolling requires, `tan θ k / (1 + k)`, where `k` is the
+/// moment of inertia divided by `m r²`.
 fn what_is_round_rolls_down_a_slope_as_its_inertia_has_it() -> Vec<Row> {
     let rows = round().into_iter().flat_map(|round| {
         [5.0, 20.0, 45.0].into_iter().flat_map(move |degrees: f64| {
@@ -153,7 +155,8 @@ fn what_is_round_rolls_down_a_slope_as_its_inertia_has_it() -> Vec<Row> {
     rows.collect()
 }
 
-/// With 0.8 of that friction. From 20° on with 4 and 10 substeps alone: what presses in one of 40, 1.6e-6 m, is the rounding of a place five metres down.
+/// With 0.8 times that friction. From 20° on with 4 and 10 substeps only: at 40 the depth by which gravity presses the body in, 1.6e-6 m, is the rounding of a
+/// position five metres down.
 fn where_friction_is_too_little_it_slips_and_turns_as_that_has_it() -> Vec<Row> {
     let rows = round().into_iter().flat_map(|round| {
         [5.0, 20.0, 45.0].into_iter().flat_map(move |degrees: f64| {
@@ -180,7 +183,7 @@ fn where_friction_is_too_little_it_slips_and_turns_as_that_has_it() -> Vec<Row> 
     rows.collect()
 }
 
-/// A ball of 1 m/s on a floor, and how far off its speed was at the worst in ten seconds.
+/// A ball of 1 m/s on a floor: the largest error of its speed in ten seconds.
 fn a_ball_rolls_on_over_the_level() -> Vec<Row> {
     let [ball, ..] = round();
     let at = Frame::new(Vec3::Y * RADIUS, Quat::IDENTITY);
@@ -199,7 +202,7 @@ fn a_ball_rolls_on_over_the_level() -> Vec<Row> {
     [4, 10, 40].map(row).into()
 }
 
-/// Ten seconds on a floor without friction. With 40 substeps it is 1.2e-3 at the worst: places are rounded 24 000 times.
+/// Ten seconds on a floor without friction. With 40 substeps the error is 1.2e-3 at worst, because positions are rounded 24 000 times.
 fn a_ball_without_friction_keeps_its_spin() -> Vec<Row> {
     let [ball, ..] = round();
     let at = Frame::new(Vec3::Y * RADIUS, Quat::IDENTITY);
@@ -219,16 +222,16 @@ fn a_ball_without_friction_keeps_its_spin() -> Vec<Row> {
     [4, 10].map(row).into()
 }
 
-/// What the body does, by the velocities that the last substep had in the mean.
+/// Motion of the body, from the mean velocities of the last substep.
 fn all(world: &Simulation) -> Motion {
     let particles = &world.particles;
     let point = |i| (particles.position(i), particles.velocity(i), particles.mass(i));
     motion((0..8).map(point)).expect("a compound of finite particles")
 }
 
-/// Gives a body on the floor a velocity, m/s, and a spin about its centre, rad/s.
+/// Sets a body on the floor in motion with a velocity, m/s, and a spin about its centre, rad/s.
 fn thrown(world: &mut Simulation, velocity: Vec3, turns: Vec3) {
-    // About the origin, from which the centre is at RADIUS along y.
+    // `spin` rotates about the origin, from which the centre is at RADIUS along y.
     spin(world, 0..8, turns);
     for i in 0..8 {
         let about_centre = world.particles.velocity(i) - turns.cross(Vec3::Y * RADIUS);

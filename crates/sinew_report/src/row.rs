@@ -1,4 +1,4 @@
-//! One line of the report: what was expected, what came out, and how far apart the two may be.
+//! One line of the report: the expected value, the measured value, and the tolerance.
 
 /// How far a measured number may be from the expected one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,31 +7,31 @@ pub enum Allowed {
     Relative(f64),
     /// `|measured - expected|` at most this, in the row's unit.
     Absolute(f64),
-    /// The expected number is the most that it may be.
+    /// The expected number is an upper limit.
     AtMost,
-    /// The expected number is the least that it may be.
+    /// The expected number is a lower limit.
     AtLeast,
 }
 
 /// One line of the report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// The row of `physics.md` that it belongs to, such as `"I1"`, or the heading where the page has no number.
+    /// The row of `physics.md` that it belongs to, such as `"I1"`, or the heading if the row has no number.
     pub id: &'static str,
-    /// What is measured, with the settings that it is measured at.
+    /// What is measured, with the settings.
     pub what: String,
-    /// Unit of both numbers; empty where they have none.
+    /// Unit of both numbers; empty if they have none.
     pub unit: &'static str,
     /// What the formula gives.
     pub expected: f64,
     /// What the solver gave.
     pub measured: f64,
-    /// How far apart the two may be. The case says why.
+    /// The tolerance. The case states its reason.
     pub allowed: Allowed,
 }
 
 impl Row {
-    /// A number that is right to a share of itself: `|measured/expected - 1| ≤ share`.
+    /// A number with a relative tolerance: `|measured/expected - 1| ≤ share`.
     pub fn relative(
         what: impl Into<String>,
         unit: &'static str,
@@ -43,7 +43,7 @@ impl Row {
         Self { id: "", what: what.into(), unit, expected, measured, allowed }
     }
 
-    /// A number that is right to an amount in its own unit: `|measured - expected| ≤ amount`.
+    /// A number with an absolute tolerance in its own unit: `|measured - expected| ≤ amount`.
     pub fn absolute(
         what: impl Into<String>,
         unit: &'static str,
@@ -55,13 +55,13 @@ impl Row {
         Self { id: "", what: what.into(), unit, expected, measured, allowed }
     }
 
-    /// A number that is at most `limit`.
+    /// A number with an upper limit.
     pub fn at_most(what: impl Into<String>, unit: &'static str, limit: f64, measured: f64) -> Self {
         let allowed = Allowed::AtMost;
         Self { id: "", what: what.into(), unit, expected: limit, measured, allowed }
     }
 
-    /// A number that is at least `limit`.
+    /// A number with a lower limit.
     pub fn at_least(
         what: impl Into<String>,
         unit: &'static str,
@@ -72,21 +72,21 @@ impl Row {
         Self { id: "", what: what.into(), unit, expected: limit, measured, allowed }
     }
 
-    /// How far the measured number is from the expected one: a share of it where a share is [`Allowed`], otherwise in its unit. For a limit,
-    /// how far it is overstepped, 0 if it is not.
+    /// Difference between the measured and the expected number: relative for [`Allowed::Relative`], otherwise in the row's unit. For a limit, by how much it is
+    /// exceeded; 0 if it is not.
     pub fn error(&self) -> f64 {
         let difference = self.measured - self.expected;
         match self.allowed {
             Allowed::Relative(_) => difference / self.expected.abs(),
             Allowed::Absolute(_) => difference,
-            // Not `max`, which takes a NaN for nothing.
+            // Not `f64::max`, which ignores a NaN.
             Allowed::AtMost if difference <= 0.0 => 0.0,
             Allowed::AtLeast if difference >= 0.0 => 0.0,
             Allowed::AtMost | Allowed::AtLeast => difference,
         }
     }
 
-    /// Whether the error is within what is allowed. A number that is none (NaN) never is.
+    /// Whether the error is within the tolerance. False for NaN.
     pub fn verdict(&self) -> bool {
         let most = match self.allowed {
             Allowed::Relative(most) | Allowed::Absolute(most) => most,

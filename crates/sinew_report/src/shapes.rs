@@ -1,4 +1,4 @@
-//! Rows C6 to C9: planes and lines by least squares, areas, volumes, and bending.
+//! Rows C6 to C9: least-squares planes and lines, areas, volumes, and bending.
 
 use std::collections::BTreeMap;
 
@@ -21,14 +21,14 @@ cases! {
     "C6–C9" shapes_keep_momentum_and_angular_momentum;
 }
 
-/// Six particles at random, of masses at random.
+/// Six random particles of different masses.
 fn cloud() -> Vec<(Vec3, f32)> {
     let mut dice = Dice(9);
     (0..6).map(|n| (vector(&mut dice).as_vec3(), 0.5 + n as f32)).collect()
 }
 
-/// Eigenvalues of `Σ m r rᵀ` about the barycentre, from the greatest to the least: the roots of the characteristic polynomial by the cosine of a
-/// third of an angle (Viète), which no line of the solver does.
+/// Eigenvalues of `Σ m r rᵀ` about the centre of mass, from the greatest to the least: the roots of the characteristic polynomial by Viète's trigonometric
+/// formula, a method that the solver does not use.
 fn eigenvalues(points: &[(Vec3, f32)]) -> [f64; 3] {
     let mass: f64 = points.iter().map(|p| f64::from(p.1)).sum();
     let centre = points.iter().map(|p| p.0.as_dvec3() * f64::from(p.1)).sum::<DVec3>() / mass;
@@ -46,7 +46,7 @@ fn eigenvalues(points: &[(Vec3, f32)]) -> [f64; 3] {
     [root(0.0), root(2.0), root(1.0)]
 }
 
-/// `Σ m‖d‖²` of one step with one law.
+/// `Σ m‖d‖²` of one step with one constraint, and the simulation after it.
 fn cost(points: &[(Vec3, f32)], kind: ConstraintKind, sweeps: u32) -> (f64, Simulation) {
     let mut world = placed(points, sweeps);
     world.constraints_mut().push(Constraint::new(0..points.len() as u32, kind));
@@ -57,7 +57,7 @@ fn cost(points: &[(Vec3, f32)], kind: ConstraintKind, sweeps: u32) -> (f64, Simu
     (sum, world)
 }
 
-/// The least there is: the least eigenvalue for a plane, the two lesser ones together for a line.
+/// The least possible: the least eigenvalue for a plane, the sum of the two lesser ones for a line.
 fn particles_go_to_the_plane_and_the_line_of_least_squares() -> Vec<Row> {
     let points = cloud();
     let [_, middle, least] = eigenvalues(&points);
@@ -68,7 +68,7 @@ fn particles_go_to_the_plane_and_the_line_of_least_squares() -> Vec<Row> {
             places(world).iter().zip(&points).map(|(p, q)| (p.as_vec3(), q.1)).collect();
         eigenvalues(&now)
     };
-    // What is left of a spread is the square of a rounding, 1e-14 m², at masses of 18 kg; its root is what Viète's formula knows it by.
+    // The remaining spread is the square of a rounding, 1e-14 m², at a total mass of 18 kg; Viète's formula resolves only the square root of that precision.
     vec![
         Row::relative(
             "Σ m d² of six particles on their way to a plane",
@@ -95,20 +95,20 @@ fn particles_go_to_the_plane_and_the_line_of_least_squares() -> Vec<Row> {
     ]
 }
 
-/// A closed mesh: an octahedron whose triangles are cut into four, `times` over, on the unit sphere.
+/// A closed mesh on the unit sphere: an octahedron whose triangles are split into four, `times` times over.
 fn sphere(times: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut points = vec![DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
     let mut triangles = Vec::new();
     for x in [0, 1] {
         for y in [2, 3] {
             for z in [4, 5] {
-                // An odd number of negative axes turns the triangle over.
+                // An odd number of negative axes reverses the triangle's orientation.
                 let odd = (x + y + z) % 2 == 1;
                 triangles.push(if odd { [x, z, y] } else { [x, y, z] });
             }
         }
     }
-    // 0+2+4 is even for the positive octant, whose corners are counter-clockwise from outside.
+    // 0+2+4 is even for the positive octant, whose corners are counter-clockwise seen from outside.
     for _ in 0..times {
         let mut middles: BTreeMap<(u32, u32), u32> = BTreeMap::new();
         let mut finer = Vec::new();
@@ -132,8 +132,8 @@ fn volume(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     triangles.iter().map(|t| at(t[0]).dot(at(t[1]).cross(at(t[2])))).sum::<f64>() / 6.0
 }
 
-/// Newton's steps leave the square of the last one; 20 of them leave round-off, 1e-6 of the volume. The page gives 1.08 and 22 for the costs of its
-/// sphere and its pancake; what they are depends on the mesh, but scaling is never the cheaper.
+/// A Newton step leaves an error of the square of the one before; after 20 only round-off is left, 1e-6 of the volume. physics.md gives the ratios of cost 1.08
+/// and 22 for its sphere and its pancake. They depend on the mesh, but scaling is never cheaper.
 fn a_mesh_gets_its_volume_back_and_the_gradient_costs_least() -> Vec<Row> {
     let mut rows = Vec::new();
     for (name, squeeze, least) in
@@ -142,7 +142,7 @@ fn a_mesh_gets_its_volume_back_and_the_gradient_costs_least() -> Vec<Row> {
         let (points, triangles) = sphere(3);
         let points: Vec<DVec3> = points.iter().map(|p| *p * squeeze).collect();
         let exact = volume(&points, &triangles);
-        // A tenth of the volume has been lost along the first axis.
+        // The mesh has lost a tenth of its volume along the first axis.
         let squeezed = DVec3::new(0.9, 1.0, 1.0);
         let now: Vec<(Vec3, f32)> =
             points.iter().map(|p| ((*p * squeezed).as_vec3(), 1.0)).collect();
@@ -207,7 +207,7 @@ fn folded(fold: f64) -> Vec<(Vec3, f32)> {
     vec![(Vec3::ZERO, 1.0), (Vec3::X, 2.0), (Vec3::new(0.5, 1.0, 0.0), 0.5), (flap, 1.5)]
 }
 
-/// The fold at the edge of four particles, radians.
+/// Angle of the fold at the common edge of four particles, radians.
 fn fold(p: &[DVec3]) -> f64 {
     let normal = |a: DVec3, b: DVec3| (p[1] - p[0]).cross(a - b);
     let (u, v) = (normal(p[2], p[0]), normal(p[0], p[3]));
@@ -218,13 +218,13 @@ fn a_fold_is_flattened_by_either_kind_of_bending() -> Vec<Row> {
     let flat = folded(0.0);
     let at = |i: usize| flat[i].0;
     let isometric = Bend::of([at(0), at(1), at(2), at(3)]).expect("two triangles");
-    // [a, h0, h1, c] is the order of a hinge.
+    // A hinge has its particles in the order [a, h0, h1, c].
     let order = |p: Vec<(Vec3, f32)>| vec![p[2], p[0], p[1], p[3]];
     let hinge = Hinge::rest([at(2), at(0), at(1), at(3)]);
     let by_bend = fold(&places(&cost(&folded(0.8), ConstraintKind::Bend(isometric), 50).1));
     let p = places(&cost(&order(folded(0.8)), ConstraintKind::Hinge(hinge), 50).1);
     let by_hinge = fold(&[p[1], p[2], p[0], p[3]]);
-    // Where a fold ends that is measured by its size alone, a rounding of 1e-7 m is 1e-7 rad of a flap of 1 m, from either side.
+    // The fold is measured by its size without a sign: a rounding of 1e-7 m is 1e-7 rad at a flap of 1 m, on either side.
     vec![
         Row::absolute("a fold of 0.8 rad, by isometric bending", "rad", 0.0, by_bend, 1e-6),
         Row::absolute("the same, by the dihedral angle", "rad", 0.0, by_hinge, 1e-6),

@@ -1,4 +1,4 @@
-//! What physics.md says of the solver: the direction of a correction, the loop, substeps, softness, and the ledger of a long run.
+//! The claims of physics.md on the solver: gradients, sweeps, substeps, softness, and conservation in a long run.
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxSpec, ClothSpec, RopeSpec, box_3d, cloth_grid, rope};
@@ -21,7 +21,7 @@ cases! {
     "Ledger" an_isolated_world_keeps_its_momentum_for_ten_thousand_ticks;
 }
 
-/// A cube of 1 m and 1 kg, 8 particles and 28 rods, that spins about y in the void at `omega` rad/s.
+/// A cube of 1 m and 1 kg, 8 particles and 28 rods, that spins about y at `omega` rad/s without gravity.
 pub(crate) fn spinning_cube(
     omega: f32,
     gradient_at: GradientAt,
@@ -30,10 +30,10 @@ pub(crate) fn spinning_cube(
 ) -> Simulation {
     let mut world = empty(substeps);
     converge(&mut world, gradient_at, sweeps);
-    // The correction as it is, without what makes up for it.
+    // The bare correction, without restoring the angular momentum.
     world.settings.keep_spin = false;
     let rows = box_3d(&BoxSpec::default()).expect("a sound box").build(&mut world).expect("room");
-    // The recipe asks for the start of the step.
+    // The recipe sets the gradients at the start of the step; this overrides it.
     world.bodies[0].gradient_at = Some(gradient_at);
     spin(&mut world, rows, Vec3::Y * omega);
     world
@@ -44,12 +44,12 @@ pub(crate) fn spin_of(world: &Simulation) -> f64 {
     f64::from(whole(world, 0..8).angular_velocity.length())
 }
 
-/// The law of physics.md: `ω0/√(1 + 2 ω0² h t)`.
+/// Spin after `t` seconds by the formula of physics.md: `ω0/√(1 + 2 ω0² h t)`.
 pub(crate) fn bled(omega: f64, h: f64, t: f64) -> f64 {
     omega / libm::sqrt(1.0 + 2.0 * omega * omega * h * t)
 }
 
-/// The law is the first term in `ωh`: what follows is of the order of `(ω0 h)²`, 0.7 % here.
+/// The formula is of first order in `ωh`: the next term is of the order of `(ω0 h)²`, 0.7 % here.
 fn nearest_points_bleed_spin_by_the_law_and_step_starts_keep_it() -> Vec<Row> {
     let mut rows = Vec::new();
     let turn = 5.0 / 60.0;
@@ -77,7 +77,7 @@ fn nearest_points_bleed_spin_by_the_law_and_step_starts_keep_it() -> Vec<Row> {
     rows
 }
 
-/// 0.5 % is the figure for 20 substeps.
+/// 0.5 % is the required accuracy for 20 substeps.
 fn spin_is_kept_over_ten_seconds() -> Vec<Row> {
     let kept = |gradient_at, substeps| {
         let mut world = spinning_cube(10.0, gradient_at, substeps, 20);
@@ -116,7 +116,7 @@ fn spin_is_kept_over_ten_seconds() -> Vec<Row> {
     rows
 }
 
-/// A rod of 1 m with 1 kg at its end, let go at `angle` (radians from hanging down), at rest.
+/// A rod of 1 m with 1 kg at its end, released at rest at `angle` (radians from hanging down).
 pub(crate) fn pendulum(angle: f64, gradient_at: GradientAt) -> Simulation {
     let mut world = Simulation::default();
     world.settings.substeps = 1;
@@ -128,9 +128,9 @@ pub(crate) fn pendulum(angle: f64, gradient_at: GradientAt) -> Simulation {
     world
 }
 
-/// The figures of physics.md, in the digits that it gives. The energy of a constrained particle, with its velocity as the chord of a step, is off
-/// by `(ωh)²` of it to and fro; means over one swing (142 steps) leave that out. The height that it comes back up to needs no velocity at all: at
-/// most half a step from the top of the swing it has fallen by `½ g (h/2)²` = 0.3 mm, 0.0033 J/kg.
+/// The values of physics.md, to the digits given there. With the velocity taken as the chord of a step, the energy of a constrained particle oscillates by
+/// `(ωh)²` of it; means over one swing (142 steps) remove that. The height that the bob returns to requires no velocity: at most half a step from the top of
+/// the swing it has fallen by `½ g (h/2)²` = 0.3 mm, which is 0.0033 J/kg.
 fn a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone() -> Vec<Row> {
     let start = |gradient_at| pendulum(core::f64::consts::FRAC_PI_2, gradient_at);
     let mut world = start(GradientAt::Current);
@@ -164,8 +164,9 @@ fn a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone() -> Vec<R
     ]
 }
 
-/// Nearest points miss by 5 to 12 cm after a second or two (physics.md). Along the start of the step only round-off is left: 1e-9 m in the `f64`
-/// of that measurement, `2⁻²⁴/2⁻⁵³` = 5e8 times coarser here but for a few steps: a rounding of 6e-8 m in each of 240 steps, growing with time.
+/// With gradients at the current positions the bob misses its start by 5 to 12 cm after a second or two (physics.md). With those at the start of the step only
+/// round-off is left: 1e-9 m in the `f64` of that measurement, and `2⁻²⁴/2⁻⁵³` = 5e8 times more here but for a few steps: a rounding of 6e-8 m in each of 240
+/// steps, growing with time.
 fn constrained_motion_runs_backwards_along_step_starts_alone() -> Vec<Row> {
     let missed = |gradient_at| {
         let mut world = pendulum(core::f64::consts::FRAC_PI_2, gradient_at);
@@ -218,12 +219,12 @@ fn every_order_of_a_sweep_ends_at_the_same_lengths() -> Vec<Row> {
     rows
 }
 
-/// A cloth of 40 × 40 particles 10 cm apart, held at its two upper corners; mean stretch of its threads after 4 s, per cent. The page does not say
-/// how large its cloth was; this size gives its figure for one substep of 20 sweeps.
+/// Mean stretch after 4 s, per cent, of a cloth of 40 × 40 particles 10 cm apart, held at its two upper corners. physics.md does not state the size of its
+/// cloth; with this size the value for one substep of 20 sweeps is the same.
 fn cloth_stretch(substeps: u32, sweeps: u32, long_range: bool) -> f64 {
     let mut world = Simulation::default();
     world.settings.long_range = long_range;
-    // It is about sweeps as such.
+    // Microsteps would replace the sweeps that are measured here.
     world.settings.microsteps = false;
     world.settings.substeps = substeps;
     world.settings.max_sweeps = sweeps;
@@ -245,7 +246,7 @@ fn cloth_stretch(substeps: u32, sweeps: u32, long_range: bool) -> f64 {
     100.0 * stretch.sum::<f64>() / distances.len() as f64
 }
 
-/// The figures of physics.md for 20 projections a constraint and frame.
+/// The values of physics.md for 20 projections of each constraint in a frame.
 fn at_equal_work_many_substeps_stretch_less_than_many_sweeps() -> Vec<Row> {
     let (many, few) = (cloth_stretch(20, 1, false), cloth_stretch(1, 20, false));
     let tethered = cloth_stretch(20, 1, true);
@@ -256,7 +257,7 @@ fn at_equal_work_many_substeps_stretch_less_than_many_sweeps() -> Vec<Row> {
     ]
 }
 
-/// One step of implicit Euler a substep (XPBD): the period is longer by a share of `(ωh)²·11/24`, and crossings are known to 1e-4 of one.
+/// XPBD is one step of implicit Euler a substep: the period is longer by `(ωh)²·11/24` of it, and crossings are accurate to 1e-4 of a period.
 fn a_soft_distance_swings_alike_at_any_number_of_sweeps_and_substeps() -> Vec<Row> {
     let omega = core::f64::consts::TAU * 4.0;
     let mut rows = Vec::new();
@@ -309,7 +310,7 @@ fn a_share_is_taken_once_however_many_sweeps_take_it() -> Vec<Row> {
         .into()
 }
 
-/// Two spinning cubes of different mass, tied by a spring and charged alike, in the void.
+/// Two spinning cubes of different mass, tied by a spring and with charges of the same sign, without gravity.
 fn isolated() -> Simulation {
     let mut world = empty(10);
     for (x, mass, spin_of) in
@@ -335,7 +336,7 @@ fn isolated() -> Simulation {
     world
 }
 
-/// 1e-4 relative is the figure: 100 000 substeps round a velocity by 6e-8 each, which is 2e-5 if of either sign.
+/// 1e-4 relative is the required accuracy: 100 000 substeps round a velocity by 6e-8 each, which is 2e-5 if of either sign.
 fn an_isolated_world_keeps_its_momentum_for_ten_thousand_ticks() -> Vec<Row> {
     let mut world = isolated();
     let before = world.ledger();

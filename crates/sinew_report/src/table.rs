@@ -1,8 +1,8 @@
-//! The page as text, and as JSON for programs.
+//! The report as text, and as JSON.
 
 use crate::{Allowed, Row};
 
-/// The rows as a table with aligned columns, a line each: id, what, expected, measured, error, allowed, verdict (✓ or ✗).
+/// The rows as a table with aligned columns, one line a row: id, what, expected, measured, error, allowed, verdict (✓ or ✗).
 pub fn table(rows: &[Row]) -> String {
     let mut lines =
         vec![["", "what", "expected", "measured", "error", "allowed", ""].map(String::from)];
@@ -14,7 +14,7 @@ pub fn table(rows: &[Row]) -> String {
         let mut out = String::new();
         for (column, (cell, &width)) in line.iter().zip(&widths).enumerate() {
             let room = " ".repeat(width - cell.chars().count());
-            // Words to the left, numbers to the right.
+            // Text is left-aligned, numbers are right-aligned.
             let cell = if column < 2 { format!("{cell}{room}") } else { format!("{room}{cell}") };
             out += &cell;
             out += "  ";
@@ -51,7 +51,7 @@ fn cells(row: &Row) -> [String; 7] {
     ]
 }
 
-/// Six digits, and no more zeros than needed.
+/// Six significant digits without trailing zeros.
 fn number(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{}", x + 0.0);
@@ -70,12 +70,12 @@ fn number(x: f64) -> String {
     }
 }
 
-/// An error in a unit: two digits.
+/// An error in a unit: two significant digits.
 fn small(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
-/// A share as per cent, or as a power of ten if what is allowed is less than a hundredth of a per cent.
+/// A relative error as per cent, or as a power of ten if the tolerance is less than 0.01 %.
 fn share(x: f64, most: f64) -> String {
     if most < 1e-4 {
         small(x)
@@ -86,7 +86,7 @@ fn share(x: f64, most: f64) -> String {
     }
 }
 
-/// The rows as JSON: an array with one object a row, a line each. `error`, `expected` and `measured` are `null` where they are not finite.
+/// The rows as JSON: an array with one object a row, each on a line. `error`, `expected` and `measured` are `null` if they are not finite.
 pub fn json(rows: &[Row]) -> String {
     let objects: Vec<String> = rows.iter().map(object).collect();
     format!("[\n{}\n]\n", objects.join(",\n"))
@@ -113,7 +113,7 @@ fn object(row: &Row) -> String {
     )
 }
 
-/// The shortest decimal that reads back as the same number; JSON has no NaN and no infinity.
+/// The shortest decimal that parses to the same number; JSON has no NaN and no infinity.
 fn numeral(x: f64) -> String {
     if x.is_finite() { format!("{x:?}") } else { "null".into() }
 }

@@ -1,5 +1,5 @@
-//! Writes the project's own assets. They are drawn and modelled by code, so each file has a readable source, a clear
-//! licence and the same bytes on every machine; a test holds the committed files to what this tool writes.
+//! Writes the project's own assets. They are drawn and modelled by code, so each file has a readable source, a clear licence and the same bytes on every
+//! machine; a test checks that the committed files are what this tool writes.
 
 mod gltf;
 mod paint;
@@ -30,7 +30,7 @@ fn main() -> io::Result<()> {
     Ok(())
 }
 
-/// One file under the assets folder, and what makes its contents.
+/// A file under the assets folder, and the function that makes its contents.
 struct Asset {
     path: &'static str,
     bytes: fn() -> Vec<u8>,
@@ -44,7 +44,7 @@ const ASSETS: [Asset; 5] = [
     Asset { path: "props/banner.glb", bytes: gltf::banner },
 ];
 
-/// Where the committed files stand, whatever folder the tool is started in.
+/// Folder of the committed files, whatever the working directory is.
 const COMMITTED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets");
 
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {

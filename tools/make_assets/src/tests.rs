@@ -1,4 +1,4 @@
-//! Holds the committed files to the tool, and the models to what the project's examples rely on.
+//! Checks that the committed files are what the tool writes, and that the models have the properties that the project's examples rely on.
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use super::ASSETS;
 use crate::paint::shape;
 
-/// Where the committed files stand, asked when the test runs: a target folder may be shared by clones.
+/// Folder of the committed files, read from the environment when the test runs: a target folder may be shared by clones.
 fn committed() -> PathBuf {
     let package = std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo says where it is");
     PathBuf::from(package).join("../../assets")
@@ -106,7 +106,7 @@ fn banner_is_irregular_cloth_with_one_seam() {
     assert!((area - outline).abs() < 1.0e-4, "triangles cover {area} of {outline} square metres");
 }
 
-/// A model as a loader sees it.
+/// A model as read by a loader.
 struct Model {
     positions: Vec<Vec3>,
     triangles: Vec<[usize; 3]>,
@@ -115,7 +115,7 @@ struct Model {
 }
 
 impl Model {
-    /// Loads a file through `gltf`, with all its validation, and checks what every model of ours promises.
+    /// Loads a file through `gltf`, with all its validation, and checks the properties common to all models.
     fn load(file: &[u8]) -> Self {
         let loaded = ::gltf::Gltf::from_slice(file).expect("a valid file");
         let bytes = loaded.blob.as_deref().expect("a binary chunk");
@@ -155,7 +155,7 @@ impl Model {
         Self { positions, triangles: indices.as_chunks().0.to_vec(), low, high }
     }
 
-    /// The triangles, with vertices at the very same position made one.
+    /// The triangles, with vertices at exactly the same position merged.
     fn welded(&self) -> Vec<[usize; 3]> {
         let mut first = HashMap::new();
         let vertices: Vec<usize> = (0..self.positions.len())
@@ -167,7 +167,7 @@ impl Model {
     }
 }
 
-/// How many parts `triangles` fall into that share no vertex.
+/// Number of connected parts of `triangles`: parts share no vertex.
 fn pieces(triangles: &[[usize; 3]]) -> usize {
     let mut groups: Vec<HashSet<usize>> = Vec::new();
     for triangle in triangles {

@@ -1,19 +1,19 @@
-//! The rules of the house, as tests: what a reviewer would have to remember and no lint of the compiler knows.
+//! The rules of the repository as tests: those that a reviewer would have to remember and no compiler lint checks.
 //!
-//! Each test lists all offences at once, each as `file:line: what to do`. A rule that stands in the way of something good is changed here,
-//! with its reason, and not worked around there. Why the rules are as they are is told in `CONTRIBUTING.md`.
+//! Each test lists all violations at once, each as `file:line: what to do`. A rule that prevents a good change is changed here, with its reason, rather than
+//! worked around. `CONTRIBUTING.md` explains the reasons for the rules.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Longest file, lines: a reader keeps about that much in mind.
+/// Longest allowed file, lines: about as much as a reader keeps in mind.
 const MOST_LINES: usize = 800;
 
-/// The only home of `unsafe`.
+/// The only folder in which `unsafe` is allowed.
 const LANES: &str = "crates/sinew/src/lanes/";
 
-/// Where results are made: what stands there must give the same bits on every machine.
+/// Folders of code that computes results, which must be the same bits on every machine.
 const STATE: [&str; 2] = ["crates/sinew/src/", "crates/bevy_sinew/src/"];
 
 /// Methods of `f32`, `f64` and `glam` that call the platform's maths library, or that the compiler may round in more than one way.
@@ -65,11 +65,11 @@ const PLATFORM_MATHS: [&str; 45] = [
     "rotate_z",
 ];
 
-/// Collections whose order is chance.
+/// Collections without a fixed iteration order.
 const UNORDERED: [&str; 6] =
     ["HashMap", "HashSet", "EntityHashMap", "EntityHashSet", "TypeIdMap", "TypeIdSet"];
 
-/// Exceptions: file, word, and why it does no harm there.
+/// Exceptions: file, word, and the reason why it is harmless there.
 const ALLOWED: [(&str, &str, &str); 6] = [
     (
         "crates/bevy_sinew/src/rows.rs",
@@ -97,7 +97,7 @@ const ALLOWED: [(&str, &str, &str); 6] = [
 
 /// A text file of the repository.
 struct File {
-    /// From the root, with `/`.
+    /// Path from the root, with `/`.
     path: String,
     text: String,
 }
@@ -107,9 +107,9 @@ impl File {
         self.path.ends_with(".rs")
     }
 
-    /// Lines of [bare] code with their numbers, and none of what is compiled for tests alone.
+    /// Lines of [bare] code with their numbers, without code that is compiled for tests only.
     ///
-    /// It reads what rustfmt wrote: an item ends with `}` at the indentation at which its attribute stands.
+    /// Relies on rustfmt's layout: an item ends with `}` at the indentation of its attribute.
     fn code(&self) -> Vec<(usize, String)> {
         let mut code = Vec::new();
         let mut lines = (1..).zip(self.text.lines());
@@ -135,12 +135,12 @@ impl File {
 }
 
 fn root() -> PathBuf {
-    // Asked when the test runs: a target folder may be shared by clones, and cargo does not build anew for that.
+    // Read when the test runs: a target folder may be shared by clones, and cargo does not rebuild for that.
     let package = std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo says where it is");
     PathBuf::from(package).join("../..").canonicalize().expect("the repository has a root")
 }
 
-/// All text files below a folder that are there to be committed.
+/// Finds all text files below a folder, without generated ones.
 fn files(folder: &Path, found: &mut Vec<File>) {
     let mut entries: Vec<PathBuf> = fs::read_dir(folder)
         .expect("a folder can be read")
@@ -171,7 +171,7 @@ fn repository() -> Vec<File> {
     found
 }
 
-/// A line of code without its comment and without what its strings say.
+/// A line of code without its comment and without the contents of its strings.
 fn bare(line: &str) -> String {
     let (mut code, mut quoted, mut before) = (String::new(), false, ' ');
     for c in line.chars() {
@@ -240,7 +240,7 @@ fn unsafe_stays_in_the_lanes() {
     assert_none(&offences);
 }
 
-/// Offences against a list of words in the code that makes results.
+/// Violations by words of a list in the code that computes results.
 fn state_without(
     list: &[&str],
     is_offence: impl Fn(&str, &str) -> bool,
@@ -260,7 +260,7 @@ fn state_without(
     offences
 }
 
-/// Whether a line calls a method or a function of a type by that name; `libm`'s are the ones to call.
+/// Whether a line calls a method or an associated function of that name; calls of `libm` are allowed.
 fn calls(line: &str, name: &str) -> bool {
     let by = |by: &str| {
         let call = format!("{by}{name}(");
@@ -309,7 +309,7 @@ fn modules_of_a_crate_know_each_other_one_way() {
     assert_none(&offences);
 }
 
-/// Which modules at the top of a crate name which others, and one file of each that does. Tests may look at anything.
+/// The top-level modules of a crate, with the modules that each names and one file that does. Tests are exempt.
 fn arrows(folder: &str) -> BTreeMap<String, BTreeMap<String, String>> {
     let mut arrows = BTreeMap::<_, BTreeMap<_, _>>::new();
     let repository = repository();
@@ -341,7 +341,7 @@ fn arrows(folder: &str) -> BTreeMap<String, BTreeMap<String, String>> {
     arrows
 }
 
-/// The shortest way from a module to itself, if there is one.
+/// The shortest cycle from a module to itself, if there is one.
 fn way_back<'a>(
     arrows: &'a BTreeMap<String, BTreeMap<String, String>>,
     from: &'a str,
@@ -368,7 +368,7 @@ fn way_back<'a>(
 
 #[test]
 fn nothing_names_the_machine_it_was_written_on() {
-    // Put together here, so that this file does not name them.
+    // Concatenated, so that this file does not contain them.
     let places = [
         concat!("/wo", "rk/"),
         concat!("/ro", "ot/"),
@@ -389,7 +389,7 @@ fn nothing_names_the_machine_it_was_written_on() {
     assert_none(&offences);
 }
 
-/// Whether a line has an absolute path that starts with `place`: one in the middle of an address or of a relative path is another thing.
+/// Whether a line has an absolute path that starts with `place`, rather than one in the middle of an address or of a relative path.
 fn names(line: &str, place: &str) -> bool {
     let before = |at: usize| line[..at].chars().next_back();
     let part = |c: char| c.is_alphanumeric() || "._-~})/".contains(c);
@@ -424,7 +424,8 @@ fn everything_comes_from_the_public_registry() {
 fn every_package_follows_the_workspace() {
     let mut offences = Vec::new();
     for file in repository() {
-        // The fuzzer's workspace is its own, so that nothing else needs a nightly compiler; and what compiles beside Avian, which asks for another Bevy.
+        // The fuzzer has a workspace of its own, so that nothing else requires a nightly compiler; and so has the code beside Avian, which requires another
+        // version of Bevy.
         let apart = ["fuzz/", "tests/beside-avian/"].iter().any(|own| file.path.starts_with(own));
         if !file.path.ends_with("/Cargo.toml") || apart {
             continue;
@@ -460,7 +461,7 @@ fn links_in_the_documents_lead_somewhere() {
         let folder = folder.parent().expect("a file is in a folder");
         for (number, line) in (1..).zip(file.text.lines()) {
             let targets = line.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-            // Pictures of the guide have a name, and below the text a line for the file.
+            // Reference-style links: images of the guide have a name, and below the text a line with the file.
             let named = line.strip_prefix('[').and_then(|line| line.split_once("]: "));
             let targets = targets.chain(named.map(|(_, target)| target));
             for target in targets.filter(|t| !t.contains("://") && !t.starts_with('#')) {
@@ -474,14 +475,14 @@ fn links_in_the_documents_lead_somewhere() {
     assert_none(&offences);
 }
 
-/// The files that a line includes, and modules elsewhere: what stands between quotes after a word for it.
+/// The file that a line includes, or the path of its module: the quoted text after the macro or attribute.
 fn included(line: &str) -> Option<&str> {
     let by = ["include!(\"", "include_str!(\"", "include_bytes!(\"", "#[path = \""];
     let from = by.iter().find_map(|by| line.find(by).map(|at| at + by.len()))?;
     line[from..].split('"').next()
 }
 
-/// A package holds its own folder alone.
+/// A package contains its own folder only.
 #[test]
 fn what_a_crate_includes_lies_within_it() {
     let mut offences = Vec::new();
@@ -497,7 +498,7 @@ fn what_a_crate_includes_lies_within_it() {
     assert_none(&offences);
 }
 
-/// A rule that finds nothing any more would pass for ever: here is what each must find.
+/// A rule that no longer finds anything would pass for ever, so this checks what each must find.
 #[test]
 fn the_rules_find_what_they_are_for() {
     let file = |path: &str, text: &str| File { path: path.into(), text: text.into() };

@@ -1,4 +1,4 @@
-//! Coulomb's law, the naive way: every pair once, in a plain loop over an array of structs.
+//! Naive reference of Coulomb's law: every pair once, in a plain loop over an array of structs.
 
 use sinew::Simulation;
 use sinew::glam::{DVec3, Vec3};
@@ -16,7 +16,7 @@ struct Charge {
     inverse_mass: f32,
 }
 
-/// Charges that attract and repel each other, in a step without substeps.
+/// Charges that attract and repel each other, stepped without substeps.
 #[derive(Clone, Debug)]
 pub struct Charges {
     charges: Vec<Charge>,
@@ -24,7 +24,7 @@ pub struct Charges {
 }
 
 impl Charges {
-    /// The charges of a world.
+    /// The charges of a simulation.
     pub fn of(world: &Simulation) -> Self {
         let charge = |i| Charge {
             position: world.particles.position(i),
@@ -37,7 +37,7 @@ impl Charges {
         Self { charges, constant: world.forces.electric.constant }
     }
 
-    /// The force on one of them from all the others, in f64: the truth, N.
+    /// Force on one charge from all others, summed in f64 as the reference value, N.
     pub fn force_on(&self, i: usize) -> DVec3 {
         let here = self.charges[i];
         let others = self.charges.iter().enumerate().filter(|&(j, _)| j != i);
@@ -51,7 +51,7 @@ impl Charges {
         sum * (f64::from(self.constant) * f64::from(here.charge))
     }
 
-    /// Sums up all pairs.
+    /// Sums up the forces of all pairs.
     pub fn attract(&mut self) {
         for charge in &mut self.charges {
             charge.force = Vec3::ZERO;

@@ -1,4 +1,4 @@
-//! Bending, the naive way: one struct with everything that a fold needs, the same formulas as Sinew's, one after the other.
+//! Naive reference of bending: one struct with everything that a fold needs, the same formulas as Sinew's, solved one after the other.
 
 use core::f32::consts::{PI, TAU};
 
@@ -8,37 +8,37 @@ use sinew::glam::Vec3;
 
 use super::Particle;
 
-/// What keeps two triangles with a common edge from bending: of one sweep a substep, so that no multiplier need be remembered.
+/// A bending constraint between two triangles with a common edge. Made for one sweep a substep, so that no multiplier is kept.
 #[derive(Clone, Copy, Debug)]
 pub struct Fold {
     rows: [u32; 4],
     kind: Kind,
-    /// As a compliance in rad²/J for an angle, m/N for a length.
+    /// Compliance in rad²/J for an angle, m/N for a length.
     compliance: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    /// Of the particles `[a, h0, h1, c]` about the edge `h0 h1`, at rest at an angle, radians.
+    /// The dihedral angle of the particles `[a, h0, h1, c]` about the edge `h0 h1`; rest angle in radians.
     Dihedral { rest: f32 },
-    /// Of weighted particles, at rest at a length, metres.
+    /// The length of a weighted sum of positions; rest length in metres.
     Isometric { weights: [f32; 4], rest: f32 },
 }
 
 impl Fold {
-    /// The same as a [`Hinge`] that keeps one angle.
+    /// Made from a [`Hinge`] that keeps one angle.
     pub fn dihedral(rows: [u32; 4], law: &Hinge) -> Self {
         let rest = 0.5 * (law.min + law.max);
         Self { rows, kind: Kind::Dihedral { rest }, compliance: compliance(law.softness) }
     }
 
-    /// The same as a [`Bend`].
+    /// Made from a [`Bend`].
     pub fn isometric(rows: [u32; 4], law: &Bend) -> Self {
         let kind = Kind::Isometric { weights: law.weights, rest: law.rest };
         Self { rows, kind, compliance: compliance(law.softness) }
     }
 
-    /// One step of XPBD in a substep of `h` seconds.
+    /// One XPBD projection in a substep of `h` seconds.
     #[inline]
     pub(super) fn project(&self, particles: &mut [Particle], h: f32) {
         let rows = self.rows.map(|row| row as usize);
@@ -64,7 +64,7 @@ impl Fold {
     }
 }
 
-/// How far the angle about the axis is from `rest`, radians, and its gradients.
+/// Difference between the angle about the axis and `rest`, radians, and its gradients.
 #[inline]
 fn dihedral([a, h0, h1, c]: [Vec3; 4], rest: f32) -> Option<(f32, [Vec3; 4])> {
     let edge = h1 - h0;
@@ -89,7 +89,7 @@ fn dihedral([a, h0, h1, c]: [Vec3; 4], rest: f32) -> Option<(f32, [Vec3; 4])> {
     Some((value, [by_a, by_h0, by_h1, by_c]))
 }
 
-/// How far the weighted sum is from being `rest` long, metres, and its gradients.
+/// Difference between the length of the weighted sum and `rest`, metres, and its gradients.
 #[inline]
 fn isometric(places: [Vec3; 4], weights: [f32; 4], rest: f32) -> Option<(f32, [Vec3; 4])> {
     let mut sum = Vec3::ZERO;

@@ -1,8 +1,8 @@
-//! The naive reference: position based dynamics as one writes it after the first lecture. Particles and constraints are arrays of structs, everything
-//! runs in sequence, constraints in the order in which they were given. It is written well, without bounds that a release build must check twice or
-//! allocations in a step; what it lacks is what Sinew has.
+//! The naive reference: position based dynamics as a textbook presents it. Particles and constraints are arrays of structs, everything runs sequentially,
+//! constraints in the given order. It is written well, without redundant bounds checks and without allocations in a step; it lacks only the optimisations of
+//! Sinew.
 //!
-//! It is made from a [`Simulation`], so that masses, rest lengths and places are the same numbers.
+//! It is made from a [`Simulation`], so that masses, rest lengths and positions are the same numbers.
 
 pub mod charges;
 mod fold;
@@ -18,15 +18,15 @@ use crate::row::Stretch;
 /// A particle of the naive world.
 #[derive(Clone, Copy, Debug)]
 pub struct Particle {
-    /// Where it is, metres.
+    /// Position, metres.
     pub position: Vec3,
-    /// Where it was a substep ago, metres.
+    /// Position a substep ago, metres.
     pub previous: Vec3,
-    /// Its inverse mass, 1/kg; zero holds it.
+    /// Inverse mass, 1/kg; zero for a pinned particle.
     pub inverse_mass: f32,
 }
 
-/// A constraint between two particles.
+/// A hard distance constraint between two particles.
 #[derive(Clone, Copy, Debug)]
 struct Rod {
     a: u32,
@@ -35,7 +35,7 @@ struct Rod {
     bound: Bound,
 }
 
-/// Half a space.
+/// A half space that particles stay out of.
 #[derive(Clone, Copy, Debug)]
 struct Floor {
     normal: Vec3,
@@ -54,12 +54,12 @@ pub struct Naive {
     substeps: u32,
     sweeps: u32,
     tolerance: f32,
-    /// What the stretch is measured by.
+    /// The distances over which the stretch is measured.
     distances: Vec<Distance>,
 }
 
 impl Naive {
-    /// The same world at the same moment: particles at rest, hard distances, folds of four particles, planes.
+    /// Copies a simulation of particles at rest: hard distances, bending constraints of four particles, planes.
     pub fn of(world: &Simulation) -> Self {
         let particles = (0..world.particles.len()).map(|i| {
             let position = world.particles.position(i);
@@ -107,7 +107,7 @@ impl Naive {
         }
         for _ in 0..self.sweeps {
             let mut worst = 0.0_f32;
-            // What is soft goes first, as in Sinew: what comes last is kept best.
+            // Soft constraints first, as in Sinew: the constraints that are solved last have the smallest residual.
             for fold in &self.folds {
                 fold.project(&mut self.particles, h);
             }
@@ -136,7 +136,7 @@ impl World for Naive {
 }
 
 impl Rod {
-    /// The lectures' closed form; returns how far it was from being kept, metres.
+    /// Projects the distance in closed form; returns its error before that, metres.
     #[inline]
     fn project(&self, particles: &mut [Particle]) -> f32 {
         let (a, b) = (self.a as usize, self.b as usize);
@@ -161,7 +161,7 @@ impl Rod {
 }
 
 impl Floor {
-    /// Lifts every particle out, with Coulomb's friction on its way along the floor.
+    /// Projects every particle out of the half space, with Coulomb friction along the floor; returns the largest depth, metres.
     fn project(&self, particles: &mut [Particle]) -> f32 {
         let mut worst = 0.0_f32;
         for p in particles.iter_mut().filter(|p| p.inverse_mass > 0.0) {
@@ -187,9 +187,9 @@ mod tests {
     use crate::measure::{Ours, TICKS};
     use crate::scenes::{bending, bodies, cloth, ropes};
 
-    /// Runs both for 4 s, and returns both mean stretches and how far apart the centres of mass are, metres.
+    /// Runs both for 4 s. Returns the mean stretch of Sinew and of the reference, and the distance between their centres of mass, metres.
     fn compared(mut world: Simulation) -> [f64; 3] {
-        // The naive way has none.
+        // The reference has neither.
         world.settings.long_range = false;
         world.settings.microsteps = false;
         let (mut naive, mut ours) = (Naive::of(&world), Ours(world));

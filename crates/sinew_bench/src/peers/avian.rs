@@ -1,4 +1,4 @@
-//! The same in Avian, the physics engine for Bevy that games take: an app with its plugins, at its default settings but for its threads, which it has none of here.
+//! The user scenes of rigid bodies in Avian, a physics engine for Bevy: an app with its plugins at default settings, but single-threaded.
 
 use core::time::Duration;
 
@@ -12,16 +12,16 @@ use crate::measure::{Cube, TICK, World as Contender};
 use crate::places;
 use crate::row::Stretch;
 
-/// Half the size of the slab that is the floor, m.
+/// Half the size of the floor slab, m.
 const FLOOR: Vec3 = Vec3::new(200.0, 1.0, 200.0);
 
-/// An app of rigid bodies.
+/// An app with rigid bodies.
 pub(super) struct Avian {
     app: App,
     joints: Vec<Hung>,
 }
 
-/// Two bodies, where a joint holds each in its own frame, and how long the bone is that hangs on it, metres.
+/// A joint: its two bodies, its anchor in the frame of each, and the length of the bone that it attaches, metres.
 struct Hung {
     bodies: [Entity; 2],
     anchors: [Vec3; 2],
@@ -52,7 +52,7 @@ pub(super) fn lying(sleep: bool) -> Avian {
     avian
 }
 
-/// A hundred ragdolls that may sleep, above stairs of so high steps, and the floor.
+/// A hundred ragdolls that may sleep, above stairs with steps of height `rise`, metres, and a floor.
 pub(super) fn figures(rise: f32) -> Avian {
     let mut avian = Avian::floored();
     avian.fix(places::flight(rise));
@@ -66,7 +66,7 @@ impl Contender for Avian {
         self.app.update();
     }
 
-    /// How far the two anchors of a joint are apart, as a share of the bone that hangs on it.
+    /// Distance between the two anchors of each joint, relative to the length of the attached bone.
     fn stretch(&self) -> Option<Stretch> {
         let world = self.app.world();
         let gap = |hung: &Hung| {
@@ -109,7 +109,7 @@ impl Avian {
         avian
     }
 
-    /// Boxes of such sizes in such places that do not move.
+    /// Adds static boxes of given sizes at given positions.
     fn fix(&mut self, boxes: impl Iterator<Item = (Vec3, Vec3)>) {
         for (size, place) in boxes {
             let shape = Collider::cuboid(size.x, size.y, size.z);
@@ -126,7 +126,7 @@ impl Avian {
         self.app.world_mut().spawn(cube).id()
     }
 
-    /// A figure, turned and put in a place.
+    /// Adds a ragdoll at a position with a rotation.
     fn figure(
         &mut self,
         (limbs, joints): &(Vec<Limb>, Vec<LimbJoint>),

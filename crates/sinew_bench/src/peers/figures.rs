@@ -1,4 +1,4 @@
-//! Boxes and ragdolls as rapier's rigid bodies and joints, with its default settings; nothing sleeps but in the scenes of a user.
+//! Boxes and ragdolls as rigid bodies and joints of rapier, at default settings; sleeping is on in the user scenes only.
 
 use rapier3d::prelude::*;
 use sinew::glam::{Quat, Vec3};
@@ -9,14 +9,14 @@ use crate::measure::{Cube, World};
 use crate::places;
 use crate::row::Stretch;
 
-/// A world of rigid bodies.
+/// A rapier world of rigid bodies.
 pub(super) struct Rigid {
     world: PhysicsWorld,
-    /// How long the bones are that hang on joints, metres: one for each joint.
+    /// The joints, each with the length of the bone that it attaches, metres.
     lengths: Vec<(ImpulseJointHandle, f64)>,
 }
 
-/// Half the size of the slab that is the floor, m.
+/// Half the size of the floor slab, m.
 const FLOOR: Vec3 = Vec3::new(200.0, 1.0, 200.0);
 
 pub(super) fn boxes(side: u32) -> Rigid {
@@ -75,7 +75,7 @@ pub(super) fn pile(poured: bool) -> Rigid {
     world.into()
 }
 
-/// A hundred ragdolls that may sleep, above stairs of so high steps, and the floor.
+/// A hundred ragdolls that may sleep, above stairs with steps of height `rise`, metres, and a floor.
 pub(super) fn figures(rise: f32) -> Rigid {
     let mut world = floored();
     fixed(&mut world, places::flight(rise));
@@ -90,7 +90,7 @@ impl World for Rigid {
         self.world.step();
     }
 
-    /// How far the two anchors of a joint are apart, as a share of the bone that hangs on it: rigid bones do not stretch, and gape instead.
+    /// Distance between the two anchors of each joint, relative to the length of the attached bone: rigid bones do not stretch, but joints open.
     fn stretch(&self) -> Option<Stretch> {
         let gaps = self.lengths.iter().filter_map(|&(handle, length)| {
             let joint = self.world.impulse_joints.get(handle)?;
@@ -117,7 +117,7 @@ impl World for Rigid {
 }
 
 impl Rigid {
-    /// The same with so many substeps.
+    /// Sets the number of substeps.
     pub(super) fn with(mut self, substeps: u32) -> Self {
         self.world.integration_parameters.num_solver_iterations = substeps as usize;
         self
@@ -130,7 +130,7 @@ impl From<PhysicsWorld> for Rigid {
     }
 }
 
-/// The same with `side × side` ragdolls above the ground.
+/// Adds `side × side` ragdolls above the ground.
 fn with_dolls(world: PhysicsWorld, side: u32) -> Rigid {
     let figure = limbs::figure();
     let mut rigid = Rigid::from(world);
@@ -146,7 +146,7 @@ fn floored() -> PhysicsWorld {
     world
 }
 
-/// Boxes of such sizes in such places that do not move.
+/// Adds static boxes of given sizes at given positions.
 fn fixed(world: &mut PhysicsWorld, boxes: impl Iterator<Item = (Vec3, Vec3)>) {
     for (size, place) in boxes {
         let half = 0.5 * size;
@@ -155,7 +155,7 @@ fn fixed(world: &mut PhysicsWorld, boxes: impl Iterator<Item = (Vec3, Vec3)>) {
     }
 }
 
-/// A figure, turned and put in a place.
+/// Adds a ragdoll at a position with a rotation.
 fn insert(
     Rigid { world, lengths }: &mut Rigid,
     (limbs, joints): &(Vec<Limb>, Vec<LimbJoint>),

@@ -1,41 +1,41 @@
-//! The ragdoll of the recipe as rivals have it: rigid limbs of the same sizes and densities, and a joint where two of them share a particle.
+//! The recipe's ragdoll for engines of rigid bodies: rigid limbs of the same sizes and densities, with a joint where two of them share a particle.
 
 use sinew::glam::Vec3;
 use sinew::recipes::{Part, RagdollParticle as P, RagdollSpec, ragdoll};
 
-/// Kilograms in a cubic metre of a limb.
+/// Density of a limb, kg/m³.
 pub(super) const DENSITY: f32 = 1000.0;
 
-/// Limits about each axis of a joint that turns about all three, radians, and of one that turns about one, the x axis.
+/// Angle limits, radians: about each axis of a spherical joint, and about the x axis of a hinge.
 pub(super) const LIMITS: ([f32; 2], [f32; 2]) = ([-1.0, 1.0], [-2.4, 2.4]);
 
 /// A rigid limb.
 pub(super) struct Limb {
-    /// Where its middle is in the figure, metres.
+    /// Its centre in the ragdoll's frame, metres.
     pub(super) centre: Vec3,
     pub(super) form: Form,
 }
 
-/// What a limb is.
+/// Shape of a limb.
 pub(super) enum Form {
-    /// From `-half` to `half` about its middle, metres.
+    /// Segment from `-half` to `half` about its centre, and radius, metres.
     Capsule { half: Vec3, radius: f32 },
-    /// Half of its edges, metres.
+    /// Half of its edge lengths, metres.
     Cuboid { half: Vec3 },
 }
 
-/// Where two limbs, by their numbers, hang together.
+/// A joint between two limbs.
 pub(super) struct LimbJoint {
     pub(super) limbs: [usize; 2],
-    /// In the figure, metres.
+    /// Its position in the ragdoll's frame, metres.
     pub(super) point: Vec3,
-    /// Whether it turns about one axis alone.
+    /// Whether it is a hinge about the x axis; otherwise it is a spherical joint.
     pub(super) hinge: bool,
-    /// How long the bone is that hangs on it, metres.
+    /// Length of the bone that it attaches, metres.
     pub(super) length: f64,
 }
 
-/// Where a part hangs on another, and whether it turns about one axis alone.
+/// The joints: parent part, attached part, the shared particle, and whether it is a hinge.
 const JOINTS: [(&str, &str, P, bool); 10] = [
     ("torso", "head", P::Neck, false),
     ("torso", "pelvis", P::Waist, false),
@@ -49,7 +49,7 @@ const JOINTS: [(&str, &str, P, bool); 10] = [
     ("right thigh", "right shin", P::RightKnee, true),
 ];
 
-/// The limbs of a figure, and what holds them together.
+/// The limbs of a ragdoll, and its joints.
 pub(super) fn figure() -> (Vec<Limb>, Vec<LimbJoint>) {
     let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");
     let at = |i: u32| doll.particles[i as usize].position;
@@ -63,14 +63,14 @@ pub(super) fn figure() -> (Vec<Limb>, Vec<LimbJoint>) {
     (limbs, JOINTS.into_iter().filter_map(joint).collect())
 }
 
-/// An arm or a leg is a capsule from one joint to the next; what else there is, a box.
+/// Arms and legs are capsules from one joint to the next; other parts are boxes.
 fn limb(part: &Part, at: impl Fn(u32) -> Vec3) -> Limb {
     let [from, to] = [part.particles[0], part.particles[1]].map(at);
     if ["arm", "thigh", "shin"].iter().any(|word| part.name.contains(word)) {
         let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
         Limb { centre, form: Form::Capsule { half, radius: 0.5 * part.size.x } }
     } else {
-        // A part of this kind is upright: a particle is as far from the centre as it says.
+        // Such a part is upright: its particles have their rest offsets from the centre.
         Limb { centre: from - part.rest[0], form: Form::Cuboid { half: 0.5 * part.size } }
     }
 }

@@ -1,8 +1,8 @@
-//! The rival: rapier3d, the fastest physics engine in Rust that has soft bodies, on the same scenes in the same run; beside it Avian, Bevy's own, in the rigid
-//! scenes of a user.
+//! The same scenes in other engines, in the same run: rapier3d, the fastest physics engine in Rust with soft bodies, and Avian, a physics engine for Bevy, in
+//! the rigid-body scenes of a user.
 //!
-//! It is told the same masses, lengths, substeps and sweeps where it can be; what it does otherwise is said in the files of this folder and
-//! in the notes of the rows. Without the feature `peers` there is none, and every figure is missing.
+//! Masses, lengths, substeps and sweeps are the same where possible; differences are noted in the files of this module and in the notes of the rows. Without
+//! the feature `peers` no other engine is built, and its figures are missing.
 
 #[cfg(feature = "avian")]
 mod avian;
@@ -17,10 +17,10 @@ use sinew::Simulation;
 
 use crate::measure::{Effort, World};
 
-/// Substeps that it takes by default; it calls them iterations of its solver.
+/// Default number of substeps of rapier, which it calls solver iterations.
 pub const SUBSTEPS: u32 = 4;
 
-/// Sets a scene up in each rival of this build, if rivals are asked for.
+/// Sets a scene up in each engine of this build, if other engines are requested.
 macro_rules! rivals {
     ($effort:expr, $scene:ident($which:expr)) => {{
         #[allow(unused_mut)]
@@ -39,10 +39,10 @@ macro_rules! rivals {
     }};
 }
 
-/// Whether there is a rival in this build.
+/// Whether this build includes another engine.
 pub const THERE: bool = cfg!(feature = "peers");
 
-/// A world of hard distances as one soft body.
+/// A simulation of hard distances as one soft body.
 pub fn soft(effort: &Effort, world: &Simulation) -> Option<Box<dyn World>> {
     #[cfg(feature = "peers")]
     return effort.peers.then(|| Box::new(strings::soft(world)) as _);
@@ -58,7 +58,7 @@ pub fn boxes(effort: &Effort, side: u32) -> Option<Box<dyn World>> {
     none(effort, side)
 }
 
-/// `edge³` boxes that fall into a heap, with so many substeps.
+/// `edge³` boxes that fall into a heap, with a number of substeps.
 pub fn heap(effort: &Effort, edge: u32, substeps: u32) -> Option<Box<dyn World>> {
     #[cfg(feature = "peers")]
     return effort.peers.then(|| Box::new(figures::heap(edge).with(substeps)) as _);
@@ -74,7 +74,7 @@ pub fn ragdolls(effort: &Effort, side: u32) -> Option<Box<dyn World>> {
     none(effort, side)
 }
 
-/// The same on stairs, with so many substeps.
+/// Ragdolls that fall on stairs, with a number of substeps.
 pub fn on_stairs(effort: &Effort, side: u32, substeps: u32) -> Option<Box<dyn World>> {
     #[cfg(feature = "peers")]
     return effort.peers.then(|| Box::new(figures::on_stairs(side).with(substeps)) as _);
@@ -82,12 +82,12 @@ pub fn on_stairs(effort: &Effort, side: u32, substeps: u32) -> Option<Box<dyn Wo
     none(effort, (side, substeps))
 }
 
-/// A scene of a user in rapier, and in Avian in a build with the feature `avian`.
+/// A user scene in rapier, and in Avian in a build with the feature `avian`.
 #[derive(Default)]
 pub struct Rivals {
-    /// By itself, not in an app.
+    /// rapier by itself, without an app.
     pub rapier: Option<Box<dyn World>>,
-    /// In an app.
+    /// Avian in an app.
     pub avian: Option<Box<dyn World>>,
 }
 
@@ -101,7 +101,7 @@ pub fn pile(effort: &Effort, poured: bool) -> Rivals {
     rivals!(effort, pile(poured))
 }
 
-/// A hundred ragdolls that may sleep, above stairs of so high steps, or a floor.
+/// A hundred ragdolls that may sleep, above stairs with steps of height `rise`, metres, and a floor; without stairs if it is 0.
 pub fn figures(effort: &Effort, rise: f32) -> Rivals {
     rivals!(effort, figures(rise))
 }

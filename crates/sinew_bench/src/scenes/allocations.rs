@@ -1,4 +1,4 @@
-//! P13: allocations in a warm tick, of the thread that steps: worker threads are not counted.
+//! P13: allocations in a warm tick, on the stepping thread only; worker threads are not counted.
 
 use sinew::Simulation;
 
@@ -6,7 +6,7 @@ use super::{bending, bodies, charges, cloth, ropes};
 use crate::measure::{Effort, Ours, World};
 use crate::row::{Row, Unit};
 
-/// Ticks before it is warm: long enough for boxes to land and for buffers to have grown to what they need.
+/// Ticks before counting starts: long enough for boxes to land and for buffers to have grown to their final size.
 const WARM: usize = 60;
 
 /// Ticks that are counted.
@@ -25,7 +25,7 @@ pub(super) fn run(_: &Effort) -> Vec<Row> {
     scenes.map(|(scene, world)| row(scene, &mut Ours(world))).into()
 }
 
-/// The mean of the allocations in a tick of a scene.
+/// Mean number of allocations in a tick of a scene.
 pub(super) fn row(scene: &str, world: &mut dyn World) -> Row {
     (0..WARM).for_each(|_| world.tick());
     let counted =

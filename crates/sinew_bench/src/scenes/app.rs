@@ -1,4 +1,4 @@
-//! What the plugin costs, P10 to P12: in an app with `MinimalPlugins`, frame by frame, each frame a tick unless said.
+//! P10 to P12: cost of the plugin in an app with `MinimalPlugins`, frame by frame; each frame is a tick unless stated otherwise.
 
 use core::time::Duration;
 
@@ -13,16 +13,16 @@ use super::allocations;
 use crate::measure::{Effort, World as Contender, median, time};
 use crate::row::{Row, Stretch, Unit};
 
-/// One tick of the fixed schedule, as long as a frame: 60 Hz.
+/// Duration of a tick of the fixed schedule and of a frame: 60 Hz.
 const TICK: Duration = Duration::from_nanos(16_666_667);
 
-/// Vertices along a side of the cloth that comes and goes.
+/// Vertices along a side of the cloth that is spawned and despawned.
 const SIDE: u32 = 64;
 
 /// Vertices along a side of the cloth whose mesh is written.
 const DRAWN: u32 = 128;
 
-/// Frames in a portion: an empty one takes microseconds.
+/// Frames in a timed portion; an empty frame takes microseconds.
 const FRAMES: usize = 200;
 
 /// Frames before anything is timed.
@@ -33,7 +33,7 @@ pub(super) fn come_and_go(effort: &Effort) -> Vec<Row> {
     let mut app = plain();
     app.add_plugins(SinewPlugin::default());
     let mut app = ready(app);
-    // What is told is the difference to a frame where nothing came or went: let the rest of it be short.
+    // The result is the difference to a frame without a spawn or despawn, so the rest of the frame is kept short.
     app.insert_resource(SolverConfig { substeps: 1, max_sweeps: 1, ..default() });
     let cut = app.world_mut().resource_mut::<Assets<Mesh>>().add(square(SIDE));
     let [mut spawn, mut despawn, mut tear] = [const { Vec::new() }; 3];
@@ -79,10 +79,10 @@ pub(super) fn come_and_go(effort: &Effort) -> Vec<Row> {
     rows
 }
 
-/// What a frame is compared with, where something comes or goes in it.
+/// Note of rows that compare a frame with a spawn or despawn to one without.
 const LESS: &str = "a frame with it less a frame without";
 
-/// The same of a box beside eight such cloths, and of a constraint of one of them: at the default substeps and sweeps, as a game has it.
+/// The same for a box beside eight such cloths, and for a constraint of one of them, at the default substeps and sweeps.
 fn beside_others(effort: &Effort) -> Vec<Row> {
     let mut app = plain();
     app.add_plugins(SinewPlugin::default());
@@ -162,7 +162,7 @@ pub(super) fn ticks(effort: &Effort) -> Vec<Row> {
 pub(super) fn mesh_out(effort: &Effort) -> Vec<Row> {
     let mut app = hung(DRAWN);
     frames(&mut app, WARM);
-    // No time passes any more: all that is left to do is what is asked for, and it is asked by a mesh that seems to have been changed.
+    // Time stands still from here on, so the only work is to redraw a mesh that is marked as changed.
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
     frames(&mut app, WARM);
     let [mut drawn, mut idle] = [const { Vec::new() }; 2];
@@ -185,7 +185,7 @@ pub(super) fn mesh_out(effort: &Effort) -> Vec<Row> {
     vec![row.noted("a frame that draws less a frame that does not; no tick in either")]
 }
 
-/// P13, of an app.
+/// P13 for an app.
 pub(super) fn allocations(_: &Effort) -> Vec<Row> {
     let mut app = plain();
     app.add_plugins(SinewPlugin::default());
@@ -208,7 +208,7 @@ impl Contender for Frames {
     }
 }
 
-/// An app without ours, with meshes.
+/// An app without the plugin, with meshes.
 fn plain() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
@@ -244,7 +244,7 @@ fn frames(app: &mut App, count: usize) {
     (0..count).for_each(|_| app.update());
 }
 
-/// Seconds of a frame that begins with that.
+/// Duration of a frame, seconds, including `first` at its start.
 fn frame(app: &mut App, first: impl FnOnce(&mut World)) -> f64 {
     let mut first = Some(first);
     time(1, || {
@@ -256,7 +256,7 @@ fn frame(app: &mut App, first: impl FnOnce(&mut World)) -> f64 {
     .cpu
 }
 
-/// Makes every mesh seem changed.
+/// Marks every mesh as changed.
 fn touch(world: &mut World) {
     let mut meshes = world.query::<&mut Mesh3d>();
     meshes.iter_mut(world).for_each(|mut mesh| mesh.set_changed());

@@ -1,4 +1,4 @@
-//! P4: cloth of triangles that bend stiffly, by the angle between them or isometrically; the mean over edges and bends.
+//! P4: triangle cloth with stiff bending, by the dihedral angle or isometrically; the time is a mean over edges and bends.
 
 use sinew::constraints::{Bend, Hinge};
 use sinew::glam::Vec3;
@@ -16,14 +16,14 @@ const SIDE: u32 = 128;
 /// Substeps in a tick, of one sweep each.
 const SUBSTEPS: u32 = 10;
 
-/// Bending stiffness, N·m: canvas. Cotton is a twentieth of that.
+/// Bending stiffness, N·m, of canvas. Cotton has a twentieth of that.
 const STIFFNESS: f32 = 1e-4;
 
-/// Why the naive way holds it worse: without the bends, it stretches as much in this order, and as little as ours in that of P2's mesh.
+/// Why the naive reference stretches more: without bending it stretches as much in this order, and in the order of P2's mesh as little as Sinew.
 const NOTE: &str =
     "naive sweeps along the rows, which makes a sheet with one diagonal a cell flutter";
 
-/// Which law keeps the triangles from bending.
+/// The kind of bending constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bending {
     /// The angle between two triangles.
@@ -45,14 +45,14 @@ pub fn run(effort: &Effort) -> Vec<Row> {
     vec![row(Bending::Dihedral, "dihedral"), row(Bending::Isometric, "isometric")]
 }
 
-/// A level sheet of triangles, pinned at two corners, with a bend at each inner edge.
+/// A horizontal sheet of triangles, pinned at two corners, with a bending constraint at each inner edge.
 pub fn world(side: u32, bending: Bending, substeps: u32, sweeps: u32) -> Simulation {
     let mut grid = cloth::sheet(side);
     let at = |i: u32| grid.particles[i as usize].position;
     let positions: Vec<Vec3> = grid.particles.iter().map(|p| p.position).collect();
     let indices: Vec<u32> = grid.triangles.iter().flatten().copied().collect();
     let found = weld(&positions, &indices, 0.0).expect("the mesh is sound");
-    // Nothing is welded, but the particles may have other numbers now.
+    // Nothing is welded, but the particles may be renumbered.
     let mut own = vec![0; positions.len()];
     (0..).zip(&found.vertices).for_each(|(vertex, &p): (u32, &u32)| own[p as usize] = vertex);
     let own = |pair: [u32; 2]| pair.map(|i| own[i as usize]);
@@ -77,7 +77,7 @@ pub fn world(side: u32, bending: Bending, substeps: u32, sweeps: u32) -> Simulat
     let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
     let mut edges: Vec<[u32; 2]> = found.edges.iter().map(|&e| sorted(own(e))).collect();
     edges.sort_unstable();
-    // Of the grid's two diagonals a cell, the one that is an edge.
+    // The grid has two diagonals in each cell; this keeps the one that is an edge.
     grid.distances.retain(|d| edges.binary_search(&sorted([d.a, d.b])).is_ok());
     grid.constraints = bends;
     cloth::world(&grid, substeps, sweeps)

@@ -1,4 +1,4 @@
-//! P5: boxes, and P6: ragdolls, each with the default settings, as a game gets them; nothing sleeps.
+//! P5: boxes, and P6: ragdolls, each at default settings; nothing sleeps.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, RagdollSpec, box_3d, ragdoll};
@@ -11,13 +11,13 @@ use crate::peers;
 use crate::places::{places, stacked, stairs};
 use crate::row::{Row, Unit};
 
-/// Boxes along a side of their square: about as many as P5's pile has.
+/// Boxes along a side of their square: about as many as in P5's heap.
 const BOXES: u32 = 32;
 
-/// Boxes along an edge of their heap: P5's thousand.
+/// Boxes along an edge of the heap: the thousand of P5.
 const HEAP: u32 = 10;
 
-/// Boxes along an edge of those in free flight.
+/// Boxes along an edge of the block in free flight.
 const FLIGHT: u32 = 16;
 
 /// Ragdolls along a side of their square.
@@ -50,7 +50,7 @@ pub fn side_by_side(effort: &Effort) -> Vec<Row> {
     ]
 }
 
-/// Boxes in free flight that turn and touch nothing, with all that they would collide by.
+/// Rotating boxes in free flight that touch nothing, with their collision shapes.
 fn in_flight(effort: &Effort) -> Row {
     let world = flying(FLIGHT);
     let (count, settings) = (world.distances().len(), world.settings);
@@ -59,7 +59,7 @@ fn in_flight(effort: &Effort) -> Row {
     Race::alone(Ours(world)).run(effort, 1, row).noted("default settings; goal: 2 ms")
 }
 
-/// The heap with so many substeps, and so many of the rival.
+/// The heap with numbers of substeps for Sinew and for the other engine.
 fn heaped(effort: &Effort, [substeps, theirs]: [u32; 2], note: &str) -> Row {
     let mut world = heap(HEAP);
     world.settings.substeps = substeps;
@@ -129,7 +129,7 @@ pub fn heap(edge: u32) -> Simulation {
     world
 }
 
-/// `edge³` cubes of 1 m and 1 kg, 3 m apart, that fly up side by side and turn.
+/// `edge³` cubes of 1 m and 1 kg, 3 m apart, that fly upwards and rotate.
 pub fn flying(edge: u32) -> Simulation {
     let mut world = Simulation::default();
     let cube = box_3d(&BoxSpec::default()).expect("the box is sound");
@@ -145,7 +145,7 @@ pub fn flying(edge: u32) -> Simulation {
     world
 }
 
-/// `side × side` ragdolls that fall from 1 m, and the sweeps that they ask for.
+/// `side × side` ragdolls that fall from 1 m, and the maximum number of sweeps of the recipe.
 pub fn dolls(side: u32) -> (Simulation, u32) {
     let mut world = Simulation::default();
     world.boundaries.planes.push(Plane::ground(0.0));
@@ -158,7 +158,7 @@ pub fn dolls(side: u32) -> (Simulation, u32) {
     (world, sweeps)
 }
 
-/// The same over stairs that collide, as the bones do.
+/// The same above stairs, with collisions of the bones.
 pub fn dolls_on_stairs(side: u32) -> (Simulation, u32) {
     let mut world = Simulation::default();
     for (half, place) in stairs(side) {

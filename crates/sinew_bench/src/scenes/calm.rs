@@ -1,4 +1,4 @@
-//! How well a heap lies: what P5's speed is worth. Its boxes after twenty seconds, with as many substeps of both.
+//! Quality of P5's heap at rest: the speeds and the penetration of its boxes after twenty seconds, with as many substeps in both engines.
 
 use sinew::Simulation;
 use sinew::glam::{Quat, Vec3};
@@ -8,16 +8,16 @@ use crate::measure::{Cube, Effort, Ours, World, mean_square};
 use crate::peers;
 use crate::row::{Row, Unit};
 
-/// Ticks after which it should be at rest: 20 s.
+/// Ticks after which the heap should be at rest: 20 s.
 const TICKS: usize = 1200;
 
 /// Half an edge of a box, metres.
 const HALF: f32 = 0.5;
 
-/// How long the diagonal of a box is, metres: those whose centres are farther apart do not touch.
+/// Diagonal of a box, metres: boxes whose centres are farther apart do not touch.
 const DIAGONAL: f32 = 1.733;
 
-/// The heap of P5, with so many boxes along an edge, with so many substeps of both: how fast its boxes still are, and in the note how deep any lies in another.
+/// P5's heap of `edge³` boxes, with the same number of substeps in both engines: the remaining speed of its boxes, and in the note the deepest penetration.
 pub(super) fn heaps(effort: &Effort, (mut world, edge): (Simulation, u32), substeps: u32) -> Row {
     let ticks = if effort.quick { TICKS / 10 } else { TICKS };
     world.settings.substeps = substeps;
@@ -35,7 +35,7 @@ pub(super) fn heaps(effort: &Effort, (mut world, edge): (Simulation, u32), subst
     Row { ours: Some(ours), peer: peer.map(|(speed, _)| speed), ..row }.noted(note)
 }
 
-/// How deep any corner is in another cube, or in the floor, metres.
+/// Deepest penetration of any corner into another cube or the floor, metres.
 pub(super) fn deepest(cubes: &[Cube]) -> f64 {
     let mut deepest = 0.0_f32;
     for (number, cube) in cubes.iter().enumerate() {
@@ -51,7 +51,7 @@ pub(super) fn deepest(cubes: &[Cube]) -> f64 {
     f64::from(deepest)
 }
 
-/// The corners of a cube in the world.
+/// The corners of a cube in world space.
 fn corners(pose: &Pose) -> impl Iterator<Item = Vec3> {
     let signs = |bits: u32| {
         Vec3::from_array([0, 1, 2].map(|axis| if bits >> axis & 1 == 1 { HALF } else { -HALF }))
@@ -60,7 +60,7 @@ fn corners(pose: &Pose) -> impl Iterator<Item = Vec3> {
     (0..8).map(move |bits| pose.point(signs(bits)))
 }
 
-/// How deep a point is in a cube, metres; negative outside of it.
+/// Depth of a point in a cube, metres; negative outside of it.
 fn depth(pose: &Pose, point: Vec3) -> f32 {
     let back = Pose { translation: Vec3::ZERO, rotation: Quat::conjugate(pose.rotation) };
     HALF - back.point(point - pose.translation).abs().max_element()
@@ -79,7 +79,7 @@ mod tests {
         let level = |x: f32, y: f32| cube(Vec3::new(x, y, x), Quat::IDENTITY, Vec3::ZERO);
         assert_eq!(deepest(&[level(0.0, 0.5), level(2.0, 0.5)]), 0.0);
         assert!((deepest(&[level(0.0, 0.49)]) - 0.01).abs() < 1e-6);
-        // The upper one is a little aside, so that its corners are in the lower one and not in its rim.
+        // The upper box is offset, so that its corners are inside of the lower one and not at its edge.
         assert!((deepest(&[level(0.0, 0.5), level(0.25, 1.497)]) - 0.003).abs() < 1e-6);
         let tilted = Quat::from_rotation_z(core::f32::consts::FRAC_PI_4);
         let stands = cube(Vec3::Y * 0.7, tilted, Vec3::ZERO);

@@ -1,4 +1,4 @@
-//! P9: charges that attract and repel each other, all pairs and by the tree.
+//! P9: charges that attract and repel each other, over all pairs and by the tree.
 
 use sinew::glam::Vec3;
 use sinew::{ParticleSeed, Simulation, SolverSettings};
@@ -9,13 +9,13 @@ use crate::measure::{Effort, Ours, Race, TICK};
 use crate::naive::charges::Charges;
 use crate::row::{Row, Unit};
 
-/// Charges of the sum over all pairs.
+/// Number of charges for the sum over all pairs.
 const FEW: usize = 4096;
 
-/// Charges of the tree.
+/// Number of charges for the tree.
 const MANY: usize = 65_536;
 
-/// How many of them the error is measured by: the exact sum for one goes over all others.
+/// Number of charges over which the error is measured; fewer than all, because the exact sum for each one runs over all others.
 const SAMPLES: usize = 256;
 
 /// P9.
@@ -32,7 +32,7 @@ pub fn run(effort: &Effort) -> Vec<Row> {
     vec![pairs, tree.noted(format!("error of the forces {:.2} %, root mean square", 100.0 * error))]
 }
 
-/// Charges of either sign, a microcoulomb each, at places in a cube of 10 m that a shuffle makes: each coordinate is taken on once.
+/// Charges of both signs, a microcoulomb each, at shuffled positions in a cube of 10 m: each coordinate value occurs once.
 pub fn cloud(count: usize, all_pairs_up_to: u32) -> Simulation {
     let settings = SolverSettings { substeps: 1, ..SolverSettings::default() };
     let mut world = empty(settings);
@@ -49,7 +49,7 @@ pub fn cloud(count: usize, all_pairs_up_to: u32) -> Simulation {
     world
 }
 
-/// Root mean square of the errors of the forces, as a share of that of the forces.
+/// Root mean square error of the forces, relative to the root mean square of the forces.
 fn error(world: &Simulation) -> f64 {
     let mut world = world.clone();
     let exact = Charges::of(&world);
@@ -60,7 +60,7 @@ fn error(world: &Simulation) -> f64 {
     for n in 0..SAMPLES {
         let i = n * (world.particles.len() / SAMPLES);
         let force = exact.force_on(i);
-        // All have 1 kg.
+        // Each has 1 kg, so the acceleration is the force.
         wrong += (world.particles.acceleration(i).as_dvec3() - force).length_squared();
         whole += force.length_squared();
     }

@@ -1,4 +1,4 @@
-//! Cloth that hangs by two corners: P1 as a grid, P2 as a mesh whose vertices come in any order, and the growth of both.
+//! Cloth that hangs by two corners: P1 as a grid, P2 as a mesh with shuffled vertices; also used for the plot of growth.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{Blueprint, ClothMaterial, ClothSpec, cloth_from_mesh, cloth_grid};
@@ -13,14 +13,14 @@ use crate::row::{Row, Unit};
 /// Particles along a side in P1 and P2.
 const SIDE: u32 = 128;
 
-/// Substeps of P1 and P2.
+/// Substeps in a tick of P1 and P2.
 const SUBSTEPS: u32 = 10;
 
-/// Length of a cell, m. With it the largest stretch at this many substeps is what the table of goals tells; finer cells stretch more under the same
-/// sweeps, as gravity moves a particle by a larger share of them.
+/// Length of a cell, m. With this length the largest stretch at this many substeps is that of the table of goals; finer cells stretch more under the same
+/// sweeps, because gravity moves a particle by a larger part of a cell.
 pub const CELL: f32 = 0.1;
 
-/// A quarter turn about x: the sheet starts level, so that it swings down and folds as cloth does; in its own plane it would never leave that.
+/// A quarter turn about x: the sheet starts horizontal, so that it swings down and folds as cloth does; in its own plane it would stay flat.
 const LEVEL: Quat =
     Quat::from_xyzw(-core::f32::consts::FRAC_1_SQRT_2, 0.0, 0.0, core::f32::consts::FRAC_1_SQRT_2);
 
@@ -43,8 +43,8 @@ pub fn mesh(effort: &Effort) -> Vec<Row> {
     vec![mesh.noted(note), rows]
 }
 
-/// A sheet of `side × side` particles, [`CELL`] apart: along rows, along columns and both diagonals of each cell, hard; nothing against bending.
-/// Level, with the two ends of its top row pinned.
+/// A sheet of `side × side` particles, [`CELL`] apart, with hard distances along rows, columns and both diagonals of each cell, and without bending
+/// constraints. Horizontal, with both ends of its top row pinned.
 pub fn sheet(side: u32) -> Blueprint {
     let spec = spec(side);
     let mut sheet = cloth_grid(&spec).expect("the grid is sound").transformed(LEVEL, Vec3::ZERO);
@@ -54,8 +54,8 @@ pub fn sheet(side: u32) -> Blueprint {
     sheet
 }
 
-/// The same sheet cut from the triangles of a mesh, its vertices in an order that a generator with a fixed seed makes: as the recipe makes it, which
-/// may number the particles as it likes; and the same with the particles in the order of the vertices and the edges sorted.
+/// The same sheet as a mesh whose vertices are shuffled with a fixed seed, twice: as the recipe for meshes makes it, which may renumber the particles; and with
+/// the particles in the order of the vertices and the edges sorted.
 pub fn mesh_and_given(side: u32) -> (Blueprint, Blueprint) {
     let spec = spec(side);
     let grid = cloth_grid(&spec).expect("the grid is sound").transformed(LEVEL, Vec3::ZERO);
@@ -79,14 +79,14 @@ pub fn mesh_and_given(side: u32) -> (Blueprint, Blueprint) {
     (cut, given)
 }
 
-/// The sheet with its particles in that order and its distances sorted: what any mesh looks like to who takes it as it comes.
+/// The sheet with its particles shuffled and its distances sorted: what a mesh looks like without renumbering.
 pub fn scattered(side: u32) -> Blueprint {
     let sheet = sheet(side);
     let place = shuffle(sheet.particles.len());
     renumbered(&sheet, &place)
 }
 
-/// A world with one body, swept exactly so often.
+/// A simulation of one body with a fixed number of sweeps in each substep.
 pub fn world(body: &Blueprint, substeps: u32, sweeps: u32) -> Simulation {
     let settings = SolverSettings {
         substeps,
@@ -100,7 +100,7 @@ pub fn world(body: &Blueprint, substeps: u32, sweeps: u32) -> Simulation {
     world
 }
 
-/// A race with one body; the others take it as it was given.
+/// A race over one body; the other contenders use `given`.
 fn race(
     effort: &Effort,
     id: &'static str,
@@ -116,7 +116,7 @@ fn race(
     race.run(effort, constraints * SUBSTEPS as usize, row)
 }
 
-/// The particles and distances of a body with other numbers for its particles, its distances sorted by them.
+/// The particles and distances of a body with the particles renumbered, and the distances sorted by the new numbers.
 fn renumbered(body: &Blueprint, number: &[u32]) -> Blueprint {
     let mut particles = body.particles.clone();
     for (seed, &number) in body.particles.iter().zip(number) {
@@ -137,7 +137,7 @@ fn spec(side: u32) -> ClothSpec {
     ClothSpec { width: length, height: length, columns: cells, rows: cells, shear: true, material }
 }
 
-/// Where each of `count` things goes (Fisher and Yates), by a generator of 64 bits (Marsaglia's xorshift) with a fixed seed.
+/// A random permutation of `count` items (Fisher–Yates shuffle), by a 64-bit xorshift generator (Marsaglia) with a fixed seed.
 pub fn shuffle(count: usize) -> Vec<u32> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut place: Vec<u32> = (0..count as u32).collect();

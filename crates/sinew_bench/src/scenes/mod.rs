@@ -1,4 +1,4 @@
-//! The scenes of the table of goals, each a function from how much is measured to rows; a file a family.
+//! The scenes of the table of goals, each a function from the effort to rows; one file for each family.
 
 mod allocations;
 #[cfg(feature = "plugin")]
@@ -24,7 +24,7 @@ use crate::row::Row;
 pub struct Scene {
     /// Its number: "P1".
     pub id: &'static str,
-    /// Measures it.
+    /// Measures the scene.
     pub run: fn(&Effort) -> Vec<Row>,
 }
 
@@ -32,14 +32,14 @@ const fn scene(id: &'static str, run: fn(&Effort) -> Vec<Row>) -> Scene {
     Scene { id, run }
 }
 
-/// A world with nothing in it.
+/// An empty simulation.
 pub fn empty(settings: SolverSettings) -> Simulation {
     let mut world = Simulation::default();
     world.settings = settings;
     world
 }
 
-/// All of them, in the order of the table.
+/// All scenes, in the order of the table.
 pub const SCENES: &[Scene] = &[
     scene("P1", cloth::grid),
     scene("P2", cloth::mesh),

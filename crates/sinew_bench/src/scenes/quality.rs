@@ -1,4 +1,4 @@
-//! P14: how well equal work holds a cloth together. Every constraint is projected twenty times a frame, split into substeps and sweeps.
+//! P14: stretch of a cloth at equal work. Every constraint is projected twenty times a frame, split into substeps and sweeps.
 
 use super::cloth;
 use crate::measure::{Effort, Ours, Race, TICKS, World};

@@ -10,13 +10,13 @@ use crate::naive::Naive;
 use crate::peers;
 use crate::row::{Row, Unit};
 
-/// Pieces of the long rope.
+/// Segments of the long rope.
 const LONG: u32 = 1000;
 
-/// Pieces of a short one.
+/// Segments of a short rope.
 const SHORT: u32 = 32;
 
-/// How many short ones there are.
+/// Number of short ropes.
 const MANY: u32 = 1000;
 
 /// Substeps in a tick, of one sweep each.
@@ -40,7 +40,7 @@ pub fn run(effort: &Effort) -> Vec<Row> {
     ]
 }
 
-/// Ropes side by side, each pinned at one end and let go level.
+/// Ropes side by side, each pinned at one end and released horizontally.
 pub fn many(count: u32, substeps: u32, sweeps: u32) -> Simulation {
     let settings =
         SolverSettings { substeps, max_sweeps: sweeps, tolerance: 0.0, ..Default::default() };

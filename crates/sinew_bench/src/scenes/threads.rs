@@ -1,4 +1,4 @@
-//! P7: one cloth of a million particles, and P8: many small ones; by one thread and by two.
+//! P7: one cloth of a million particles, and P8: many small ones; on one thread and on two.
 
 use sinew::Simulation;
 use sinew::glam::{Quat, Vec3};
@@ -12,16 +12,16 @@ use crate::threads::stepped_by;
 /// Particles along a side of the large cloth.
 const SIDE: u32 = 1024;
 
-/// Substeps of it, of one sweep each.
+/// Substeps of the large cloth, of one sweep each.
 const SUBSTEPS: u32 = 4;
 
-/// Ticks of the large cloth that the naive way is timed for: each takes a third of a second.
+/// Timed ticks of the large cloth: in the naive reference each takes a third of a second.
 const SHORT: usize = 20;
 
-/// Small cloths, and particles along a side of each.
+/// Number of small cloths, and particles along a side of each.
 const SMALL: (u32, u32) = (64, 32);
 
-/// What a figure for two threads waits for.
+/// Note of a row for which there is no world with two threads.
 const NOT_YET: &str = "2 threads: not yet";
 
 /// P7.

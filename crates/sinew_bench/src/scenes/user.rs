@@ -1,9 +1,10 @@
-//! What a user gets, U1 to U12: whole frames of apps with `MinimalPlugins` and `SinewPlugins`, nothing configured (but four substeps where a row says so), a ground in each, on one thread, or with `--threads` on those that an app has.
+//! U1 to U12, the user scenes: whole frames of apps with `MinimalPlugins` and `SinewPlugins` at default settings (with four substeps where a row says so), with
+//! a ground, on one thread or, with `--threads`, on the default threads of an app.
 //!
-//! A frame is a tick of 1/60 s. What is timed is the mean of all frames from the first second to the fourth, after things have met; the quality stands
-//! beside it, over the last two seconds: how far hard distances are from their lengths, in the mean and at the worst; how fast all still are; and of boxes how
-//! deep they lie in each other in the end. Which part of the time is the engine's own stands there, too. rapier3d has the rigid scenes in turn with ours, by
-//! itself and not in an app, and Avian in an app, with their default settings; of their ragdolls it is the joints that gape.
+//! A frame is a tick of 1/60 s. The time is the mean over all frames from the first second to the fourth, when bodies are in contact. The quality is measured
+//! over the last two seconds: the mean and the largest relative error of hard distances, the root mean square of the speeds, and for boxes the deepest
+//! penetration at the end. The note also has the engine's part of the time. rapier3d takes turns with Sinew in the rigid scenes, by itself without an app, and
+//! Avian in an app, both at their default settings; the stretch of their ragdolls is the opening of joints.
 
 use core::time::Duration;
 
@@ -22,24 +23,24 @@ use crate::peers::{self, Rivals};
 use crate::places;
 use crate::row::{Row, Stretch, Unit};
 
-/// One tick of the fixed schedule, as long as a frame: 60 Hz.
+/// Duration of a tick of the fixed schedule and of a frame: 60 Hz.
 const TICK: Duration = Duration::from_nanos(16_666_667);
 
-/// Frames before anything is timed, frames that are, and of those the ones by which the quality is judged: one second, three, two.
+/// Frames before timing starts, timed frames, and of those the last ones, over which the quality is measured: one second, three, two.
 const WARM: usize = 60;
 const TIMED: usize = 180;
 const JUDGED: usize = 120;
 
-/// Frames between two looks at the quality, which are not timed.
+/// Frames between two measurements of the quality, which are not timed.
 const LOOK: usize = 12;
 
-/// A scene: its number, what it is, what fills the world, and rivals in it.
+/// A scene: its number, its title, the function that fills the world, and the same scene in other engines.
 struct Level {
     id: &'static str,
     what: &'static str,
     fill: fn(&mut World),
     peers: fn(&Effort) -> Rivals,
-    /// Substeps in a tick, where they are not the default ones.
+    /// Substeps in a tick, if not the default number.
     substeps: Option<u32>,
 }
 
@@ -48,12 +49,12 @@ const fn level(id: &'static str, what: &'static str, fill: fn(&mut World)) -> Le
 }
 
 impl Level {
-    /// The same beside rivals, which set the same scene up.
+    /// Adds other engines, which set up the same scene.
     const fn beside(self, peers: fn(&Effort) -> Rivals) -> Self {
         Self { peers, ..self }
     }
 
-    /// The same with four substeps: as many as rapier takes by default.
+    /// The scene with four substeps, the default of rapier.
     const fn with_four_substeps(self) -> Self {
         Self { what: "the same with four substeps", substeps: Some(4), ..self }
     }
@@ -100,7 +101,7 @@ const ON_A_FLOOR: Level = level("U7", "100 ragdolls on a floor", |world| figures
 const DOWN_STAIRS: Level = level("U7", "100 ragdolls down stairs", |world| figures(world, 0.24))
     .beside(|effort| peers::figures(effort, 0.24));
 
-/// Those of one number.
+/// Measures the scenes of one number.
 fn run(id: &str, effort: &Effort) -> Vec<Row> {
     let levels = LEVELS.iter().filter(|level| level.id == id);
     levels.map(|level| measured(level, effort, |world| with_ground(world, level.fill))).collect()
@@ -118,10 +119,11 @@ users!(
     u1 "U1", u2 "U2", u3 "U3", u4 "U4", u5 "U5", u6 "U6", u7 "U7", u8 "U8", u9 "U9", u12 "U12"
 );
 
-/// U10: what a ground, a far collider, a wind and a game's own system between two phases cost each scene, as a share of the frame without any of them.
+/// U10: cost of a ground, a far collider, a wind and a system of the game between two phases in each scene, relative to the frame without any of them.
 ///
-/// Cloth and ropes are there without a ground. What falls has one, for falling for ever is nobody's scene, and is kept awake, so that as much is at work in each of
-/// them: a wind wakes whom it moves, and these boxes are no denser than air. What sleeps is asked beside a system of a game's own only.
+/// Cloth and ropes are run without a ground. Falling bodies have one, since falling for ever is no realistic scene, and are kept awake, so that the same bodies
+/// are active in every variant: a wind wakes the bodies that it moves, and these boxes are no denser than air. The sleeping scene is compared only with a
+/// system of the game.
 pub(super) fn u10(effort: &Effort) -> Vec<Row> {
     let falls = |level: &Level| ["U6", "U7", "U8"].contains(&level.id);
     let asleep = level("U11", "1000 boxes side by side, asleep", |world| lying(world, true));
@@ -135,7 +137,7 @@ pub(super) fn u10(effort: &Effort) -> Vec<Row> {
         .collect()
 }
 
-/// What may be added to a scene, and what it is called.
+/// The name of an addition to a scene, and the function that adds it.
 type Extra = (&'static str, fn(&mut World));
 
 const A_GROUND: Extra = ("a ground", |world| {
@@ -152,7 +154,7 @@ const OWN_SYSTEM: Extra = ("an own system", |world| {
     world.resource_mut::<Schedules>().add_systems(SubstepSchedule, own);
 });
 
-/// A ground, and nobody on it sleeps.
+/// Adds a ground, and keeps all bodies awake.
 fn awake_on_a_ground(world: &mut World) {
     world.spawn(Ground);
     world.resource_mut::<Schedules>().add_systems(Update, stay_awake);
@@ -167,7 +169,7 @@ fn stay_awake(
     }
 }
 
-/// A scene in such surroundings, and what each of those costs that are added to them.
+/// The scene with `around` applied, and in the note the relative cost of each extra.
 fn with_extras(level: &Level, effort: &Effort, around: fn(&mut World), extras: &[Extra]) -> Row {
     let run = |fill: fn(&mut World)| {
         measured(level, effort, |world| {
@@ -185,7 +187,7 @@ fn with_extras(level: &Level, effort: &Effort, around: fn(&mut World), extras: &
 
 /// U11.
 pub(super) fn u11(effort: &Effort) -> Vec<Row> {
-    // What a level is like most of the time: somebody moves, and all else lies.
+    // A typical level: one body moves and all others rest.
     let one_awake = |world: &mut World| {
         lying(world, true);
         let place = Transform::from_xyz(-3.0, 0.5, -3.0);
@@ -213,7 +215,7 @@ fn lying(world: &mut World, sleeps: bool) {
     }
 }
 
-/// A system of a game's own that does nothing.
+/// A system of the game that does nothing.
 fn nothing() {}
 
 fn with_ground(world: &mut World, fill: impl FnOnce(&mut World)) {
@@ -221,7 +223,7 @@ fn with_ground(world: &mut World, fill: impl FnOnce(&mut World)) {
     fill(world);
 }
 
-/// Runs an app of that and fills in a row.
+/// Runs a scene and fills in its row.
 fn measured(level: &Level, effort: &Effort, fill: impl FnOnce(&mut World)) -> Row {
     let mut ours = UserApp::new(effort, fill);
     if let Some(substeps) = level.substeps {
@@ -230,7 +232,7 @@ fn measured(level: &Level, effort: &Effort, fill: impl FnOnce(&mut World)) -> Ro
     let Rivals { rapier, avian } = (level.peers)(effort);
     let mut rivals = [("rapier", rapier), ("Avian", avian)];
     let short = if effort.quick { 10 } else { 1 };
-    // Bodies are built in the first tick: then what hangs on them can be hung there.
+    // Bodies are built in the first tick; only then can the weights be attached to them.
     ours.tick();
     load_ends(ours.app.world_mut());
     (0..WARM / short).for_each(|_| ours.tick());
@@ -281,10 +283,10 @@ fn measured(level: &Level, effort: &Effort, fill: impl FnOnce(&mut World)) -> Ro
     }
 }
 
-/// An app as the README has it.
+/// An app as in the README.
 struct UserApp {
     app: App,
-    /// How long the engine itself took in it, of the frames so far.
+    /// Total duration of the substeps in the frames so far.
     substeps: Duration,
 }
 
@@ -342,9 +344,9 @@ impl Contender for UserApp {
     }
 }
 
-/// How long a contender takes, and how well it holds together, over several looks.
+/// Time and quality of a contender, accumulated over several measurements.
 struct Contest {
-    /// Seconds in all.
+    /// Total time, seconds.
     took: Took,
     looks: u32,
     mean: f64,
@@ -359,7 +361,7 @@ impl Default for Contest {
 }
 
 impl Contest {
-    /// Times it for so many frames, and looks at it then.
+    /// Runs and times `frames` frames, and measures the quality after them if `judged`.
     fn run(&mut self, world: &mut dyn Contender, frames: usize, judged: bool) {
         let took = time(1, || (0..frames).for_each(|_| world.tick()));
         self.took.cpu += took.cpu;
@@ -379,7 +381,7 @@ impl Contest {
         (self.max > 0.0).then_some(Stretch { mean, max: self.max })
     }
 
-    /// How fast all of it was (root of the mean square), and how deep the deepest corner of a cube lies in another or in the floor now.
+    /// Quality as text: the root mean square of the speeds, and for cubes the deepest penetration of a corner into another cube or the floor at the end.
     fn quality(&self, world: &dyn Contender, is_cubes: bool) -> String {
         let mean = (self.squares / f64::from(self.looks.max(1))).sqrt();
         let speed = format!("{:.1} mm/s", 1e3 * mean);
@@ -391,11 +393,11 @@ impl Contest {
     }
 }
 
-/// Marks a rope whose last particle carries a weight, kg.
+/// A rope with a weight, kg, on its last particle.
 #[derive(Component)]
 struct Load(f32);
 
-/// Hangs the weights on the ropes that were built.
+/// Attaches the weights to the ropes, once they are built.
 fn load_ends(world: &mut World) {
     let mut ropes = world.query::<(&BodyParticles, &Load)>();
     let ends: Vec<(Entity, f32)> = ropes
@@ -414,7 +416,7 @@ fn cape(world: &mut World, pins: ClothPins) {
         let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
         Transform::from_xyz(0.05, 1.6, 0.02).with_rotation(flat)
     } else {
-        // It hangs in front of the ball, which the wind presses it against.
+        // The cape hangs in front of the ball, and the wind presses it against the ball.
         Transform::from_xyz(0.0, 1.1, -0.35)
     };
     world.spawn((cloth.pinned(pins), place));
@@ -442,21 +444,21 @@ fn draped(world: &mut World, folded: bool) {
     }
 }
 
-/// A sheet of 2 m so high, upright or level.
+/// A sheet of 2 m at a position, vertical or horizontal.
 fn sheet(world: &mut World, pins: ClothPins, at: Vec3, level: bool) {
     let turn = if level { -core::f32::consts::FRAC_PI_2 } else { 0.0 };
     let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_x(turn));
     world.spawn((Cloth::grid(2.0, 2.0, 63, 63).pinned(pins), place));
 }
 
-/// It is tossed up, so that it lands when the time is taken.
+/// The crate is tossed up, so that it lands while frames are timed.
 fn caught(world: &mut World) {
     sheet(world, ClothPins::Corners, Vec3::Y * 2.0, true);
     let own = RigidBox::new(Vec3::splat(0.4)).with_mass(5.0);
     world.spawn((own, Transform::from_xyz(0.1, 2.5, 0.0), LinearVelocity(Vec3::Y * 5.0)));
 }
 
-/// So is the figure.
+/// So is the ragdoll.
 fn flown_at(world: &mut World) {
     sheet(world, ClothPins::TopEdge, Vec3::Y * 1.3, false);
     let velocity = LinearVelocity(Vec3::new(0.0, 6.0, -5.0));
@@ -499,7 +501,7 @@ fn boxes(world: &mut World, poured: bool) {
     }
 }
 
-/// A hundred, in front of stairs of so high steps; on the floor without any.
+/// A hundred ragdolls above stairs with steps of height `rise`, metres; on the floor if it is 0.
 fn figures(world: &mut World, rise: f32) {
     fixed(world, places::flight(rise));
     for (place, turn) in places::figures(rise) {
@@ -508,7 +510,7 @@ fn figures(world: &mut World, rise: f32) {
     }
 }
 
-/// Boxes of such sizes in such places that do not move.
+/// Adds static boxes of given sizes at given positions.
 fn fixed(world: &mut World, boxes: impl Iterator<Item = (Vec3, Vec3)>) {
     for (size, place) in boxes {
         world.spawn((Collider::cuboid(size), Transform::from_translation(place)));
@@ -525,7 +527,7 @@ fn jelly(world: &mut World) {
         world.spawn((Collider::cuboid(size), Transform::from_xyz(x, 0.5 * high, z)));
     }
     for n in 0..200_u32 {
-        // None overlaps another, with its radius.
+        // None overlaps another, including the radius.
         let (layer, place) = (n / 36, n % 36);
         let [x, z] = [place % 6, place / 6].map(|i| (i as f32 - 2.5) * 0.475);
         let at = Vec3::new(x, (layer as f32 + 0.55) * 0.475, z);
@@ -559,7 +561,7 @@ fn of_all(world: &mut World) {
         let crate_ = RigidBox::new(Vec3::splat(0.5)).with_mass(5.0);
         world.spawn((crate_, Transform::from_translation(place)));
     }
-    // A river beside all that, a metre deep.
+    // A river beside the rest, a metre deep.
     let river = Region::boxed(Vec3::new(40.0, 2.0, 4.0));
     world.spawn((Fluid::flowing(Vec3::X), river, Transform::from_xyz(12.0, 1.0, -5.0)));
     for n in 0..10_u32 {

@@ -1,4 +1,4 @@
-//! Time backwards: snapshots of the last ticks, and the way back to any of them.
+//! Recording: snapshots of the last ticks, and restoring any of them.
 
 #[cfg(test)]
 mod tests;
@@ -13,21 +13,21 @@ use bevy_sinew::{SinewClock, SinewControl, SinewSnapshot};
 use crate::history::PlotHistory;
 use crate::state::PanelState;
 
-/// When and how much the panel records. A resource that may be changed at any time.
+/// When ticks are recorded, and the limits of that. A resource that may be changed at any time.
 ///
-/// A snapshot of a tick holds the whole state of the simulation: some hundred bytes for each particle and each constraint. To take one costs about as long as some
-/// ticks: 1.4 ms of a cape of 24 × 24 particles, 12 ms of a thousand boxes. So of what is large only every few ticks are kept.
+/// A snapshot holds the whole state of the simulation: some hundred bytes for each particle and each constraint. Taking one costs about as long as a few ticks:
+/// 1.4 ms for a cape of 24 × 24 particles, 12 ms for a thousand boxes. So of a large scene only every few ticks are recorded.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct RecordingConfig {
     /// When ticks are recorded. Default [`RecordWhen::Shown`].
     pub when: RecordWhen,
-    /// The most time that recording takes of a tick in the long run, microseconds: after a snapshot that took longer, so many ticks are left out. Single steps
-    /// of a simulation that is paused are recorded all the same. `u32::MAX` records every tick. Default 1000.
+    /// The most time that recording may take of a tick on average, microseconds: after a snapshot that took longer, as many ticks are skipped as make up for
+    /// it. Single steps of a paused simulation are always recorded. `u32::MAX` records every tick. Default 1000.
     pub max_microseconds: u32,
-    /// The most ticks that are kept, 1 and up; the oldest go first. Default 600: 9.4 s at 64 ticks a second, if each is recorded.
+    /// The most ticks that are kept, at least 1; the oldest are dropped first. Default 600: 9.4 s at 64 ticks a second, if each is recorded.
     pub max_ticks: usize,
-    /// The most memory that they take, bytes; the oldest go first. A single snapshot that is larger is not kept. Default 512 MiB.
+    /// The most memory that the snapshots take, bytes; the oldest are dropped first. A single snapshot that is larger is not kept. Default 512 MiB.
     pub max_bytes: usize,
 }
 
@@ -48,48 +48,49 @@ impl Default for RecordingConfig {
 pub enum RecordWhen {
     /// Never, at no cost.
     Never,
-    /// While the panel is drawn. Hidden, it costs nothing. The default.
+    /// While the panel is drawn; a hidden panel records nothing. The default.
     #[default]
     Shown,
     /// Always.
     Always,
 }
 
-/// A tick of the recording.
+/// A recorded tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RecordedTick {
     /// Its number, [`SinewClock::tick`].
     pub tick: u64,
-    /// When it ended, in seconds of simulated time.
+    /// Its end, seconds of simulated time.
     pub seconds: f64,
 }
 
-/// What came of simulating ticks again that the recording holds.
+/// Result of simulating recorded ticks again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Replay {
-    /// None was simulated since the simulation last went back.
+    /// No recorded tick was simulated since the simulation last went back.
     #[default]
     None,
-    /// So many were, and each is the same to the last bit.
+    /// This many ticks were, and each is the same to the last bit.
     Same(u64),
-    /// This tick is another one than was recorded: it and what came after it was dropped from the recording.
+    /// This tick differs from the recorded one: the recorded ticks from it on were dropped.
     Differs(u64),
 }
 
-/// The last ticks, oldest first, and where in them the simulation stands.
+/// Snapshots of the last ticks, oldest first, and the tick among them that the simulation is at.
 ///
 /// Going back pauses the simulation and restores a snapshot in place: everything in [`StateTypes`](bevy_sinew::StateTypes), settings and gravity included,
-/// except for the pause and the speed. From there the simulation goes on bit for bit as it did. What it simulates
-/// again is compared with the recording: as long as it is the same, the later ticks stay; with the first tick that differs, because a setting was
-/// changed, a body was dragged or a game pressed on, they are dropped.
+/// except for the pause and the speed. From there the simulation goes on bit for bit as it did. Each tick that is simulated again is compared with the recorded
+/// one. While they are the same, the later ticks are kept; at the first tick that differs, because a setting was changed, a body was dragged or a game acted,
+/// they are dropped.
 ///
-/// A game's own state does not go back, unless it is registered ([`RegisterState`](bevy_sinew::RegisterState)), and input is not recorded; [`WentBack`] says
-/// that it happened. A clock that jumps, as where another scene begins, empties the recording; where it may not jump, call [`clear`](Self::clear).
+/// A game's own state does not go back unless it is registered ([`RegisterState`](bevy_sinew::RegisterState)), and input is not recorded; [`WentBack`] is
+/// triggered when the simulation went back. A jump of the clock, as where another scene begins, empties the recording; where the clock does not jump, call
+/// [`clear`](Self::clear).
 #[derive(Resource, Default)]
 pub struct Recording {
     snapshots: VecDeque<Recorded>,
     bytes: usize,
-    /// How much longer recording took than it may, of the ticks up to now.
+    /// By how much recording has exceeded its time up to now; ticks are skipped until it is zero.
     overtime: Duration,
     at: Option<RecordedTick>,
     wanted: Option<u64>,
@@ -103,57 +104,57 @@ struct Recorded {
     bytes: usize,
 }
 
-/// The simulation went back, or forth, to a tick of the [`Recording`]: an event for a game that takes its own state along, or that keeps the ids of bodies.
+/// Event: the simulation went back, or forward, to a tick of the [`Recording`]. For a game that restores its own state along, or that keeps the ids of bodies.
 #[derive(Event, Clone, Debug)]
 pub struct WentBack {
-    /// Where it stands now.
+    /// The tick that the simulation is at now.
     pub to: RecordedTick,
-    /// What entities of the simulation that had been despawned are called now that they are there again, by the ids that they had.
+    /// New ids of entities that had been despawned and were spawned again, by the ids that they had.
     pub entities: EntityHashMap<Entity>,
 }
 
 impl Recording {
-    /// A longer jump of the clock, in seconds, is another world.
+    /// A jump of the clock longer than this, in seconds, is taken for another scene.
     const GAP: f64 = 1.0;
 
-    /// The ticks that it holds, oldest first.
+    /// The recorded ticks, oldest first.
     pub fn ticks(&self) -> impl DoubleEndedIterator<Item = RecordedTick> + ExactSizeIterator {
         self.snapshots.iter().map(|one| one.at)
     }
 
-    /// Number of ticks that it holds.
+    /// Number of recorded ticks.
     pub fn len(&self) -> usize {
         self.snapshots.len()
     }
 
-    /// Whether it holds none.
+    /// Whether no tick is recorded.
     pub fn is_empty(&self) -> bool {
         self.snapshots.is_empty()
     }
 
-    /// Memory that it takes, bytes.
+    /// Memory that the snapshots take, bytes.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// The state at the end of a tick, if that is held. The pause and the speed in it are the defaults.
+    /// The state at the end of a tick, if it is recorded. The pause and the speed in it are the defaults.
     pub fn snapshot(&self, tick: u64) -> Option<&SinewSnapshot> {
         let one = self.snapshots.get(self.first_from(tick))?;
         (one.at.tick == tick).then_some(&one.snapshot)
     }
 
-    /// What came of simulating recorded ticks again.
+    /// Result of simulating recorded ticks again.
     pub fn replay(&self) -> Replay {
         self.replay
     }
 
-    /// Why it could not record, or not go back, in the last attempt.
+    /// Why the last attempt to record or to go back failed, if it did.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
 
-    /// Has the simulation pause and stand at a recorded tick at the end of this frame: the last one up to `tick`, or the oldest there is. Nothing happens
-    /// where none is recorded, or the simulation stands there.
+    /// Requests that the simulation pause and be at a recorded tick at the end of this frame: the last one up to `tick`, or else the oldest. Does nothing if
+    /// none is recorded, or if the simulation is at that tick.
     pub fn go_to(&mut self, tick: u64) {
         let place = self.first_from(tick.saturating_add(1)).saturating_sub(1);
         let here = self.at.map(|at| at.tick);
@@ -163,19 +164,19 @@ impl Recording {
         }
     }
 
-    /// The same for the last recorded tick before the one at which the simulation stands.
+    /// Like [`go_to`](Self::go_to) for the last recorded tick before the one that the simulation is at.
     pub fn go_back(&mut self) {
         if let Some(before) = self.before() {
             self.go_to(before);
         }
     }
 
-    /// Whether there is a tick to go back to.
+    /// Whether there is an earlier recorded tick to go back to.
     pub fn can_go_back(&self) -> bool {
         self.before().is_some()
     }
 
-    /// Drops all of it.
+    /// Drops the whole recording.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
@@ -185,12 +186,12 @@ impl Recording {
         Some(self.snapshots[place].at.tick)
     }
 
-    /// The place of the first one that is not before a tick.
+    /// Index of the first snapshot that is not before a tick.
     fn first_from(&self, tick: u64) -> usize {
         self.snapshots.partition_point(|one| one.at.tick < tick)
     }
 
-    /// Keeps those before a place.
+    /// Drops the snapshots from an index on.
     fn truncate(&mut self, place: usize) {
         self.bytes -= self.snapshots.drain(place..).map(|one| one.bytes).sum::<usize>();
     }
@@ -221,12 +222,12 @@ pub(crate) fn is_on(config: Res<RecordingConfig>, state: Res<PanelState>) -> boo
     }
 }
 
-/// Whether somebody wants to be elsewhere.
+/// Whether going to a tick was requested.
 pub(crate) fn is_wanted(recording: Res<Recording>) -> bool {
     recording.wanted.is_some()
 }
 
-/// Records the tick that was simulated last, once.
+/// Records the last tick, once.
 pub(crate) fn record(world: &mut World) {
     let SinewClock { tick, seconds, .. } = *world.resource::<SinewClock>();
     let now = RecordedTick { tick, seconds };
@@ -254,7 +255,7 @@ pub(crate) fn record(world: &mut World) {
         let begun = Instant::now();
         let place = recording.first_from(tick);
         match recording.snapshots.get(place) {
-            // Between two that were recorded.
+            // Between two recorded ticks: skipped at first, so there is nothing to compare with.
             Some(known) if known.at.tick > tick => (),
             Some(known) => {
                 let snapshot = capture(world);
@@ -277,7 +278,7 @@ pub(crate) fn record(world: &mut World) {
     });
 }
 
-/// The state with the pause and the speed of nobody: these are the user's, and are not compared.
+/// Takes a snapshot with the default pause and speed: these belong to the user and are not compared.
 fn capture(world: &mut World) -> SinewSnapshot {
     let control = core::mem::take(world.resource_mut::<SinewControl>().bypass_change_detection());
     let mut clock = world.resource_mut::<SinewClock>();
@@ -288,7 +289,7 @@ fn capture(world: &mut World) -> SinewSnapshot {
     snapshot
 }
 
-/// Puts the simulation where somebody wants it, paused.
+/// Goes to the requested tick, and pauses.
 pub(crate) fn travel(world: &mut World) {
     let went = world.resource_scope(|world, mut recording: Mut<Recording>| {
         let wanted = recording.wanted.take()?;

@@ -1,4 +1,4 @@
-//! Back in time and on again: the same bits, however it is asked for.
+//! Going back and simulating again gives the same bits, by whichever way it is requested.
 
 use bevy::prelude::*;
 use bevy_egui::egui;
@@ -9,7 +9,7 @@ use super::*;
 use crate::tests::{app, click, click_text, draw_with, find_text};
 use crate::{PanelSide, SinewPanelPlugin};
 
-/// Something of everything: a stack that rests on friction, a rope, a cloth in a wind. Always recorded, every tick.
+/// A scene of several kinds: a stack that rests on friction, a rope, a cloth in the wind of `app`. Every tick is recorded, always.
 fn busy() -> App {
     let mut app = app(SinewPanelPlugin::embedded());
     let mut config = app.world_mut().resource_mut::<RecordingConfig>();
@@ -38,7 +38,7 @@ fn hash(app: &App) -> u64 {
     SinewSnapshot::capture(app.world()).hash()
 }
 
-/// Runs, and says what the state is after each tick.
+/// Runs, and returns the hash of the state after each tick.
 fn hashes(app: &mut App, ticks: usize) -> Vec<u64> {
     let after = |app: &mut App| {
         app.update();
@@ -47,7 +47,7 @@ fn hashes(app: &mut App, ticks: usize) -> Vec<u64> {
     (0..ticks).map(|_| after(app)).collect()
 }
 
-/// Goes to a tick, of a simulation that is paused already, so that none is added on the way.
+/// Goes to a tick. Pauses first, so that no tick is simulated on the way.
 fn go_to(app: &mut App, tick: u64) {
     app.world_mut().resource_mut::<SinewControl>().pause();
     app.world_mut().resource_mut::<Recording>().go_to(tick);
@@ -60,7 +60,7 @@ fn going_on_from_a_recorded_tick_gives_the_bits_of_the_first_pass() {
     hashes(&mut app, 30);
     let from = tick(&app);
     let first = hashes(&mut app, 60);
-    // From several places, forth as well as back, and after a rest there.
+    // From several ticks, forward as well as back, and after a pause there.
     for (back, rest) in [(60, 0), (40, 3), (1, 1), (59, 7)] {
         go_to(&mut app, from + 60 - back);
         assert_eq!(tick(&app), from + 60 - back);
@@ -87,7 +87,7 @@ fn it_goes_back_at_any_speed_and_leaves_the_speed_alone() {
         assert_eq!(tick(&app), ticks[ticks.len() / 2]);
         let control = *app.world().resource::<SinewControl>();
         assert_eq!(control, SinewControl { paused: true, single_steps: 0, relative_speed: speed });
-        // On by single steps, between those that were recorded, too.
+        // On by single steps, including the ticks that were not recorded.
         while tick(&app) < last {
             app.world_mut().resource_mut::<SinewControl>().step();
             app.update();
@@ -98,7 +98,7 @@ fn it_goes_back_at_any_speed_and_leaves_the_speed_alone() {
     }
 }
 
-/// A snapshot of a thousand boxes takes three times as long as their tick: a panel that took one in each had a frame last four times as long.
+/// A snapshot of a thousand boxes takes three times as long as their tick: a panel that took one in each tick made frames four times as long.
 #[test]
 fn what_takes_longer_than_it_may_is_recorded_every_few_ticks() {
     let mut app = busy();
@@ -107,7 +107,7 @@ fn what_takes_longer_than_it_may_is_recorded_every_few_ticks() {
     hashes(&mut app, 50);
     let few = recording(&app).len() - kept;
     assert!((1..10).contains(&few), "{few} of 50");
-    // By hand each one is, from the last that was recorded to where it stands.
+    // Single steps are each recorded, from the last recorded tick to the present one.
     while recording(&app).ticks().next_back().map(|at| at.tick) == Some(tick(&app)) {
         app.update();
     }
@@ -141,7 +141,7 @@ fn what_came_and_went_meanwhile_is_undone_and_happens_again() {
     let first = hashes(&mut app, 40);
     let end = tick(&app);
 
-    // Back to before both: the one is there again, under another id, and the other one is not.
+    // Back to before both: the despawned body exists again under another id, and the spawned one does not.
     go_to(&mut app, before);
     let here = capture(app.world_mut()).hash();
     assert_eq!(here, recording(&app).snapshot(before).unwrap().hash());
@@ -150,12 +150,12 @@ fn what_came_and_went_meanwhile_is_undone_and_happens_again() {
     let particles = app.world().get::<BodyParticles>(new).expect("it has its particles again");
     assert_eq!(particles.len(), 8);
 
-    // And back and forth: what was spawned again is not spawned a third time.
+    // Back and forward once more: the body that was spawned again is not spawned a third time.
     go_to(&mut app, before - 1);
     go_to(&mut app, before);
     assert!(app.world().get_entity(new).is_ok(), "it stays the entity that it is");
 
-    // Forth to after both, and on.
+    // Forward to after both, and on.
     go_to(&mut app, end - 20);
     assert!(app.world().get_entity(new).is_err());
     app.world_mut().resource_mut::<SinewControl>().unpause();
@@ -174,7 +174,7 @@ fn the_later_ticks_go_with_the_first_that_differs() {
     go_to(&mut app, last - 20);
     let last_of = |app: &App| recording(app).ticks().next_back().map(|at| at.tick);
     assert_eq!(last_of(&app), Some(last), "looking drops nothing");
-    // Five as they were, then lighter.
+    // Five ticks as recorded, then with less gravity.
     app.world_mut().resource_mut::<SinewControl>().unpause();
     hashes(&mut app, 5);
     assert_eq!((recording(&app).replay(), last_of(&app)), (Replay::Same(5), Some(last)));
@@ -239,7 +239,7 @@ fn nothing_is_recorded_while_nobody_looks_or_it_is_off() {
 fn another_world_empties_it() {
     let mut app = busy();
     hashes(&mut app, 30);
-    // A clock that was set back, as by another scene.
+    // A clock that was set back, as when another scene begins.
     app.insert_resource(SinewClock::default());
     hashes(&mut app, 3);
     assert_eq!(recording(&app).ticks().map(|at| at.tick).collect::<Vec<_>>(), [1, 2, 3]);
@@ -272,7 +272,7 @@ fn of_a_games_own_state_goes_back_what_is_registered() {
     go_to(&mut app, back);
     let (counted, forgotten) =
         (app.world().get::<Counted>(body), app.world().get::<Forgotten>(body));
-    // The frame in which it went back counted on.
+    // The unregistered component counted on in the frame that went back.
     assert_eq!((counted.unwrap().0, forgotten.unwrap().0), (10, 21));
 }
 
@@ -284,7 +284,7 @@ fn the_button_the_slider_and_the_key_go_back() {
     let before = tick(&app);
     click_text(&mut app, &ctx, "⏮  Back");
     let control = *app.world().resource::<SinewControl>();
-    // Frames pass while somebody clicks, and the game goes on in them.
+    // Frames pass during the click, and the simulation goes on in them.
     let at = tick(&app);
     assert!(control.paused && at >= before && at < before + 5, "{at}");
     click_text(&mut app, &ctx, "⏮  Back");
@@ -295,7 +295,7 @@ fn the_button_the_slider_and_the_key_go_back() {
     let (output, _) = draw_with(&mut app, &ctx, PanelSide::Right, Vec::new());
     assert!(find_text(&output, "the same bits").is_some());
 
-    // The rail begins right of the label.
+    // The slider's rail begins to the right of its label.
     let label = find_text(&output, "Go to tick").expect("the slider is there");
     click(&mut app, &ctx, egui::pos2(label.x + 70.0, label.y));
     let there = tick(&app);

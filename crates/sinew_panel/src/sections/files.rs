@@ -1,4 +1,4 @@
-//! The panel's settings saved and loaded.
+//! The Settings section: saving and loading the panel's settings.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::params::PanelParams;
 use crate::settings::PanelSettings;
 use crate::style::{GOOD, WARN};
 
-/// Writes a file, or all that is in [`PanelSettings`].
+/// Writes a file, or everything in [`PanelSettings`].
 pub(crate) fn files(ui: &mut Ui, panel: &mut PanelParams) {
     let path = &mut panel.state.settings_path;
     let hint = "File of the solver's settings, gravity, air, charges, speed and recording.";
@@ -49,7 +49,7 @@ pub(crate) fn files(ui: &mut Ui, panel: &mut PanelParams) {
 }
 
 impl PanelParams<'_, '_> {
-    /// The settings as they are.
+    /// The present settings.
     pub fn settings(&self) -> PanelSettings {
         PanelSettings {
             solver: *self.config,
@@ -62,7 +62,7 @@ impl PanelParams<'_, '_> {
         }
     }
 
-    /// Makes the settings those.
+    /// Applies settings. Those that are equal already are not marked as changed.
     pub fn apply(&mut self, settings: &PanelSettings) {
         self.config.set_if_neq(settings.solver);
         self.gravity.set_if_neq(bevy_sinew::Gravity(Vec3::from_array(settings.gravity)));

@@ -1,4 +1,4 @@
-//! The last seconds in curves: energies, momenta, errors of the solver, and how long a tick takes.
+//! The Plots section: energies, momenta, errors of the solver and durations of a tick over the last seconds.
 
 use bevy_egui::egui::{Button, Color32, FontId, Grid, TextStyle, Ui, vec2};
 use egui_plot::{AxisHints, GridMark, HoverPosition, Line, Plot, PlotPoints, uniform_grid_spacer};
@@ -9,10 +9,10 @@ use crate::state::Plotted;
 use crate::style::{AXES, GRAVITATIONAL, KINETIC, SERIES, STORED, TOTAL, WARN};
 use crate::widgets::{colored_value, prefix, row};
 
-/// The most points in a curve that is drawn 220 points wide, give or take a factor of two.
+/// The most points in a curve, give or take a factor of two; the plot is about 220 points wide.
 const POINTS: usize = 300;
 
-/// The buttons of what can be plotted, in columns.
+/// The buttons that choose what is plotted, with label and hint, in [`COLUMNS`] columns.
 const CHOICES: [(Plotted, &str, &str); 6] = [
     (Plotted::Energy, "Energy", "Energies by kind, and their sum."),
     (Plotted::Momentum, "Momentum", "Momentum of all that is free, along x, y and z."),
@@ -35,23 +35,23 @@ struct Curve {
     read: fn(&PlotSample) -> f64,
 }
 
-/// How a plot writes its numbers.
+/// How the numbers of a plot are written.
 #[derive(Clone, Copy)]
 struct Unit {
     name: &'static str,
-    /// Whether it takes prefixes: kJ and mJ, but neither k% nor mmm.
+    /// Whether it takes SI prefixes: kJ and mJ, but neither k% nor mmm.
     prefixed: bool,
 }
 
 impl Unit {
-    /// What a number is divided by where it is written, and the unit with its prefix.
+    /// What a number of about `size` is divided by for display, and the unit with its prefix.
     fn of(self, size: f64) -> (f64, String) {
         let (scale, prefix) = if self.prefixed { prefix(size) } else { (1.0, "") };
         (scale, format!("{prefix}{}", self.name))
     }
 }
 
-/// Only reads the world; which curves are drawn is the panel's own.
+/// Draws the section. It only reads the world; the choice of curves is the panel's own state.
 pub(crate) fn plots(ui: &mut Ui, panel: &mut PanelParams) {
     let chosen = panel.state.plot;
     let width = ((ui.available_width() - 4.0 * (COLUMNS - 1) as f32) / COLUMNS as f32).floor();
@@ -93,7 +93,7 @@ pub(crate) fn plots(ui: &mut Ui, panel: &mut PanelParams) {
     }
 }
 
-/// What is drawn; the last one lies under all others.
+/// The curves of a plot; the last one is drawn under all others.
 fn curves(plot: Plotted, by_phase: bool, history: &PlotHistory) -> Vec<Curve> {
     let curve = |name, color, hint, read| Curve { name, color, hint, read };
     match plot {
@@ -176,10 +176,10 @@ fn ms(seconds: f32) -> f64 {
     f64::from(seconds) * 1e3
 }
 
-/// A number with two digits behind the point, or with three where it is small.
+/// A number with two decimals, or with three where it is small.
 fn readable(number: f64, is_prefixed: bool) -> String {
     if is_prefixed || number.abs() >= 10.0 {
-        // No minus before what is zero when it is written.
+        // No minus sign where the number is written as zero.
         return format!("{:.2}", if number.abs() < 0.005 { 0.0 } else { number });
     }
     format!("{:.3}", if number.abs() < 0.0005 { 0.0 } else { number })
@@ -215,7 +215,7 @@ fn draw(ui: &mut Ui, history: &PlotHistory, curves: &[Curve], unit: Unit) {
     let across = axis(AxisHints::new_x()).formatter(move |mark, _| {
         if inside(mark.value) { format!("{:.0} s", mark.value) } else { String::new() }
     });
-    // A unit of many letters would take half of the width: it stands over the axis.
+    // A long unit would take half of the width, so it is written above the axis.
     let is_wide = written.chars().count() > 3;
     let shown = if is_wide { String::new() } else { format!(" {written}") };
     let up = axis(AxisHints::new_y().min_thickness(46.0))
@@ -247,7 +247,7 @@ fn draw(ui: &mut Ui, history: &PlotHistory, curves: &[Curve], unit: Unit) {
         .show(ui, |plot| {
             plot.set_plot_bounds_x(-PlotHistory::SPAN..=0.0);
             plot.set_plot_bounds_y(low..=high);
-            // The sum lies under its parts.
+            // The sum is drawn under its parts.
             for line in lines.into_iter().rev() {
                 plot.line(line);
             }
@@ -256,12 +256,12 @@ fn draw(ui: &mut Ui, history: &PlotHistory, curves: &[Curve], unit: Unit) {
 
 fn tick_label(mark: &GridMark, scale: f64, unit: &str) -> String {
     let step = mark.step_size / scale;
-    // As many digits as tell two marks apart.
+    // As many decimals as are needed to tell two marks apart.
     let decimals = if step < 1.0 { (-step.log10()).ceil().clamp(0.0, 4.0) as usize } else { 0 };
     format!("{:.decimals$}{unit}", mark.value / scale)
 }
 
-/// The next number up that an axis may end at: few of them, so that the axis stands still while the curves move.
+/// The next larger number that an axis may end at. There are few of them, so that the axis does not move with the curves.
 fn round_up(x: f64) -> f64 {
     if x.is_nan() || x <= 0.0 {
         return 0.0;

@@ -1,4 +1,4 @@
-//! How the solver fared in the last tick, and the lines that show it in the world.
+//! The Report section, on the solver's last tick, and the View section, with the layers of debug lines.
 
 use std::any::TypeId;
 
@@ -10,7 +10,7 @@ use crate::params::PanelParams;
 use crate::style::{GOOD, WARN};
 use crate::widgets::{colored_value, grouped, row, value};
 
-/// Only reads.
+/// Draws the report. It only reads.
 pub(crate) fn report(ui: &mut Ui, panel: &PanelParams) {
     let simulation = panel.world.simulation();
     let report = panel.world.report();
@@ -52,7 +52,7 @@ pub(crate) fn report(ui: &mut Ui, panel: &PanelParams) {
     colored_value(ui, None, "Too fast", hint, &count(too_fast), "", color);
 }
 
-/// Whether there are gizmos to switch on and off.
+/// Whether the app has the gizmos of Sinew.
 pub(crate) fn has_lines(panel: &PanelParams) -> bool {
     let group = TypeId::of::<SinewGizmoConfigGroup>();
     panel.gizmos.as_ref().is_some_and(|store| store.get_config_dyn(&group).is_some())
@@ -81,7 +81,7 @@ pub(crate) fn lines(ui: &mut Ui, panel: &mut PanelParams) {
     }
 }
 
-/// One for each layer, in two columns.
+/// One checkbox for each layer, in two columns.
 fn checkboxes(ui: &mut Ui, layers: &mut SinewGizmoConfigGroup) {
     let ahead = SinewGizmoConfigGroup::VELOCITY_SECONDS;
     let velocities = format!("The way of each particle in the next {ahead} s.");
@@ -124,7 +124,7 @@ fn checkboxes(ui: &mut Ui, layers: &mut SinewGizmoConfigGroup) {
     }
 }
 
-/// Which arrow is which force, each in its colour.
+/// The legend of the force arrows: each kind in its colour.
 fn legend(ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;

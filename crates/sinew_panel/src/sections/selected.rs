@@ -1,4 +1,4 @@
-//! The body that was clicked.
+//! The Selected body section.
 
 use bevy::math::Vec3;
 use bevy::prelude::Entity;
@@ -15,7 +15,7 @@ use crate::widgets::{colored_value, grouped, prefix, short, value, vector_value}
 /// The most contacts that are listed.
 const LISTED: usize = 4;
 
-/// Writes `Representation` and `Sleep` of the body, and takes a constraint away.
+/// Writes `Representation` and `Sleep` of the body, and despawns a constraint.
 pub(crate) fn selected(ui: &mut Ui, panel: &mut PanelParams) {
     let Some(body) = panel.selection.body else {
         let text = "Click a body, or set the resource Selection.";
@@ -88,7 +88,7 @@ fn energy(ui: &mut Ui, label: &str, hint: &str, joules: f64) {
     value(ui, label, hint, &number, &format!("{unit}J"));
 }
 
-/// How its island was solved.
+/// The solver's residuals in the body's island.
 fn solved(ui: &mut Ui, panel: &PanelParams, body: Entity) {
     let row = panel.selected.row(body);
     let Some(report) = row.and_then(|row| panel.world.simulation().island_report(row)) else {
@@ -105,7 +105,7 @@ fn solved(ui: &mut Ui, panel: &PanelParams, body: Entity) {
     value(ui, "Sweeps", hint, &grouped(report.sweeps.into()), "");
 }
 
-/// Whom it touches, the hardest first.
+/// The contacts of the body, largest impulse first.
 fn touching(ui: &mut Ui, panel: &PanelParams, body: Entity) {
     let mut all: Vec<_> = contacts(&panel.world, body).collect();
     all.sort_by(|a, b| b.1.impulse.total_cmp(&a.1.impulse));
@@ -121,7 +121,7 @@ fn touching(ui: &mut Ui, panel: &PanelParams, body: Entity) {
             short(impact.point.y.into()),
             short(impact.point.z.into()),
         );
-        // As much of the name as fits before the number.
+        // As much of the name as fits beside the number.
         let short_name: String = name.chars().take(22).collect();
         value(ui, &format!("  {short_name}"), &hint, &number, "N·s");
     }
@@ -155,7 +155,7 @@ fn represented(ui: &mut Ui, panel: &mut PanelParams, body: Entity, now: Represen
     }
 }
 
-/// The button that takes away what is nearest to where it was clicked.
+/// The button that despawns the rod or spring nearest to the clicked point.
 fn cut(ui: &mut Ui, panel: &mut PanelParams) {
     let Some(nearest) = panel.selected.nearest(&panel.selection) else { return };
     let what = if nearest.is_spring { "spring" } else { "rod" };

@@ -1,4 +1,4 @@
-//! How hard the solver tries.
+//! The Solver section.
 
 use bevy::prelude::*;
 use bevy_egui::egui::{Button, ComboBox, Slider, Ui, vec2};
@@ -83,7 +83,7 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
     }
 }
 
-/// A drop-down of a few names. Whether another one was chosen.
+/// A drop-down of a few names. Returns whether the choice changed.
 pub(super) fn choice<T: Copy + PartialEq>(
     ui: &mut Ui,
     label: &str,

@@ -1,4 +1,4 @@
-//! What surrounds the particles: gravity, air, winds, and the law of charges if there are any.
+//! The World section: gravity, air, winds, flows, fluids, and Coulomb's law if there are charges.
 
 use bevy::prelude::*;
 use bevy_egui::egui::{Label, RichText, Slider, Ui};
@@ -7,7 +7,7 @@ use bevy_sinew::{AirDrag, AirFlow, Electric, Fluid, Gravity, Wind};
 use crate::params::PanelParams;
 use crate::widgets::{number, row, vector};
 
-/// Density of air, kg/m³, to tell a pressure's speed.
+/// Density of air, kg/m³, for the wind speed that belongs to a dynamic pressure.
 const AIR: f32 = 1.225;
 
 /// Writes `Gravity`, `AirDrag`, `Electric` and every `Wind`, `AirFlow` and `Fluid`.
@@ -95,10 +95,10 @@ fn subtitle(ui: &mut Ui, title: &str) {
     ui.add(Label::new(RichText::new(title).strong()).truncate());
 }
 
-/// The sliders of one wind: what it becomes, if the user touched it.
+/// The sliders of one wind. Returns the new wind if the user changed it.
 fn blow(ui: &mut Ui, title: &str, wind: &Wind) -> Option<Wind> {
     subtitle(ui, title);
-    // A lull has no direction: remember the last one, so that the wind rises again from where it blew.
+    // A wind of zero pressure has no direction. The last one is remembered, so that the wind rises again in the direction it had.
     let memory = ui.id().with("sinew_wind");
     let mut aim = Aim::of(wind.pressure);
     if aim.strength > 0.0 {
@@ -139,7 +139,7 @@ fn blow(ui: &mut Ui, title: &str, wind: &Wind) -> Option<Wind> {
     (aimed || gusty).then_some(wind)
 }
 
-/// The sliders of a flow of air: what it becomes.
+/// The sliders of a flow of air. Returns the flow as edited.
 fn stream(ui: &mut Ui, mut flow: AirFlow) -> AirFlow {
     let default = AirFlow::default();
     let Vec3 { x, y, z } = &mut flow.velocity;
@@ -152,7 +152,7 @@ fn stream(ui: &mut Ui, mut flow: AirFlow) -> AirFlow {
     flow
 }
 
-/// The sliders of a fluid: what it becomes.
+/// The sliders of a fluid. Returns the fluid as edited.
 fn pour(ui: &mut Ui, mut fluid: Fluid) -> Fluid {
     let default = Fluid::default();
     let Vec3 { x, y, z } = &mut fluid.current;
@@ -165,7 +165,7 @@ fn pour(ui: &mut Ui, mut fluid: Fluid) -> Fluid {
     fluid
 }
 
-/// A pressure as a strength, Pa, and a direction, degrees.
+/// A pressure as a magnitude, Pa, and a direction, degrees.
 #[derive(Clone, Copy, Debug)]
 struct Aim {
     strength: f32,
@@ -180,7 +180,7 @@ impl Aim {
         if strength > 0.0 {
             tilt = (pressure.y / strength).clamp(-1.0, 1.0).asin().to_degrees();
             if pressure.xz() != Vec2::ZERO {
-                // The sum makes a plain zero of a negative one.
+                // Adding 0.0 turns a negative zero into a positive one.
                 heading = (-pressure.z).atan2(pressure.x).to_degrees() + 0.0;
             }
         }

@@ -1,4 +1,4 @@
-//! Pause, single step, speed, the clock, and the way back.
+//! The Time section: pause, single step, speed, the clock, and the recording.
 
 use bevy_egui::egui::{Button, Label, RichText, Slider, Ui, vec2};
 
@@ -12,7 +12,7 @@ use crate::widgets::{grouped, number, row, slider, value};
 /// Width of the button for half-steps, points.
 const HALF: f32 = 34.0;
 
-/// What does not go back, for the hint of whatever goes.
+/// Hint on what does not go back, for the controls that go back.
 const NOT_BACK: &str = "Bodies, settings and gravity go back. What the game keeps elsewhere stays as it is, unless it is registered (RegisterState), \
     and keys and clicks are not repeated.";
 
@@ -65,7 +65,7 @@ pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
     recorded(ui, panel);
 }
 
-/// The button that goes on by a phase.
+/// The button that shows the state after the next phase.
 fn half_step(ui: &mut Ui, panel: &mut PanelParams) {
     let size = vec2(ui.available_width(), 24.0);
     let button = ui.add_enabled(panel.control.paused, Button::new("½").min_size(size));
@@ -76,7 +76,7 @@ fn half_step(ui: &mut Ui, panel: &mut PanelParams) {
     }
 }
 
-/// Which phase is seen.
+/// The line that names the phase that is shown.
 fn shown(ui: &mut Ui, shown: PhaseStep) {
     let PhaseStep { substep, substeps, phase, next } = shown;
     let next = next.map_or("end of the tick", name_of);
@@ -85,7 +85,7 @@ fn shown(ui: &mut Ui, shown: PhaseStep) {
     note(ui, RichText::new(text).color(GOOD).small(), hint);
 }
 
-/// What a phase is called where there is little room.
+/// Short name of a phase.
 fn name_of(phase: PhaseSystems) -> &'static str {
     match phase {
         PhaseSystems::AccumulateForces => "forces",
@@ -97,7 +97,7 @@ fn name_of(phase: PhaseSystems) -> &'static str {
     }
 }
 
-/// The recording: whether there is one, how much, and where in it the simulation stands.
+/// The recording: whether it is on, its size, and the tick in it that the simulation is at.
 fn recorded(ui: &mut Ui, panel: &mut PanelParams) {
     let mut on = panel.recording_config.when != RecordWhen::Never;
     let hint = "Keeps the state of the last ticks, to go back to: of a large scene every few ticks, as to keep it takes time and memory.";

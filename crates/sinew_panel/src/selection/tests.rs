@@ -1,4 +1,4 @@
-//! What a pointer selects, what is shown of it, and that looking changes nothing.
+//! Selection by the pointer, the values shown, and that showing them changes nothing.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
@@ -16,7 +16,7 @@ fn app() -> App {
     pointer::app(SinewPanelPlugin::embedded())
 }
 
-/// A frame in which somebody looks at the panel.
+/// A frame in which the panel is drawn.
 fn frame(app: &mut App, ctx: &egui::Context) -> egui::FullOutput {
     let (output, _) = draw_with(app, ctx, PanelSide::Right, Vec::new());
     app.update();
@@ -28,7 +28,7 @@ fn input(app: &mut App, ctx: &egui::Context, action: PointerAction, at: Vec2) {
     frame(app, ctx);
 }
 
-/// Clicks where a ray through (x, y) along -z goes; the pointer moves by some pixels meanwhile.
+/// Clicks where a ray through (x, y) along −z hits; the pointer moves by `moved` pixels meanwhile.
 fn click_at(app: &mut App, ctx: &egui::Context, x: f32, y: f32, moved: f32) {
     aim(app, x, y);
     let (button, at) = (PointerButton::Primary, Vec2::splat(50.0));
@@ -63,7 +63,7 @@ fn a_press_selects_and_a_click_into_the_void_or_the_key_does_not() {
         assert_eq!(selected(&app), Some(body), "at {x}");
         assert_eq!(app.world().resource::<WatchedContacts>().body, Some(body));
     }
-    // Whoever turns the camera presses into the void and moves.
+    // Turning the camera is a press on empty space and a move.
     click_at(&mut app, &ctx, 40.0, 40.0, 30.0);
     assert_eq!(selected(&app), Some(ball));
     click_at(&mut app, &ctx, 40.0, 40.0, 2.0);
@@ -78,7 +78,7 @@ fn a_press_selects_and_a_click_into_the_void_or_the_key_does_not() {
     assert_eq!(selected(&app), None);
     app.insert_resource(ButtonInput::<KeyCode>::default());
 
-    // What goes is said to have gone; and nobody selects while the panel is hidden.
+    // A despawned body is shown as gone, and a hidden panel selects nothing.
     click_at(&mut app, &ctx, 0.3, 0.2, 0.0);
     app.world_mut().despawn(crate_);
     let output = frame(&mut app, &ctx);
@@ -94,7 +94,7 @@ fn a_press_selects_and_a_click_into_the_void_or_the_key_does_not() {
 fn the_numbers_are_those_of_the_body() {
     let ctx = egui::Context::default();
     let mut app = app();
-    // Thrown with a spin about a principal axis, far from everything: a box of particles at its corners has m/4 (a² + b²) about c.
+    // Thrown with a spin about a principal axis, without contacts: a box of particles at its corners has the moment m/4 (a² + b²) about c.
     app.insert_resource(AirDrag(0.0));
     let (size, spin) = (Vec3::new(0.4, 0.6, 0.8), Vec3::new(0.0, 0.0, 3.0));
     let motion = (LinearVelocity(Vec3::new(1.0, 2.0, -1.0)), AngularVelocity(spin));
@@ -134,7 +134,7 @@ fn looking_at_a_body_and_its_contacts_changes_no_bit() {
         let mut touched = 0;
         for i in 0..90 {
             if looked {
-                // From the one to the other, and away.
+                // From one body to the next, and to none.
                 let body = (i % 40 < 30).then(|| stack[i / 40]);
                 app.world_mut().resource_mut::<Selection>().body = body;
                 frame(&mut app, &ctx);
@@ -159,7 +159,7 @@ fn contacts_say_whom_it_touches_and_how_hard() {
     app.insert_resource(Gravity::default());
     let ground = app.world_mut().spawn((Ground, Name::new("floor"))).id();
     let at = Transform::from_xyz(0.0, 0.2, 0.0);
-    // What sleeps is not solved, and has no contacts to show.
+    // A sleeping body is not solved and has no contacts to show.
     let body = (RigidBox::new(Vec3::splat(0.4)).with_mass(5.0), SleepingDisabled, at);
     let body = app.world_mut().spawn(body).id();
     app.world_mut().resource_mut::<Selection>().select(body);
@@ -167,7 +167,7 @@ fn contacts_say_whom_it_touches_and_how_hard() {
     let world = app.world().resource::<SinewWorld>();
     let all: Vec<_> = contacts(world, body).collect();
     assert_eq!(all.iter().map(|one| one.0).collect::<Vec<_>>(), [Some(ground)]);
-    // What lies is carried: m g h.
+    // The impulse of a tick carries the weight: m g h, with h the duration of a tick.
     let carried = 5.0 * 9.81 / 64.0;
     assert!((all[0].1.impulse - carried).abs() < 0.05 * carried, "{:?}", all[0]);
     let output = frame(&mut app, &ctx);
@@ -191,7 +191,7 @@ fn what_is_nearest_to_the_click_is_cut_and_only_that() {
     let find = |selection: Res<Selection>, selected: Selected| selected.nearest(&selection);
     let nearest = app.world_mut().run_system_once(find).unwrap().expect("a rope has rods");
     let [a, b] = nearest.ends.map(|end| end.x);
-    // A rope is caught by a particle: the one at 2.5 m.
+    // A rope is grabbed at a particle: the one at 2.5 m.
     assert!((a - 2.5).abs() < 0.01 || (b - 2.5).abs() < 0.01, "{nearest:?}");
     let rod = app.world().get::<DistanceConstraint>(nearest.constraint).unwrap();
     let cut = (rod.a, rod.b);
@@ -230,7 +230,7 @@ fn a_body_that_came_back_under_another_id_is_still_selected() {
     (0..5).for_each(|_| _ = frame(&mut app, &ctx));
     app.world_mut().despawn(body);
     (0..3).for_each(|_| _ = frame(&mut app, &ctx));
-    // As somebody has it who noted its id.
+    // As in a game that kept the old id.
     app.world_mut().resource_mut::<Recording>().go_to(3);
     app.world_mut().resource_mut::<Selection>().select(body);
     app.update();

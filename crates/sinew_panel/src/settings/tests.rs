@@ -1,4 +1,4 @@
-//! Settings to a file and back, and files that are refused.
+//! Round trips of settings through a file, and files that are rejected.
 
 use bevy::prelude::*;
 use bevy_egui::egui;
@@ -51,7 +51,7 @@ fn files_that_are_something_else_broken_or_out_of_range_are_refused() {
     for foreign in ["", "(", "\"hello\"", "[1, 2]", "(entities: {})", "not RON at all"] {
         assert_eq!(refused(foreign), SettingsFault::Foreign, "{foreign}");
     }
-    // Cut off anywhere.
+    // Truncated at any place.
     for end in (20..text.trim_end().len()).step_by(7) {
         let fault = refused(&text[..end]);
         assert!(matches!(fault, SettingsFault::Broken(_)), "{end}: {fault}");
@@ -68,7 +68,7 @@ fn files_that_are_something_else_broken_or_out_of_range_are_refused() {
     assert!(matches!(changed("substeps: 17", "substeps: 17.5"), SettingsFault::Broken(_)));
     assert!(matches!(changed("substeps: 17", "substips: 17"), SettingsFault::Broken(_)));
     assert!(matches!(changed("Jacobi", "Yacobi"), SettingsFault::Broken(_)));
-    // What is missing has its default, as in a file of an older panel.
+    // A missing setting gets its default, as in the file of an older panel.
     let older = text.replace("speed: 0.25,", "").replace("order: Jacobi,", "");
     let read = PanelSettings::from_ron(&older).unwrap();
     assert_eq!((read.speed, read.solver.order), (1.0, Order::default()));

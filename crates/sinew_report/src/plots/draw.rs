@@ -1,4 +1,4 @@
-//! Drawing a [`Plot`] with `plotters`, whose lines have hard edges: so it draws three times as large, and each pixel is the mean of nine.
+//! Draws a [`Plot`] with `plotters`. Its lines are not antialiased, so the plot is drawn three times as large and each pixel is the mean of nine.
 
 use std::sync::OnceLock;
 
@@ -7,13 +7,13 @@ use plotters::style::{FontStyle, register_font};
 
 use super::{Curve, Plot, Stroke};
 
-/// Size of a picture, pixels.
+/// Size of a plot, pixels.
 const SIZE: [u32; 2] = [1080, 660];
 
-/// How much larger it is drawn.
+/// Factor of supersampling.
 const FINE: u32 = 3;
 
-/// Colours that stay apart for most of the colour-blind (Okabe and Ito, 2008), in the order of the curves.
+/// Colours of the curves in order, distinguishable with most kinds of colour blindness (Okabe and Ito, 2008).
 const COLOURS: [RGBColor; 5] = [
     RGBColor(213, 94, 0),
     RGBColor(0, 114, 178),
@@ -22,10 +22,10 @@ const COLOURS: [RGBColor; 5] = [
     RGBColor(90, 90, 90),
 ];
 
-/// The ink of axes and words.
+/// Colour of axes and text.
 const INK: RGBColor = RGBColor(40, 40, 40);
 
-/// Draws a plot and encodes it.
+/// Draws a plot and encodes it as PNG.
 pub(super) fn png(plot: &Plot) -> Result<Vec<u8>, String> {
     load_font()?;
     let [width, height] = SIZE.map(|side| side * FINE);
@@ -38,7 +38,7 @@ pub(super) fn png(plot: &Plot) -> Result<Vec<u8>, String> {
     encode(&shrink(&large)).map_err(|error| format!("{}: {error}", plot.name))
 }
 
-/// Gives plotters the font that the panel (egui) brings along anyway: it has none of its own.
+/// Registers a font with plotters, which has none of its own: the one that the panel (egui) depends on anyway.
 fn load_font() -> Result<(), String> {
     static LOADED: OnceLock<bool> = OnceLock::new();
     let load = || {
@@ -81,7 +81,7 @@ fn draw<'a>(plot: &Plot, area: &Area<'a>) -> Result<(), Fault<'a>> {
     let mut number = 0;
     for curve in &plot.curves {
         let colour = COLOURS[number % COLOURS.len()];
-        // A curve without words belongs to the one after it, and has its colour.
+        // A curve without a name belongs to the next one and has its colour.
         number += usize::from(!curve.name.is_empty());
         let Curve { stroke, points, name } = curve;
         let pale = colour.mix(0.3).stroke_width(px(8));
@@ -122,7 +122,7 @@ fn draw<'a>(plot: &Plot, area: &Area<'a>) -> Result<(), Fault<'a>> {
     Ok(())
 }
 
-/// The parts of a curve that lie within `low..=high`, each up to the edge: plotters would draw what is beyond along the edge.
+/// The parts of a curve that lie within `low..=high`, each clipped at the edge: plotters would draw what is beyond along the edge.
 fn runs(points: &[[f64; 2]], [low, high]: [f64; 2]) -> impl Iterator<Item = Vec<(f64, f64)>> {
     let inside = |p: &[f64; 2]| (low..=high).contains(&p[1]);
     let mut runs: Vec<Vec<(f64, f64)>> = Vec::new();
@@ -150,15 +150,15 @@ fn runs(points: &[[f64; 2]], [low, high]: [f64; 2]) -> impl Iterator<Item = Vec<
     runs.into_iter()
 }
 
-/// A number at an axis: as many digits as it needs, up to three behind the point.
+/// A number at an axis: with as many decimals as it needs, at most three.
 fn label(x: f64) -> String {
     let text = format!("{x:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    // A true minus, which is as wide as the digits.
+    // U+2212, the minus sign, which is as wide as the digits.
     if text == "-0" { "0".into() } else { text.replace('-', "−") }
 }
 
-/// The means of squares of `FINE × FINE` pixels.
+/// Averages blocks of `FINE × FINE` pixels.
 fn shrink(large: &[u8]) -> Vec<u8> {
     let ([width, height], fine) = (SIZE.map(|side| side as usize), FINE as usize);
     let mut small = Vec::with_capacity(width * height * 3);

@@ -1,4 +1,4 @@
-//! The pictures of the report: what a table cannot show, drawn from the same worlds that the cases measure.
+//! The plots of the report, drawn from the same simulations that the cases measure.
 
 mod draw;
 
@@ -15,25 +15,25 @@ use crate::measure::{TICK, at, step, steps};
 use crate::media::hanging_chain;
 use crate::solver::{bled, spin_of, spinning_cube};
 
-/// A picture: curves in one pair of axes.
+/// A plot: curves in one pair of axes.
 #[derive(Clone, Debug)]
 pub struct Plot {
-    /// Its file's name, without `.png`.
+    /// Name of its file, without `.png`.
     pub name: &'static str,
-    /// What it shows, in a line.
+    /// Title of the plot.
     pub title: &'static str,
-    /// What is along each axis, with its unit.
+    /// Labels of the x and y axes, with units.
     pub axes: [&'static str; 2],
-    /// What is shown of the vertical axis; curves that leave it are cut off.
+    /// Range of the vertical axis; curves that leave it are clipped.
     pub height: [f64; 2],
-    /// The curves, in the order of the legend; later ones lie on top.
+    /// The curves, in the order of the legend; later ones are drawn on top.
     pub curves: Vec<Curve>,
 }
 
 /// A line, or dots.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Its words in the legend.
+    /// Name in the legend. A curve with an empty name has no entry, and the colour of the next one.
     pub name: String,
     /// How it is drawn.
     pub stroke: Stroke,
@@ -46,25 +46,25 @@ pub struct Curve {
 pub enum Stroke {
     /// A line.
     Line,
-    /// A broad, pale line: what others are to lie on.
+    /// A broad, pale line: a reference that other curves should lie on.
     Band,
     /// A dot at each point.
     Dots,
 }
 
 impl Plot {
-    /// The picture as a PNG file, 1080 × 660 pixels.
+    /// Encodes the plot as a PNG file, 1080 × 660 pixels.
     ///
     /// # Errors
-    /// What the drawing or the encoding finds wrong, in words.
+    /// A message if drawing or encoding fails.
     pub fn png(&self) -> Result<Vec<u8>, String> {
         draw::png(self)
     }
 
-    /// Writes the picture into a folder, which is made if it is not there, and returns its path.
+    /// Writes the plot into a folder, which is created if it does not exist, and returns its path.
     ///
     /// # Errors
-    /// What is wrong with the folder or the file.
+    /// A message if the folder or the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, String> {
         let path = folder.join(format!("{}.png", self.name));
         let shown = |error: std::io::Error| format!("{}: {error}", path.display());
@@ -74,7 +74,7 @@ impl Plot {
     }
 }
 
-/// All pictures. They run worlds of their own, for a second or so.
+/// All plots. Each runs a simulation of its own; together they take about a second.
 pub fn plots() -> Vec<Plot> {
     vec![energy(), spin(), flips(), catenary()]
 }
@@ -83,7 +83,7 @@ fn line(name: impl Into<String>, points: Vec<[f64; 2]>) -> Curve {
     Curve { name: name.into(), stroke: Stroke::Line, points }
 }
 
-/// Energy over time of an oscillator with the four integrators.
+/// Energy of an oscillator over time with each of the four integrators.
 fn energy() -> Plot {
     let h = 0.3_f32;
     let curve = |integrator: Integrator| {
@@ -100,7 +100,7 @@ fn energy() -> Plot {
     ]
     .map(curve)
     .into();
-    // It has the numbers of Verlet: one as dots, one as a line through them.
+    // Leapfrog and Verlet have the same values: the one is drawn as dots, the other as a line through them.
     curves[2].stroke = Stroke::Dots;
     Plot {
         name: "energy",
@@ -111,7 +111,7 @@ fn energy() -> Plot {
     }
 }
 
-/// Spin over time of a cube of rods for the two directions of a correction.
+/// Spin of a cube of rods over time, for both choices of the gradients.
 fn spin() -> Plot {
     let measured = |gradient_at, substeps| {
         let mut world = spinning_cube(10.0, gradient_at, substeps, 20);
@@ -131,7 +131,7 @@ fn spin() -> Plot {
         });
         let plural = if substeps == 1 { "" } else { "s" };
         let name = format!("Current, {substeps} substep{plural}, with ω0/√(1+2ω0²ht) beneath");
-        // The law has no words of its own: the broad line under the measured one.
+        // The formula has no legend entry of its own: it is the broad line under the measured one.
         curves.push(Curve { name: String::new(), stroke: Stroke::Band, points: law.collect() });
         curves.push(line(name, measured(GradientAt::Current, substeps)));
     }
@@ -144,7 +144,7 @@ fn spin() -> Plot {
     }
 }
 
-/// Spin of a 1×2×3 box about its own middle axis, which turns over again and again.
+/// Spin of a 1×2×3 box about its middle axis, which flips again and again.
 fn flips() -> Plot {
     let h = 1.0 / 240.0_f32;
     // Every fourth step is fine enough to draw.
@@ -162,7 +162,7 @@ fn flips() -> Plot {
         steps(&mut world, h, 4);
         now
     });
-    // It starts in the middle between two flips.
+    // The start is half way between two flips.
     let exact = (0..5).map(|n| [FLIP * (0.5 + f64::from(n)), 0.0]);
     Plot {
         name: "flips",
@@ -181,7 +181,7 @@ fn flips() -> Plot {
     }
 }
 
-/// A chain of 20 links at rest, on the curve of a chain without links.
+/// A chain of 20 links at rest, and the catenary.
 fn catenary() -> Plot {
     let world = hanging_chain(20);
     let links = (0..world.particles.len()).map(|i| at(&world, i)).map(|p| [p.x, p.y]);

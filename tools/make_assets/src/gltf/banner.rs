@@ -1,4 +1,4 @@
-//! A swallow-tailed banner that gives a cloth nothing to lean on: no grid, no order, and a seam to weld.
+//! A swallow-tailed banner as a test for cloth from meshes: no grid, random order, and a seam to weld.
 
 use glam::{Vec2, Vec3, vec2};
 
@@ -8,7 +8,7 @@ use super::writer::{Surface, write};
 use crate::paint::shape::{HALF_WIDTH, LENGTH, NOTCH};
 use crate::paint::{self, Dice};
 
-/// The banner as a binary glTF file. It hangs from y = 0 in the plane z = 0 and faces +z.
+/// The banner as a binary glTF file. Its top edge is at y = 0; it lies in the plane z = 0 and faces +z.
 pub(crate) fn banner() -> Vec<u8> {
     let mut dice = Dice::new(20);
     let mut mesh = Mesh::default();
@@ -24,10 +24,10 @@ pub(crate) fn banner() -> Vec<u8> {
     )
 }
 
-/// About how far apart vertices are, in metres.
+/// Approximate distance between vertices, in metres.
 const SPACING: f32 = 0.082;
 
-/// Adds one half of the banner. Its seam vertices are its own, at the very positions of the other half's.
+/// Adds one half of the banner. It has seam vertices of its own, at exactly the positions of the other half's.
 fn sew_panel(mesh: &mut Mesh, right: bool, dice: &mut Dice) {
     let side = if right { HALF_WIDTH } else { -HALF_WIDTH };
     let corners = [vec2(0.0, 0.0), vec2(0.0, -NOTCH), vec2(side, -LENGTH), vec2(side, 0.0)];
@@ -49,7 +49,7 @@ fn sew_panel(mesh: &mut Mesh, right: bool, dice: &mut Dice) {
     );
 }
 
-/// Fills the panel with points no nearer to each other than the spacing allows, until no more will go in.
+/// Fills the panel with random points that keep a minimum distance, until no more fit.
 fn scatter(points: &mut Vec<Vec2>, side: f32, dice: &mut Dice) {
     let mut misses = 0;
     while misses < 3000 {
@@ -64,7 +64,7 @@ fn scatter(points: &mut Vec<Vec2>, side: f32, dice: &mut Dice) {
     }
 }
 
-/// Takes the order out of vertices and triangles, and out of where each triangle begins.
+/// Shuffles vertices and triangles, and rotates the first corner of each triangle.
 fn shuffle(mesh: &mut Mesh, dice: &mut Dice) {
     let mut order: Vec<usize> = (0..mesh.positions.len()).collect();
     dice.shuffle(&mut order);

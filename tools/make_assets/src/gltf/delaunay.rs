@@ -1,8 +1,8 @@
-//! Delaunay triangulation of a few hundred points, by Bowyer and Watson's insertion.
+//! Delaunay triangulation of a few hundred points by the Bowyer–Watson algorithm.
 
 /// Triangulates `points`, whose outline must be convex. Triangles are counter-clockwise.
 pub(super) fn triangulate(points: &[[f64; 2]]) -> Vec<[usize; 3]> {
-    // A triangle far outside holds everything at first, and goes at the end with all that touches it.
+    // The super-triangle contains all points at first; at the end it is removed with all triangles at its corners.
     const FAR: f64 = 1.0e5;
     let mut all = points.to_vec();
     all.extend([[-FAR, -FAR], [FAR, -FAR], [0.0, FAR]]);
@@ -23,7 +23,7 @@ pub(super) fn triangulate(points: &[[f64; 2]]) -> Vec<[usize; 3]> {
         }
     }
 
-    // Points in a row along the outline can leave triangles without area there, by rounding.
+    // Collinear points along the outline can leave triangles without area there, by rounding.
     triangles.retain(|&triangle| {
         triangle.iter().all(|&corner| corner < first_outside)
             && area(triangle.map(|corner| all[corner])) > 1.0e-9

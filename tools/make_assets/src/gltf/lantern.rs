@@ -1,5 +1,4 @@
-//! A six-sided lantern on a carrying handle, as one watertight skin: the handle grows out of the roof, so the solid
-//! has a hole through it but no inner walls.
+//! A six-sided lantern with a handle, as one watertight surface: the handle grows out of the roof, so the solid has a hole through it but no inner walls.
 
 use core::f32::consts::{PI, TAU};
 
@@ -29,12 +28,12 @@ pub(crate) fn lantern() -> Vec<u8> {
     )
 }
 
-/// One horizontal outline of the body, and what covers the band from it up to the next one.
+/// A horizontal outline of the body, and the material of the band from it up to the next one.
 struct Row {
-    /// From the axis to the middle of a side.
+    /// Distance from the axis to the middle of a side.
     apothem: f32,
     height: f32,
-    /// How far the panes lie behind the posts.
+    /// Depth of the panes behind the posts.
     recess: f32,
     cover: Swatch,
 }
@@ -69,7 +68,7 @@ const ROWS: [Row; 22] = [
 ];
 
 const SIDES: usize = 6;
-/// Each side of a ring has a post's edge, a pane from its second point to its third, and a post's edge.
+/// Points of a ring on each side: a post's edge, a pane from the second point to the third, a post's edge.
 const PER_SIDE: usize = 4;
 const AROUND: usize = SIDES * PER_SIDE;
 
@@ -119,7 +118,7 @@ fn body(triangles: &mut Vec<[Corner; 3]>, rings: &[Vec<Vec3>]) {
     }
 }
 
-/// The faces of the roof, as ring and place around, that the handle grows from: the bevels of two opposite corners.
+/// The faces of the roof from which the handle grows, as ring and index around it: the bevels of two opposite corners.
 const HANDLE_FEET: [(usize, usize); 2] = [(14, 3), (14, 15)];
 
 /// Sweeps a square tube along half an ellipse, from one missing face of the roof to the other.
@@ -145,7 +144,7 @@ fn handle(triangles: &mut Vec<[Corner; 3]>, rings: &[Vec<Vec3>]) {
         let aside = along * THICKNESS;
         [middle + away - aside, middle + away + aside, middle - away + aside, middle - away - aside]
     }));
-    // The far foot is met from the other side: left is right there.
+    // The far foot is reached from the other side, which swaps left and right.
     let [a, b, c, d] = foot(HANDLE_FEET[1]);
     sections.push([b, a, d, c]);
 
@@ -159,7 +158,8 @@ fn handle(triangles: &mut Vec<[Corner; 3]>, rings: &[Vec<Vec3>]) {
     }
 }
 
-/// Swatches are shaded from the lantern's foot to its top, the glass from the panes' lower edge to their upper one.
+/// Texture coordinate of a swatch at a height. Swatches are shaded from the lantern's foot to its top, the glass from the panes' lower edge to their upper
+/// edge.
 fn texture(cover: Swatch, height: f32) -> Vec2 {
     let (bottom, top) = if cover == Swatch::Glass { (0.082, 0.338) } else { (-0.10, 0.60) };
     vec2(cover.u(), 1.0 - ((height - bottom) / (top - bottom)).clamp(0.0, 1.0))

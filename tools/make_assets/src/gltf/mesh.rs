@@ -1,4 +1,4 @@
-//! A mesh as glTF wants it, with vertices shared wherever position, normal and texture coordinate all agree.
+//! A mesh in glTF's form: vertices are shared where position, normal and texture coordinate all agree.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ pub(super) struct Mesh {
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// One corner of a triangle that has no vertices yet.
+/// A corner of a triangle before vertices are assigned.
 #[derive(Clone, Copy)]
 pub(super) struct Corner {
     pub(super) position: Vec3,
@@ -21,8 +21,7 @@ pub(super) struct Corner {
 }
 
 impl Mesh {
-    /// Builds a mesh from loose triangles. Faces are smoothed into each other where they meet at an angle whose
-    /// cosine is above `crease`, and show an edge elsewhere.
+    /// Builds a mesh from unconnected triangles. Faces are smoothed where they meet at an angle whose cosine is above `crease`, and have a hard edge elsewhere.
     pub(super) fn from_triangles(loose: &[[Corner; 3]], crease: f32) -> Self {
         let facing: Vec<Vec3> = loose.iter().map(area_normal).collect();
         let mut around: HashMap<[u32; 3], Vec<usize>> = HashMap::new();
@@ -61,7 +60,7 @@ impl Mesh {
     }
 }
 
-/// The middle of the solid that closed `triangles` bound.
+/// Centre of volume of the solid bounded by closed `triangles`.
 pub(super) fn centroid(triangles: &[[Corner; 3]]) -> Vec3 {
     let (mut volume, mut moment) = (0.0, Vec3::ZERO);
     for [a, b, c] in triangles.iter().map(|corners| corners.map(|corner| corner.position)) {

@@ -1,7 +1,7 @@
 //! Writes one mesh with one material as binary glTF.
 //!
-//! The JSON goes through `gltf`'s own types and not through free-form maps: their fields have an order, so the bytes
-//! do not depend on which kind of map another package asks `serde_json` for.
+//! The JSON is made from `gltf`'s own types rather than from free-form maps: their fields have a fixed order, so the bytes do not depend on which map type
+//! other packages enable in `serde_json`.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -21,17 +21,17 @@ use gltf::json::{
 
 use super::mesh::Mesh;
 
-/// How a mesh looks.
+/// The material of a mesh.
 pub(super) struct Surface<'a> {
-    /// The colours, as a PNG file.
+    /// Base colour texture, as a PNG file.
     pub(super) picture: &'a [u8],
-    /// The light it gives off, as a PNG file.
+    /// Emissive texture, as a PNG file.
     pub(super) glow: Option<&'a [u8]>,
     pub(super) roughness: f32,
     pub(super) double_sided: bool,
 }
 
-/// The contents of a `.glb` file in which `mesh` is the only mesh, and all of it one primitive.
+/// The contents of a `.glb` file with `mesh` as its only mesh, in one primitive.
 pub(super) fn write(name: &str, mesh: &Mesh, surface: &Surface) -> Vec<u8> {
     let mut file = File::default();
     let primitive = file.primitive(mesh);
@@ -55,7 +55,7 @@ pub(super) fn write(name: &str, mesh: &Mesh, surface: &Surface) -> Vec<u8> {
     file.finish()
 }
 
-/// A file in the making: its JSON, and the bytes that will follow.
+/// A file under construction: its JSON, and the bytes of its binary chunk.
 #[derive(Default)]
 struct File {
     root: Root,
@@ -172,10 +172,10 @@ impl File {
         })
     }
 
-    /// Appends `bytes` to the binary chunk, at a multiple of four as accessors need.
+    /// Appends `bytes` to the binary chunk, at a multiple of four, as accessors require.
     fn view(&mut self, bytes: Vec<u8>, target: Option<Target>) -> Index<View> {
         let view = View {
-            // The one buffer a binary file has.
+            // The only buffer of a binary file.
             buffer: Index::new(0),
             byte_length: USize64::from(bytes.len()),
             byte_offset: Some(USize64::from(self.bytes.len())),
@@ -202,14 +202,14 @@ impl File {
         });
         let json =
             gltf::json::serialize::to_vec(&self.root).expect("glTF's own types are always JSON");
-        // The header's length is worked out while writing.
+        // The length in the header is computed while writing.
         let header = Header { magic: *b"glTF", version: 2, length: 0 };
         let file = Glb { header, json: Cow::Owned(json), bin: Some(Cow::Owned(self.bytes)) };
         file.to_vec().expect("writing to memory cannot fail")
     }
 }
 
-/// A corner of the bounding box. Through `f64`, in which every `f32` is exact.
+/// A corner of the bounding box as JSON. Through `f64`, which represents every `f32` exactly.
 fn corner(at: Vec3) -> Value {
     at.to_array().map(f64::from).to_vec().into()
 }

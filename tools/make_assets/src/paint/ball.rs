@@ -1,4 +1,4 @@
-//! A beach ball for spheres. Eight gores between two caps that differ, so that any spin can be seen.
+//! A beach ball for spheres: eight gores between two different caps, so that any spin is visible.
 
 use core::f32::consts::{PI, TAU};
 
@@ -28,7 +28,7 @@ fn surface(texel: Vec2, gores: &[Vec3; GORES], caps: &[[Vec3; 3]; 2], navy: Vec3
     let from_equator = PI / 2.0 - from_pole;
     let cap = &caps[usize::from(polar > PI / 2.0)];
 
-    // Each cap is a button, a ring and a rim, welded to the gores under it.
+    // Each cap is a disc, a ring and a rim, welded to the gores under it.
     const RIM: f32 = 0.46;
     for (radius, colour) in [0.13, 0.36, RIM].into_iter().zip(cap) {
         if from_pole < radius {
@@ -43,12 +43,12 @@ fn surface(texel: Vec2, gores: &[Vec3; GORES], caps: &[[Vec3; 3]; 2], navy: Vec3
     let gore = texel.x / WIDTH as f32 * GORES as f32;
     let index = gore as usize % GORES;
     let across = gore - gore.floor();
-    // Measured over the ball and not over the map, or the seams would fan out towards the poles.
+    // Measured on the sphere rather than on the map, where the seams would widen towards the poles.
     let from_seam = across.min(1.0 - across) / GORES as f32 * TAU * libm::sinf(polar);
     gores[index] * weld(from_seam) * weld(from_pole - RIM) * weld(from_equator - BELT)
 }
 
-/// The brightness at an angle from a seam: a dark line, then vinyl that swells up to its full colour.
+/// Brightness at an angle from a seam: a dark line, then vinyl that rises to its full colour.
 fn weld(angle: f32) -> f32 {
     let angle = angle.abs();
     0.5 + 0.3 * smooth(0.006, 0.022, angle) + 0.2 * smooth(0.0, 0.26, angle)

@@ -1,4 +1,4 @@
-//! The banner's cloth: two panels sewn together down the middle, each with its own half of the picture.
+//! The banner's texture: two panels sewn together down the middle, each with its half of the design.
 
 use glam::{Vec2, Vec3, vec2};
 
@@ -7,11 +7,11 @@ use super::cloth::{Dyes, on_sun, weave};
 
 const WIDTH: u32 = 192;
 const HEIGHT: u32 = 320;
-/// How many texels a panel takes across; the rest is cloth that filtering may reach but no triangle shows.
+/// Width of a panel in texels; the rest is cloth that filtering may read but no triangle shows.
 const PANEL: f32 = 92.0;
 const MARGIN: f32 = 2.0;
 
-/// The banner's measures, in metres, which its mesh and its picture must agree on.
+/// Dimensions of the banner, in metres, shared by its mesh and its texture.
 pub(crate) mod shape {
     /// From the seam to either side.
     pub(crate) const HALF_WIDTH: f32 = 0.6;
@@ -22,7 +22,7 @@ pub(crate) mod shape {
 }
 use shape::{HALF_WIDTH, LENGTH, NOTCH};
 
-/// Where a point of the banner is in the picture. Points on the seam are in both panels.
+/// Texture coordinate of a point of the banner. Points on the seam are in both panels.
 pub(crate) fn banner_uv(at: Vec2, right: bool) -> Vec2 {
     let (start, from) =
         if right { (WIDTH as f32 - MARGIN - PANEL, 0.0) } else { (MARGIN, -HALF_WIDTH) };
@@ -69,7 +69,7 @@ fn field(at: Vec2, right: bool, dyes: &Dyes) -> Vec3 {
         return dyes.midnight;
     }
 
-    // Chevrons follow the notch and swap dyes at the seam.
+    // Chevrons parallel to the notch, which swap dyes at the seam.
     let (own, other) =
         if right { (dyes.teal, dyes.vermilion) } else { (dyes.vermilion, dyes.teal) };
     let stripe = |from: f32, to: f32| notch_line > from && notch_line < to;
@@ -83,7 +83,7 @@ fn field(at: Vec2, right: bool, dyes: &Dyes) -> Vec3 {
     dye * seam
 }
 
-/// The hem the banner hangs by: dark, with a row of gold lozenges.
+/// The hem at the top: dark, with a row of gold lozenges.
 fn top_band(at: Vec2, dyes: &Dyes) -> Vec3 {
     const SPACING: f32 = 0.12;
     if at.y < -0.112 {

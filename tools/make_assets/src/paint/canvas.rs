@@ -1,10 +1,10 @@
-//! The canvas every picture is painted on, and the colour arithmetic they share.
+//! The canvas of all textures, and their colour arithmetic.
 //!
-//! Colours are linear light until the last moment: anti-aliased edges blended in sRGB come out too dark.
+//! Colours are linear light until they are encoded: anti-aliased edges blended in sRGB are too dark.
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
-/// A finished picture, row by row from the top, in sRGB.
+/// A finished texture, row by row from the top, in sRGB.
 pub(crate) struct Canvas {
     width: u32,
     height: u32,
@@ -30,10 +30,10 @@ impl Canvas {
         Self { width, height, texels }
     }
 
-    /// The picture as a PNG file.
+    /// The texture as a PNG file.
     ///
-    /// `Fast` is the one compression whose bytes cannot change with the rest of the build: the others go through
-    /// `flate2`, and which compressor that is depends on what other packages ask of it.
+    /// `Fast` is the only compression whose bytes cannot change with the rest of the build: the others use `flate2`, and its compressor depends on the features
+    /// that other packages enable.
     pub(crate) fn to_png(&self) -> Vec<u8> {
         let mut file = Vec::new();
         let mut encoder = png::Encoder::new(&mut file, self.width, self.height);
@@ -53,13 +53,13 @@ impl Canvas {
     }
 }
 
-/// A colour as written in a style sheet, `0xrrggbb`, in linear light.
+/// A colour in the notation of style sheets, `0xrrggbb`, converted to linear light.
 pub(super) fn hex(code: u32) -> Vec3 {
     let channel = |shift: u32| decode(((code >> shift) & 0xff) as f32 / 255.0);
     vec3(channel(16), channel(8), channel(0))
 }
 
-/// 0 below `from`, 1 above `to`, without a corner at either; falls where `to < from`.
+/// Smoothstep: 0 below `from`, 1 above `to`; falls where `to < from`.
 pub(super) fn smooth(from: f32, to: f32, value: f32) -> f32 {
     let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

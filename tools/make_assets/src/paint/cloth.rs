@@ -1,4 +1,4 @@
-//! What the two pieces of cloth have in common: their dyes, their weave and the sun.
+//! Common to the flag and the banner: their dyes, their weave and the sun.
 
 use core::f32::consts::TAU;
 
@@ -28,15 +28,15 @@ impl Dyes {
     }
 }
 
-/// How bright the weave is at `texel`, about 1: threads four texels wide passing over and under each other, no two
-/// quite alike, and a slow unevenness of the dye.
+/// Brightness of the weave at `texel`, about 1: threads four texels wide that pass over and under each other, each a little different, and a slow unevenness of
+/// the dye.
 pub(super) fn weave(texel: Vec2) -> f32 {
     const THREAD: f32 = 4.0;
     let at = texel / THREAD;
     let (across, along) = (at.x.floor(), at.y.floor());
     let (column, row) = (across as i32, along as i32);
     let upright = (column + row) % 2 == 0;
-    // A thread is brightest along its middle and dips where it dives under its neighbour.
+    // A thread is brightest along its middle and darker where it passes under its neighbour.
     let (side, length) =
         if upright { (at.x - across, at.y - along) } else { (at.y - along, at.x - across) };
     let round = |t: f32| 4.0 * t * (1.0 - t);
@@ -45,7 +45,7 @@ pub(super) fn weave(texel: Vec2) -> f32 {
     1.0 + 0.13 * (relief - 0.6) + 0.05 * (own - 0.5) + 0.09 * (fractal(texel / 90.0, 9) - 0.5)
 }
 
-/// Whether `at`, from the sun's middle, is on the sun: a disc of radius 0.46 in a crown of rays that reach 1.0.
+/// Whether `at`, relative to the sun's centre, is on the sun: a disc of radius 0.46 in a crown of rays that reach 1.0.
 pub(super) fn on_sun(at: Vec2, rays: u32) -> bool {
     let distance = at.length();
     if distance < 0.46 {
@@ -55,7 +55,7 @@ pub(super) fn on_sun(at: Vec2, rays: u32) -> bool {
     let from_middle = (turn - libm::roundf(turn)).abs();
     let long = libm::roundf(turn) as i32 % 2 == 0;
     let (start, end) = if long { (0.54, 1.0) } else { (0.54, 0.80) };
-    // Wide at the disc, all but a point at the tip.
+    // Wide at the disc, almost a point at the tip.
     distance > start
         && distance < end
         && from_middle < 0.015 + 0.40 * (end - distance) / (end - start)

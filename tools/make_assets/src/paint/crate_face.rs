@@ -1,4 +1,4 @@
-//! One face of a wooden crate, good for all six: planks set into a nailed frame with a brace across.
+//! A face of a wooden crate, used for all six: planks set into a nailed frame with a diagonal brace.
 
 use core::f32::consts::SQRT_2;
 
@@ -10,7 +10,7 @@ use super::noise::{cell, fractal, noise};
 
 const SIZE: u32 = 512;
 const SIDE: f32 = SIZE as f32;
-/// How wide the boards of the frame are.
+/// Width of the frame's boards.
 const FRAME: f32 = 74.0;
 /// Half the width of the brace.
 const BRACE: f32 = 35.0;
@@ -26,7 +26,7 @@ pub(crate) fn crate_face() -> Canvas {
     Canvas::paint(SIZE, SIZE, |texel| nail(texel).unwrap_or_else(|| boards(texel, &woods)))
 }
 
-/// The light and the dark of each kind of board.
+/// Light and dark colour of each kind of board.
 struct Woods {
     planks: [Vec3; 2],
     frame: [Vec3; 2],
@@ -71,13 +71,13 @@ fn boards(texel: Vec2, woods: &Woods) -> Vec3 {
     wood(vec2(texel.y, within + plank as f32 * 97.0), 40 + plank as u32, woods.planks) * lit
 }
 
-/// Wood with its grain along x: growth rings drawn out into lines, knots they flow around, and fine pores.
+/// Wood with its grain along x: growth rings drawn out into lines, knots that the grain flows around, and fine pores.
 fn wood(at: Vec2, seed: u32, [light, dark]: [Vec3; 2]) -> Vec3 {
     let (flow, knot) = around_knots(at, seed);
     let drift = fractal(vec2(at.x * 0.006, flow * 0.018), seed);
     let rings = flow * 0.085 + drift * 5.5;
     let ring = rings - rings.floor();
-    // Late wood builds up slowly and ends at once.
+    // Late wood darkens slowly and ends abruptly.
     let late = smooth(0.15, 0.9, ring) * smooth(1.0, 0.92, ring);
     let streak = fractal(vec2(at.x * 0.012, flow * 0.21), seed + 100);
     let pore = noise(vec2(at.x * 0.045, at.y * 0.62), seed + 200);
@@ -87,8 +87,7 @@ fn wood(at: Vec2, seed: u32, [light, dark]: [Vec3; 2]) -> Vec3 {
     light.lerp(dark, shade.clamp(0.0, 1.0)) * worn
 }
 
-/// Bends the grain around the board's knots: where across the board `at` would be had they not grown, and how much
-/// of a knot is there.
+/// Bends the grain around the board's knots. Returns the coordinate across the board that `at` would have without knots, and the strength of a knot there.
 fn around_knots(at: Vec2, seed: u32) -> (f32, f32) {
     const STRETCH: f32 = 180.0;
     let section = (at.x / STRETCH).floor();
@@ -114,8 +113,7 @@ fn around_knots(at: Vec2, seed: u32) -> (f32, f32) {
     (flow, knot)
 }
 
-/// A board's rounded edges, from the distances to its two sides and its nearer end: worn pale just inside, dark at
-/// the very rim.
+/// Shading of a board's rounded edges, from the distances to its two sides and its nearer end: worn and pale just inside, dark at the rim.
 fn bevel(side: f32, other: f32, end: f32) -> f32 {
     let edge = side.min(other).min(end);
     let rim = 0.42 + 0.58 * smooth(-0.3, 2.6, edge);
@@ -123,14 +121,14 @@ fn bevel(side: f32, other: f32, end: f32) -> f32 {
     rim * worn
 }
 
-/// How much light reaches a plank this far from a board that stands out above it.
+/// Light that reaches a plank at a distance from a board that stands out above it.
 fn occlusion(distance: f32, reach: f32) -> f32 {
     0.34 + 0.66 * smooth(-reach * 0.35, reach, distance)
 }
 
 const NAIL: f32 = 6.2;
 
-/// A nail's head, if one is there: iron, lit from above as if by the sky.
+/// Colour of a nail's head, if there is one: iron, lit from above.
 fn nail(texel: Vec2) -> Option<Vec3> {
     let from = texel - nearest_nail(texel);
     let distance = from.length();
@@ -152,7 +150,7 @@ fn nail_shadow(texel: Vec2) -> f32 {
     0.45 + 0.55 * smooth(NAIL - 1.0, NAIL + 6.0, distance)
 }
 
-/// Two nails at each end of the frame's boards and of the brace, and one where each plank ends.
+/// Position of the nearest nail: two at each end of the frame's boards and of the brace, and one at each end of a plank.
 fn nearest_nail(texel: Vec2) -> Vec2 {
     let mut nearest = Vec2::splat(f32::MAX);
     let mut offer = |nail: Vec2| {

@@ -22,7 +22,7 @@ pub(crate) fn flag() -> Canvas {
 
 /// Half the strand's width, where the flag is 2 high.
 const STRAND: f32 = 0.082;
-/// The dark line around a strand, without which the crossings would not read.
+/// Width of the dark line around a strand, which makes the crossings legible.
 const OUTLINE: f32 = 0.024;
 
 /// The flag without its hems, as dye and brightness.
@@ -50,25 +50,25 @@ fn field(texel: Vec2, dyes: &Dyes) -> (Vec3, f32) {
     }
 }
 
-/// The light above the strands, tone on tone: it opens out from the sun.
+/// Rays above the strands, tone on tone, which open out from the sun.
 fn rays_of_dawn(at: Vec2) -> f32 {
     let turn = libm::atan2f(at.x, at.y) / PI * 14.0;
     if (turn - libm::roundf(turn)).abs() < 0.25 { 1.10 } else { 0.86 }
 }
 
-/// The water below them: rings that widen as they leave the sun.
+/// Water below the strands: rings that widen with the distance from the sun.
 fn ripples(at: Vec2) -> f32 {
     let ring = libm::sqrtf(at.length()) * 9.0;
     if ring - ring.floor() < 0.5 { 1.22 } else { 0.88 }
 }
 
-/// Where the eye around the sun ends, along the flag.
+/// End of the eye around the sun, along the flag.
 const EYE: f32 = 0.74;
-/// How many radians of twist go by in one unit along the flag.
+/// Radians of twist per unit along the flag.
 const TWIST: f32 = 7.6;
 
-/// The height of the first strand's middle at `x`, and its slope; the second strand is its mirror image. The eye and
-/// the twist are each a piece of a sine and meet where both are straight.
+/// Height of the first strand's middle at `x`, and its slope; the second strand is its mirror image. The eye and the twist are each a piece of a sine, joined
+/// where both are straight.
 fn path(x: f32) -> (f32, f32) {
     const EYE_HEIGHT: f32 = 0.56;
     let side = if x < 0.0 { -1.0 } else { 1.0 };
@@ -83,13 +83,13 @@ fn path(x: f32) -> (f32, f32) {
     }
 }
 
-/// Which strand lies over the other near `x`: they take turns, crossing by crossing, from hoist to fly.
+/// The strand that is in front near `x`: they alternate from crossing to crossing.
 fn strand_in_front(x: f32) -> u32 {
     let crossing = libm::roundf((x.abs() - EYE).max(0.0) * TWIST / PI) as u32;
     (crossing + u32::from(x < 0.0)) % 2
 }
 
-/// The signed distance from `at` to a strand's middle, by stepping to the nearest point of its path.
+/// Signed distance from `at` to a strand's middle, by iterating to the nearest point of its path.
 fn distance_to_strand(at: Vec2, mirror: f32) -> f32 {
     let mut x = at.x;
     for _ in 0..5 {
@@ -102,7 +102,7 @@ fn distance_to_strand(at: Vec2, mirror: f32) -> f32 {
     if at.y < height { -distance } else { distance }
 }
 
-/// A strand is a bundle: three fibres, each rounded, with a furrow between. `aside` runs from -1 to 1.
+/// Shading of a strand: three rounded fibres with furrows between. `aside` runs from −1 to 1.
 fn fibres(aside: f32) -> f32 {
     let within = (aside + 1.0) * 1.5;
     let within = within - within.floor();
@@ -133,7 +133,7 @@ fn sewn_edges(texel: Vec2, dyes: &Dyes) -> Option<(Vec3, f32)> {
     stitch.then_some((dyes.ivory, 0.85))
 }
 
-/// The hem is cloth folded double: a little darker, with a crease at its inner side.
+/// Shading of the hem, which is cloth folded double: a little darker, with a crease at its inner side.
 fn hem_shade(texel: Vec2) -> f32 {
     if texel.x < HOIST {
         return 1.0 - 0.3 * smooth(2.5, 0.0, HOIST - texel.x);
@@ -144,7 +144,7 @@ fn hem_shade(texel: Vec2) -> f32 {
     sleeve_shadow * fold
 }
 
-/// How far `texel` is from the nearest of the three hemmed edges, and how far along it.
+/// Distance of `texel` from the nearest of the three hemmed edges, and position along that edge.
 fn from_edge(texel: Vec2) -> (f32, f32) {
     let top_or_bottom = texel.y.min(HEIGHT as f32 - texel.y);
     let fly = WIDTH as f32 - texel.x;

@@ -1,4 +1,4 @@
-//! The lantern's palette. Its mesh picks a swatch by column and a shade of it by row.
+//! The lantern's palette: its mesh selects a swatch by column and a shade of it by row.
 
 use glam::Vec3;
 
@@ -19,18 +19,18 @@ pub(crate) enum Swatch {
 }
 
 impl Swatch {
-    /// Where the swatch's column is, as a texture coordinate.
+    /// Texture coordinate of the swatch's column.
     pub(crate) fn u(self) -> f32 {
         (f32::from(self as u8) + 0.5) / COLUMNS as f32
     }
 }
 
 const COLUMNS: u32 = 4;
-/// Wide enough that filtering between texels, or a mip level or two, cannot mix two swatches.
+/// Width of a column, texels: enough that filtering between texels, or a mip level or two, does not mix two swatches.
 const COLUMN: u32 = 16;
 const ROWS: u32 = 32;
 
-/// What the lantern reflects. Row 0 is the top of each swatch, and its lightest shade.
+/// Base colours of the lantern. Row 0 is the top of each swatch, and its lightest shade.
 pub(crate) fn lantern_palette() -> Canvas {
     Canvas::paint(COLUMNS * COLUMN, ROWS, |texel| {
         let down = texel.y / ROWS as f32;
@@ -43,7 +43,7 @@ pub(crate) fn lantern_palette() -> Canvas {
     })
 }
 
-/// What the lantern gives off by itself: black but for the glass.
+/// Emissive colours of the lantern: black except for the glass.
 pub(crate) fn lantern_glow() -> Canvas {
     Canvas::paint(COLUMNS * COLUMN, ROWS, |texel| {
         if texel.x as u32 / COLUMN == 3 { flame(texel.y / ROWS as f32) } else { Vec3::ZERO }

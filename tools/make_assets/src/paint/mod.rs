@@ -1,4 +1,4 @@
-//! The pictures: each is a function from a point to a colour, sampled by one canvas.
+//! The textures: each is a function from a point to a colour, sampled by the canvas.
 
 mod ball;
 mod banner;

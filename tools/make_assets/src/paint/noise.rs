@@ -1,8 +1,8 @@
-//! Chance that comes out the same on every machine.
+//! Pseudo-random numbers and noise that are the same on every machine.
 
 use glam::{Vec2, vec2};
 
-/// A small pseudo-random sequence (PCG's output function over a linear congruence).
+/// A small pseudo-random generator (PCG's output function over a linear congruential generator).
 pub(crate) struct Dice(u32);
 
 impl Dice {
@@ -21,7 +21,7 @@ impl Dice {
         ((self.unit() * end as f32) as usize).min(end - 1)
     }
 
-    /// Puts `items` in any order, each order as likely as another.
+    /// Shuffles `items`, each order with the same probability.
     pub(crate) fn shuffle<T>(&mut self, items: &mut [T]) {
         for last in (1..items.len()).rev() {
             items.swap(last, self.below(last + 1));
@@ -29,7 +29,7 @@ impl Dice {
     }
 }
 
-/// A number in `0.0..1.0` that belongs to a cell of a lattice.
+/// A pseudo-random number in `0.0..1.0` for a cell of a lattice.
 pub(super) fn cell(x: i32, y: i32, seed: u32) -> f32 {
     to_unit(scramble(scramble(scramble(seed) ^ x as u32) ^ y as u32))
 }

@@ -1,10 +1,10 @@
-//! What Bevy names differently from version to version: the one module of this crate that differs. This is the one for Bevy 0.20, which
-//! `tools/bevy-0.20/make` puts in the place of that for Bevy 0.19.
+//! Names that differ between Bevy versions. This is the only module of the crate that is replaced for Bevy 0.20. This is the one for Bevy 0.20;
+//! `tools/bevy-0.20/make` puts it in the place of its twin for Bevy 0.19.
 
 use bevy::ecs::lifecycle::Remove;
 use bevy::ecs::observer::On;
 
-/// A component of an entity goes.
+/// The event of a component that is removed from an entity.
 pub(crate) type OnRemove<'w, 't, T> = On<'w, 't, Remove<T>>;
 
 #[cfg(feature = "drag")]
@@ -16,10 +16,10 @@ mod pointers {
     use bevy::picking::events::PointerPress;
     use bevy::picking::pointer::PointerId;
 
-    /// A pointer is pressed over an entity.
+    /// The event of a pointer that is pressed over an entity.
     pub(crate) type OnPress<'w, 't> = On<'w, 't, PointerPress>;
 
-    /// Which pointer it is.
+    /// Returns the pointer of a press.
     pub(crate) fn pointer(press: &OnPress) -> PointerId {
         press.pointer.id
     }

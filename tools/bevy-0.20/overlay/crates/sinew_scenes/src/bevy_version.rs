@@ -1,8 +1,7 @@
-//! What Bevy names differently from version to version: the one module of this crate that differs. This is the one for Bevy 0.20, which
-//! `tools/bevy-0.20/make` puts in the place of that for Bevy 0.19.
+//! Names that differ between versions of Bevy. This is the module for Bevy 0.20; `tools/bevy-0.20/make` replaces the one for Bevy 0.19 by it.
 
 use bevy::ecs::lifecycle::Add;
 use bevy::ecs::observer::On;
 
-/// A component comes that the entity did not have.
+/// The event that a component was added to an entity that did not have it.
 pub(crate) type OnAdd<'w, 't, T> = On<'w, 't, Add<T>>;
