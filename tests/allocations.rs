@@ -1,5 +1,4 @@
-//! A warm tick allocates nothing: memory that was asked for once is used again. Counted on the thread of the test alone, which is why everything
-//! runs on it.
+//! A warm tick allocates nothing: memory that was allocated once is used again. Allocations are counted on the test's thread alone, so everything runs on it.
 
 use bevy::ecs::schedule::{Schedules, SingleThreadedExecutor};
 use bevy::prelude::*;
@@ -12,12 +11,12 @@ use bevy_sinew::{
 
 use crate::support::TICK;
 
-/// Ticks before counting begins: lists have grown, and what falls has come to lie.
+/// Ticks before counting begins: by then lists have grown and falling bodies have come to rest.
 const WARM: u32 = 480;
 /// Ticks counted.
 const COUNTED: u32 = 30;
 
-/// With meshes, and with our plugins if they are asked for.
+/// An app with meshes, and with Sinew's plugins if `ours`.
 fn app(ours: bool) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default()));
@@ -29,7 +28,7 @@ fn app(ours: bool) -> App {
     }
     app.insert_resource(Time::<Fixed>::from_duration(TICK))
         .insert_resource(TimeUpdateStrategy::ManualDuration(TICK))
-        // With ours and without: a schedule that has something to run allocates twice for that.
+        // In both apps, because a schedule that has a system to run allocates twice.
         .add_systems(FixedUpdate, ride);
     app.finish();
     app.cleanup();
@@ -39,7 +38,7 @@ fn app(ours: bool) -> App {
     app
 }
 
-/// How often memory was asked for in some warm frames, beyond what Bevy asks for by itself.
+/// Number of allocations in [`COUNTED`] warm frames, beyond those of the same app without Sinew.
 fn allocations(spawn: impl FnOnce(&mut World)) -> i64 {
     let (mut with, mut without) = (app(true), app(false));
     spawn(with.world_mut());
@@ -134,7 +133,7 @@ fn what_floats_allocates_nothing() {
     assert_eq!(allocations(spawn), 0);
 }
 
-/// What goes up and down.
+/// A transform that moves up and down.
 #[derive(Component)]
 struct Lift;
 

@@ -1,4 +1,4 @@
-//! What is tied to a bone, a rope's end, a vertex or a corner, by saying so: built, kept, built anew and let go of.
+//! Attachments to a bone, a rope's end, a vertex or a corner: built, kept, built anew and released.
 
 use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
@@ -10,7 +10,7 @@ use bevy_sinew::{
 
 use crate::support::{app, assert_finite, forget, heard, particles_of, position, tick};
 
-/// What has been built, in order: which body, whether anew, and in which tick.
+/// The bodies that were built, in order: the body, whether it was built anew, and the tick.
 #[derive(Resource, Default)]
 struct Built(Vec<(Entity, bool, u64)>);
 
@@ -29,7 +29,7 @@ fn transform(app: &App, entity: Entity) -> Transform {
     *app.world().get::<Transform>(entity).unwrap()
 }
 
-/// The last particle of a rope.
+/// Position of a rope's last particle.
 fn end_of(app: &App, rope: Entity) -> Vec3 {
     position(app, *particles_of(app, rope).last().unwrap())
 }
@@ -75,7 +75,7 @@ fn every_recipe_says_when_it_is_built_and_when_it_is_built_anew_in_the_order_of_
     tick(&mut app, 1);
     assert_eq!(built(&mut app), [(bodies[3], true, 4), (bodies[5], true, 4)]);
     assert_eq!(app.world().get::<BuiltBody>(bodies[5]), Some(&BuiltBody { builds: 2 }));
-    // What cannot be built does not stand, and says nothing.
+    // A body that cannot be built has no `BuiltBody` and triggers no `BodyBuilt`.
     app.world_mut().get_mut::<Rope>(bodies[5]).unwrap().segments = 0;
     tick(&mut app, 1);
     assert_eq!(built(&mut app), []);
@@ -161,7 +161,7 @@ fn a_rope_between_two_boxes_keeps_both_momenta_and_pulls_both() {
     tick(&mut app, 300);
     let after = momentum(&mut app);
     assert!(after.abs_diff_eq(before, 2e-3), "{before} {after}");
-    // The rope's ends are where they are tied, and the first box has been pulled along.
+    // The rope's ends are at their anchors, and the first box has been pulled along.
     let start = position(&app, particles_of(&app, rope)[0]);
     let corner = place_in(&app, one, Vec3::new(0.2, 0.2, 0.0));
     assert!(start.distance(corner) < 5e-3, "{start} {corner}");
@@ -198,7 +198,7 @@ fn a_lamp_swings_at_a_corner_and_at_a_point_outside_it_as_a_rigid_pendulum() {
             }
             last = at.translation.x;
         }
-        // A physical pendulum of corner particles: I = 8 · m/8 · (0.1² + 0.1²) about the middle, T = 2π √((I + m l²)/(m g l)).
+        // A physical pendulum of corner particles: I = 8 · m/8 · (0.1² + 0.1²) about the centre, T = 2π √((I + m l²)/(m g l)).
         let period = core::f32::consts::TAU * ((0.02 + arm * arm) / (9.81 * arm)).sqrt();
         let (first, last) = (crossings[0], crossings[crossings.len() - 1]);
         let found = 2.0 * (last - first) / (crossings.len() - 1) as f32;
@@ -211,7 +211,7 @@ fn a_rope_is_tied_to_a_bone_a_vertex_of_cloth_and_a_region_of_a_soft_body_as_the
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
     let world = app.world_mut();
-    // The ropes first: they wait for what they are tied to.
+    // The ropes come first, so they wait until the bodies at their other ends are built.
     let later: Vec<Entity> = (0..3).map(|_| world.spawn_empty().id()).collect();
     let [doll, cloth, soft] = later[..] else { unreachable!() };
     let skull = Anchor::Bone { name: "head".into(), point: Vec3::new(0.0, 0.1, 0.0) };
@@ -270,7 +270,7 @@ fn an_attachment_is_in_force_again_when_either_side_is_built_anew() {
     tick(&mut app, 60);
     assert!(close(joined(&app)), "a box built anew: {:?}", joined(&app));
     assert_eq!(heard(&app), []);
-    // A region with other particles than before stays where it was.
+    // A region whose particles differ after a rebuild stays where it was.
     let world = app.world_mut();
     let edge = Anchor::InBox { center: Vec3::Y * 0.5, half_size: Vec3::new(1.0, 0.01, 0.1) };
     let flag = (Cloth::grid(1.0, 1.0, 4, 4), AttachTo::new(hand).part(edge));
@@ -345,7 +345,7 @@ fn what_is_attached_does_not_collide_with_what_it_is_attached_to() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
     let world = app.world_mut();
-    // A box half in another one, and one half in a collider that the game moves.
+    // A box that half overlaps another, and one that half overlaps a collider of the game.
     let one = world.spawn((RigidBox::default(), Transform::from_xyz(0.0, 0.0, 0.0))).id();
     let by = AttachTo::new(one).part(Anchor::Point(Vec3::NEG_X * 0.5));
     let other = world.spawn((RigidBox::default(), by, Transform::from_xyz(0.5, 0.0, 0.0))).id();

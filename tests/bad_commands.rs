@@ -1,4 +1,4 @@
-//! Commands that cannot be done are refused and change nothing; what is gone or broken does no harm; what waits is state.
+//! Commands that cannot be carried out are refused and change nothing; despawned or broken targets do no harm; pending commands are part of the state.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -59,7 +59,7 @@ fn what_is_gone_or_never_was_a_body_does_no_harm() {
     tick(&mut app, 1);
     assert_eq!(heard(&app), [], "gone is gone");
 
-    // A body that will never be built does not fill the memory.
+    // The queue of a body that is never built is bounded.
     let never = app.world_mut().spawn(ParticleBody).id();
     for _ in 0..PendingEdits::MOST + 2 {
         command(&mut app, never, |never| _ = never.apply_impulse(PUSH));
@@ -69,7 +69,7 @@ fn what_is_gone_or_never_was_a_body_does_no_harm() {
     assert_eq!(refused, vec![(never, Refusal::Edit(EditFault::TooMany)); 2]);
     assert_eq!(app.world().get::<PendingEdits>(never).unwrap().0.len(), PendingEdits::MOST);
 
-    // Without the plugin nobody does it, and nobody minds.
+    // Without the plugin the command does nothing, and nothing fails.
     let mut bare = World::new();
     let stone = bare.spawn(Particle::at(Vec3::ZERO)).id();
     bare.entity_mut(stone).apply_impulse(PUSH);
@@ -86,7 +86,7 @@ fn a_bad_particle_is_passed_over_and_a_broken_transform_is_healed_by_a_teleport(
     command(&mut app, body, |body| _ = body.apply_impulse(PUSH));
     let (_, after, _) = momenta(&app, &all[1..], Vec3::ZERO);
     assert!((after - before - PUSH.as_dvec3()).length() < 1e-5, "{}", after - before);
-    // A teleport does not leave it behind, so that the body is whole when the number is mended.
+    // A teleport moves the bad particle too, so that the body is whole once the number is repaired.
     let was = position(&app, all[0]);
     command(&mut app, body, |body| _ = body.displace(Vec3::Z * 5.0));
     assert!(position(&app, all[0]).abs_diff_eq(was + Vec3::Z * 5.0, 1e-5));

@@ -1,4 +1,4 @@
-//! What is wrong is set aside with one message that names it, and the rest goes on, bit for bit, as if it were not there.
+//! Bad input is set aside with one message that names it, and the rest of the world goes on, bit for bit, as if it were not there.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -8,7 +8,7 @@ use bevy_sinew::{ParticleRow, PhaseSystems, SubstepSchedule};
 
 use crate::support::{app, assert_finite, busy_scene, forget, hash_of, heard, tick};
 
-/// Runs a busy scene beside something bad and the same scene alone, and compares all bodies, tick by tick; returns what was said.
+/// Runs a busy scene beside something bad and the same scene alone, and compares all bodies tick by tick. Returns the bad entity and the refusals.
 fn beside(bad: impl FnOnce(&mut World) -> Entity) -> (Entity, Vec<(Entity, Refusal)>) {
     let (mut with, mut without) = (app(), app());
     let (bodies, controls) = (busy_scene(&mut with), busy_scene(&mut without));
@@ -21,13 +21,13 @@ fn beside(bad: impl FnOnce(&mut World) -> Entity) -> (Entity, Vec<(Entity, Refus
     (culprit, heard(&with))
 }
 
-/// As [`beside`], and expects one message, about the culprit.
+/// Like [`beside`]; asserts that there is one message, about the bad entity.
 pub(crate) fn refused(reason: Refusal, bad: impl FnOnce(&mut World) -> Entity) {
     let (culprit, said) = beside(bad);
     assert_eq!(said, [(culprit, reason)]);
 }
 
-/// A pinned particle far from everything.
+/// A pinned particle far from the busy scene.
 pub(crate) fn nail(world: &mut World, x: f32) -> Entity {
     world.spawn((Particle::at(Vec3::new(x, 5.0, 5.0)), Pinned::HERE)).id()
 }
@@ -249,7 +249,7 @@ fn a_particle_that_froze_is_not_named_again_while_the_clock_stands() {
         (0..frames).for_each(|_| app.update());
         app.world().resource::<Messages<Refused>>().len()
     };
-    // Bevy keeps messages while its clock stands, so they add up.
+    // Bevy keeps messages while its clock stands still, so they add up.
     let said = run(&mut app, crate::support::TICK, 2);
     assert_eq!(said, 1, "it froze");
     assert_eq!(run(&mut app, core::time::Duration::ZERO, 5), said);

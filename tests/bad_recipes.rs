@@ -1,4 +1,4 @@
-//! Bodies that cannot be built say so once, by name, and the rest of the world goes on.
+//! Bodies that cannot be built are refused once, by name, and the rest of the world goes on.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -7,7 +7,7 @@ use bevy_sinew::prelude::*;
 
 use crate::support::{app, assert_finite, forget, heard, particles_of, position, tick};
 
-/// Spawns a body that cannot be built beside a falling stone; returns who was refused in 30 ticks, and how many particles it has.
+/// Spawns a body that cannot be built beside a falling particle. Returns the body, the entities refused within 30 ticks, and how many particles the body has.
 fn refused(spawn: impl FnOnce(&mut World) -> Entity) -> (Entity, Vec<Entity>, usize) {
     let mut app = app();
     let stone = app.world_mut().spawn(Particle::at(Vec3::ZERO)).id();
@@ -18,7 +18,7 @@ fn refused(spawn: impl FnOnce(&mut World) -> Entity) -> (Entity, Vec<Entity>, us
     (body, said, particles_of(&app, body).len())
 }
 
-/// Asserts for each case that exactly one message names the body, and that the body is left without particles.
+/// Asserts for each case that exactly one message names the body, and that the body has no particles.
 fn assert_each_refused(cases: Vec<(String, Box<dyn FnOnce(&mut World) -> Entity>)>) {
     let mut wrong = Vec::new();
     for (name, spawn) in cases {
@@ -79,7 +79,7 @@ fn recipes_with_a_broken_number_are_refused_once() {
     assert_each_refused(cases);
 }
 
-/// A rope of -1 m is a rope of 1 m the other way.
+/// Replaces the case of a rope of -1 m, which is a valid rope of 1 m in the other direction.
 trait MinusOne {
     fn minus_one(self, bad: f32) -> Self;
 }

@@ -1,4 +1,4 @@
-//! What breaks at a force or at a strain: under the weight that physics says, in a known order, and saying what it was.
+//! Constraints and attachments that break at a force or a strain: at the load that statics predicts, in a known order, and with the right report.
 
 use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
@@ -11,7 +11,7 @@ use crate::support::{app, hash, heard, particles_of, position, tick};
 
 const G: f32 = 9.81;
 
-/// Everything that broke: by message, on the body, and on anybody.
+/// Everything that broke, as messages and as entity events.
 #[derive(Resource, Default)]
 struct All {
     messages: Vec<Broke>,
@@ -36,7 +36,7 @@ fn rods(app: &App, body: Entity) -> Vec<Entity> {
     app.world().get::<BodyConstraints>(body).map(|all| all.iter().collect()).unwrap_or_default()
 }
 
-/// A rope of 2 kg that hangs by a tie at a hook, which breaks at a force.
+/// A rope of 2 kg that hangs from a hook by an attachment that breaks at `force`, newtons.
 fn hung(substeps: u32, sweeps: u32, force: f32) -> (App, Entity, Entity) {
     let mut app = app();
     listen(&mut app);
@@ -95,7 +95,7 @@ fn a_rope_with_a_load_breaks_where_it_bears_most() {
     assert_eq!(broken(&app), [], "1.4 kg");
     app.world_mut().get_mut::<Mass>(last).unwrap().0 += 0.2;
     tick(&mut app, 2);
-    // At the top it bears 1.6 kg less half a piece, and 1.5 kg two pieces further down.
+    // The top segment bears 1.6 kg less half a segment, and two segments further down the load is 1.5 kg.
     let told: Vec<Entity> = broken(&app).iter().map(|one| one.constraint).collect();
     assert!(!told.is_empty() && told.iter().all(|one| all[..3].contains(one)), "{told:?}");
     assert_eq!(told[0], all[0]);
@@ -186,7 +186,7 @@ fn what_breaks_is_the_same_each_run_and_says_so_in_the_order_of_creation() {
 
 #[test]
 fn cloth_that_may_tear_at_a_strain_shows_what_a_jerk_does_to_it() {
-    // Strains of large cloth are limited to 3 % when a tick ends: but for what breaks by them.
+    // Strains of large cloth are limited to 3 % at the end of a tick, except in cloth that breaks by strain.
     let mut app = app();
     listen(&mut app);
     let world = app.world_mut();

@@ -1,4 +1,4 @@
-//! Move and slide through the ECS: a character of a game's own on grounds, against walls and bodies, and what has been despawned.
+//! Move and slide through the ECS: a game's own character on grounds, against walls and bodies, and after something was despawned.
 
 use core::time::Duration;
 
@@ -8,7 +8,7 @@ use bevy_sinew::{ContactsDisabled, MoveAndSlideConfig, MoveAndSlideOutput, Query
 
 use crate::support::{TICK, app, heard, tick};
 
-/// A character: where it wants to go, m/s, and what came of it.
+/// A character: its intended velocity, m/s, its fall speed, m/s, and the last result.
 #[derive(Component, Default)]
 struct Character {
     wish: Vec3,
@@ -70,7 +70,7 @@ fn a_character_stands_on_a_ground_in_a_room_and_on_a_slope_and_does_not_creep() 
             assert_eq!(last(&app, one).ground.unwrap().entity, ground, "{shape:?} {slope}");
             tick(&mut app, 600);
             assert_eq!(place(&app, one), at, "{shape:?} {slope}");
-            // Into the wall of the room.
+            // Into the wall of the bounding box.
             app.world_mut().get_mut::<Character>(one).unwrap().wish = Vec3::Z * 3.0;
             tick(&mut app, 120);
             let out = last(&app, one).clone();
@@ -119,7 +119,7 @@ fn what_was_despawned_or_moved_is_where_it_is_from_the_next_tick_on() {
     let one = spawn(&mut app, Collider::capsule(0.3, 1.2), Vec3::Y * 2.0, Vec3::ZERO);
     tick(&mut app, 60);
     assert_eq!(last(&app, one).ground.unwrap().entity, block);
-    // As a lift.
+    // The block rises like a lift.
     for i in 1..=60 {
         app.world_mut().get_mut::<Transform>(block).unwrap().translation.y = 0.5 + i as f32 * 0.01;
         tick(&mut app, 1);

@@ -18,7 +18,7 @@ fn floor() -> (Collider, Transform) {
     (Collider::cuboid(Vec3::new(10.0, 1.0, 10.0)), Transform::from_xyz(0.0, -0.5, 0.0))
 }
 
-/// A box of 0.4 m, whose height above the floor at rest is half of that.
+/// A box of 0.4 m, whose centre is 0.2 m above the floor at rest.
 fn crate_at(x: f32, y: f32) -> (RigidBox, Transform) {
     (RigidBox::new(Vec3::splat(0.4)), Transform::from_xyz(x, y, 0.0))
 }
@@ -27,7 +27,7 @@ fn height(app: &App, entity: Entity) -> f32 {
     app.world().get::<Transform>(entity).unwrap().translation.y
 }
 
-/// Moves what has it by so many metres a second.
+/// Moves an entity at this velocity, m/s.
 #[derive(Component, Clone, Copy)]
 struct Drive(Vec3);
 
@@ -60,7 +60,7 @@ fn a_ball_and_boxes_come_to_rest_on_a_box() {
 
 #[test]
 fn every_shape_holds_a_ball_up_as_high_as_it_is() {
-    // Each with the height of its top above its middle.
+    // Each with the height of its top above its centre.
     let octahedron: Vec<Vec3> =
         [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|v| [v * 0.5, v * -0.5]).collect();
     let hill =
@@ -79,7 +79,7 @@ fn every_shape_holds_a_ball_up_as_high_as_it_is() {
     let mut app = app();
     let mut balls = Vec::new();
     for (i, (shape, top)) in shapes.into_iter().enumerate() {
-        // Scaled in height alone, far enough apart, and under a parent that is not at the origin.
+        // Scaled where the shape allows it in height alone, far enough apart, and under a parent that is not at the origin.
         let x = 1e3 * i as f32;
         let scale = if matches!(shape, Collider::Sphere { .. } | Collider::Capsule { .. }) {
             Vec3::splat(2.0)
@@ -88,7 +88,7 @@ fn every_shape_holds_a_ball_up_as_high_as_it_is() {
         };
         let parent = app.world_mut().spawn(Transform::from_xyz(x, 10.0, 0.0)).id();
         let own = Transform::from_xyz(0.0, -10.0, 0.0).with_scale(scale);
-        // It is a world of its own: an endless plane would be everywhere.
+        // Each shape has a layer of its own with its ball, because the plane is endless.
         let layers = CollisionLayers::of(&[i as u32], &[i as u32]);
         app.world_mut().spawn((shape, own, layers, ChildOf(parent)));
         let at = Particle::at(Vec3::new(x, 2.0, 0.0));
@@ -97,7 +97,7 @@ fn every_shape_holds_a_ball_up_as_high_as_it_is() {
     for _ in 0..40 {
         tick(&mut app, 1);
         for &(ball, least) in &balls {
-            // On a round one it may roll off, but not before it has touched it.
+            // On a round shape the ball may roll off, but not before it has touched it.
             let at = position(&app, ball);
             let within = (at.x - (at.x / 1e3).round() * 1e3).abs() < 1e-3 && at.z.abs() < 1e-3;
             assert!(!within || at.y > least - 3e-3, "{ball}: {at} under {least}");
@@ -137,7 +137,7 @@ fn a_lift_lifts_and_a_conveyor_carries_what_lies_on_it() {
         app.world_mut().entity_mut(lift).insert(Drive(Vec3::X));
         tick(&mut app, 120);
         let place = app.world().get::<Transform>(body).unwrap().translation;
-        // It flew up a little when the lift stopped, and slid until it was as fast.
+        // The crate flew up a little when the lift stopped, and slid until it was as fast as the lift.
         assert!((1.7..2.05).contains(&place.x), "carried along, by shape: {by_shape}: {place}");
         let speed = app.world().get::<LinearVelocity>(body).unwrap().0;
         assert!((speed - Vec3::X).length() < 0.05, "as fast as what it lies on: {speed}");
@@ -160,7 +160,7 @@ fn a_collider_that_is_told_to_jump_takes_nothing_along() {
         assert!(app.world().get::<ColliderMotion>(lift).unwrap().0.is_some(), "it is kept again");
         position(&app, ball).x
     };
-    // Friction for a tick: at most μ g dt², 2 mm.
+    // Friction of one tick: at most μ g dt², 2 mm.
     assert!(run(false) > 5e-4, "moved, it takes along: {}", run(false));
     assert_eq!(run(true), 0.0);
 }
@@ -188,7 +188,7 @@ fn layers_and_sensors_let_through() {
         assert!(position(&app, ball).y < -5.0, "{}", position(&app, ball));
     }
     assert!(height(&app, nothing) < -5.0 && (height(&app, boxed) - 0.2).abs() < 0.01);
-    // No sensor any more: what falls on it now, stays.
+    // No longer a sensor: a ball that falls on it now is held.
     app.world_mut().entity_mut(sieve).remove::<Sensor>();
     let late = app.world_mut().spawn(ball(0.0)).id();
     tick(&mut app, 90);
@@ -299,7 +299,7 @@ fn rigid_parts_have_the_shape_that_they_are_drawn_with_unless_the_game_gives_ano
     let limbs =
         parts.iter().filter(|&&part| matches!(shape(&app, part), Some(Collider::Capsule { .. })));
     assert_eq!(limbs.count(), 8);
-    // Built anew it has its new shape; what the game gave stays.
+    // A rebuilt body has its new shape; a collider that the game gave stays.
     for body in [boxed, own] {
         app.world_mut().get_mut::<RigidBox>(body).unwrap().size = Vec3::ONE;
     }
@@ -309,7 +309,7 @@ fn rigid_parts_have_the_shape_that_they_are_drawn_with_unless_the_game_gives_ano
     let body_colliders =
         |app: &App| app.world().resource::<SinewWorld>().simulation().body_colliders().len();
     assert_eq!(body_colliders(&app), 3 + parts.len());
-    // As particles they are none, and a body that is gone takes its own along.
+    // A body that collides by its particles has no collider, and a despawned body takes its colliders with it.
     let corners = BodyContacts::default().shaped(ContactShape::Particles);
     app.world_mut().entity_mut(boxed).insert(corners);
     app.world_mut().despawn(doll);

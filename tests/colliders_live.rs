@@ -1,5 +1,5 @@
-//! Colliders come, go, move, break and are mended in any tick: one message each, and nothing else notices. Cloned and put back, all happens again,
-//! bit for bit.
+//! Colliders are added, removed, moved, broken and repaired in any tick: one message each, and no effect on anything else. After a restored snapshot everything
+//! happens again, bit for bit.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -11,12 +11,12 @@ use crate::support::{app, assert_finite, busy_scene, forget, hash_of, heard, pos
 
 const BAD: f32 = f32::NAN;
 
-/// A piece of a mesh: a triangle.
+/// A mesh of one triangle.
 fn triangle() -> Collider {
     Collider::mesh([Vec3::ZERO, Vec3::X, Vec3::Z], [[0, 2, 1]]).unwrap()
 }
 
-/// What goes round, as a game's platform would.
+/// A platform that the game moves in a circle.
 #[derive(Component)]
 struct Carousel;
 
@@ -44,7 +44,7 @@ fn a_collider_with_something_wrong_is_named_once() {
     ];
     for (spoil, fault) in cases {
         refused(Refusal::Collider(fault), |world| {
-            // In the middle of everything.
+            // In the middle of the scene.
             let mut entity = world.spawn(Collider::cuboid(Vec3::splat(6.0)));
             spoil(&mut entity);
             entity.id()
@@ -114,7 +114,7 @@ fn a_collider_that_is_mended_acts_again_and_is_named_again_when_it_breaks_anew()
     assert_eq!((broken(&app), heard(&app).len()), (1, 1));
     app.world_mut().get_mut::<Transform>(floor).unwrap().scale.y = 1.0;
     tick(&mut app, 90);
-    // It begins where it is mended: nothing is swept along.
+    // A repaired collider starts where it is: it has no motion that would carry the ball along.
     assert_eq!(position(&app, ball).x, 0.0);
     assert_eq!(heard(&app).len(), 1);
     assert_finite(&mut app);
@@ -139,7 +139,7 @@ fn colliders_far_away_come_move_scale_and_go_without_changing_a_bit() {
                 let shape = shapes[now as usize % 4].clone();
                 let world = app.world_mut();
                 match now % 8 {
-                    // Gone in the tick in which it came.
+                    // Despawned in the tick in which it was spawned.
                     0 => {
                         let gone = world.spawn((shape, far)).id();
                         world.despawn(gone);
@@ -173,7 +173,7 @@ fn neither_the_order_of_archetypes_nor_that_of_queries_changes_a_bit() {
     let run = |turned: bool| {
         let mut app = app();
         if turned {
-            // The archetypes come to be the other way round.
+            // The archetypes are created in another order.
             let early = app
                 .world_mut()
                 .spawn((Collider::default(), Sensor, SurfaceMaterial::default()))
@@ -197,7 +197,7 @@ fn neither_the_order_of_archetypes_nor_that_of_queries_changes_a_bit() {
     assert_eq!(run(false), run(true));
 }
 
-/// A carousel with things on it, and things that collide beside it.
+/// A turning, moving platform with things on it, and things that collide beside it.
 fn fair(app: &mut App) {
     app.add_systems(FixedUpdate, turn);
     let world = app.world_mut();

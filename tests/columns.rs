@@ -1,4 +1,4 @@
-//! At the start of a tick the columns are what the components say, though a warm tick copies little.
+//! At the start of a tick the columns equal the components, though a warm tick copies little.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -10,7 +10,7 @@ use bevy_sinew::{
 
 use crate::support::{app, bare_app, hash, particles_of, tick};
 
-/// Mass, radius, charge, drag and scale of gravity of a particle, as the solver has them.
+/// Mass, radius, charge, drag and gravity scale of a particle, as the solver has them.
 fn held(app: &App, particle: Entity) -> [f32; 5] {
     let row = app.world().get::<ParticleRow>(particle).and_then(|row| row.get()).expect("laid out");
     let seed = app.world().resource::<SinewWorld>().particles().seed(row);
@@ -40,7 +40,7 @@ fn properties_that_change_or_go_are_seen_in_the_next_tick() {
     app.world_mut().entity_mut(a).remove::<(Charge, Drag)>();
     tick(&mut app, 5);
     assert_eq!(held(&app, a), [4.0, 0.2, 0.0, 0.0, 0.5]);
-    // One loses what the other gets: there are as many as before.
+    // One particle loses what the other gets, so the number of components stays the same.
     app.world_mut().entity_mut(a).remove::<(Radius, GravityScale)>();
     app.world_mut().entity_mut(b).insert((Radius(0.2), GravityScale(0.5)));
     tick(&mut app, 1);
@@ -73,7 +73,7 @@ fn what_a_body_says_is_said_once_however_often_its_particles_change() {
     app.world_mut().get_mut::<GravityScale>(body).unwrap().0 = 2.0;
     tick(&mut app, 1);
     assert_eq!(scales(&app), [1.0, 2.0]);
-    // One that is set aside, and mended.
+    // A particle that is set aside and repaired.
     app.world_mut().get_mut::<Particle>(particles[0]).unwrap().velocity.x = f32::NAN;
     tick(&mut app, 3);
     app.world_mut().get_mut::<Particle>(particles[0]).unwrap().velocity.x = 0.0;
@@ -84,7 +84,7 @@ fn what_a_body_says_is_said_once_however_often_its_particles_change() {
     assert_eq!(scales(&app), [0.5, 1.0]);
 }
 
-/// The product was left as it had been, so that it depended on what the body had said before.
+/// Regression: the product of the two scales was left at its old value when it overflowed, so it depended on the body's previous scale.
 #[test]
 fn a_scale_of_gravity_that_no_number_holds_with_its_body_is_the_particles_own() {
     let mut app = bare_app();
@@ -115,7 +115,7 @@ fn what_a_game_changes_in_the_columns_besides_state_holds_for_a_tick() {
     assert_eq!(held(&app, a)[4], 0.5);
 }
 
-/// Bodies and loose particles, in the order in which they came; some were despawned since.
+/// Bodies and loose particles, in the order of spawning; some have been despawned since.
 struct Zoo {
     app: App,
     all: Vec<Entity>,
@@ -141,12 +141,12 @@ impl Zoo {
             3 => world.spawn(Rope::between(at.translation, at.translation + Vec3::Y)),
             _ => world.spawn((Particle::at(at.translation), Radius(0.1))),
         };
-        // Who writes to columns wakes.
+        // Writes to columns wake bodies, and only one of the two apps writes.
         let one = one.insert(SleepingDisabled).id();
         self.all.push(one);
     }
 
-    /// Does one of the things that a game may do to one of them.
+    /// Makes one of the changes that a game may make to one of the bodies or particles.
     fn edit(&mut self, what: u32, whom: u32) {
         let body = self.all[whom as usize % self.all.len()];
         let number = whom as f32 % 7.0;
@@ -192,7 +192,7 @@ impl Zoo {
     }
 }
 
-/// What changed is copied by itself; the other app has something written to its columns after each tick, and copies everything in the next one.
+/// One app copies only what changed. In the other, a system writes to the columns after each tick, so that everything is copied in the next one.
 #[test]
 fn to_copy_what_changed_comes_to_the_same_as_to_copy_everything() {
     for seed in 1..5_u32 {

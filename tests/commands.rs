@@ -1,4 +1,4 @@
-//! Impulses, velocities, teleports and reversal of bodies, parts and particles do exactly what they say, or nothing at all.
+//! Impulses, velocities, teleports and reversal of bodies, parts and particles have exactly the documented effect, or none.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -12,7 +12,7 @@ pub(crate) const PUSH: Vec3 = Vec3::new(12.0, -5.0, 3.0);
 /// An angular velocity, rad/s.
 pub(crate) const SPIN: Vec3 = Vec3::new(0.4, 2.0, -1.0);
 
-/// An app without gravity and air.
+/// An app without gravity and without air drag.
 pub(crate) fn space() -> App {
     weightless(bare_app())
 }
@@ -28,7 +28,7 @@ pub(crate) fn brick() -> RigidBox {
     RigidBox { size: Vec3::new(1.0, 2.0, 3.0), mass: 6.0, particles, ..default() }
 }
 
-/// Spawns something and lets it be built.
+/// Spawns a recipe and runs the tick that builds it.
 pub(crate) fn built(app: &mut App, recipe: impl Bundle, at: Transform) -> Entity {
     let body = app.world_mut().spawn((recipe, at)).id();
     tick(app, 1);
@@ -36,7 +36,7 @@ pub(crate) fn built(app: &mut App, recipe: impl Bundle, at: Transform) -> Entity
     body
 }
 
-/// Queues commands on an entity, and applies them.
+/// Queues commands on an entity and applies them.
 pub(crate) fn command(app: &mut App, entity: Entity, edits: impl FnOnce(&mut EntityCommands)) {
     let world = app.world_mut();
     edits(&mut world.commands().entity(entity));
@@ -74,7 +74,7 @@ fn impulses_change_momentum_and_angular_momentum_by_exactly_themselves_near_and_
         command(&mut app, body, |body| _ = body.apply_impulse(PUSH));
         let (mass, p1, l1) = momenta(&app, &all, at);
         assert!((mass - 6.0).abs() < 1e-6 && (p1 - p0 - PUSH.as_dvec3()).length() < 1e-5);
-        // The barycentre is near `at`, not there: it has moved on.
+        // The centre of mass is near `at`, not at it: the body has moved.
         let centre = app.world().get::<WorldCenterOfMass>(body).unwrap().position - at;
         let lever = centre.as_dvec3().cross(PUSH.as_dvec3());
         let rounding = if at == Vec3::ZERO { 1e-5 } else { 1e-2 };
@@ -190,7 +190,7 @@ fn a_teleport_is_seen_at_once_and_keeps_velocities_and_the_shape() {
     let moved = *app.world().get::<Transform>(body).unwrap();
     assert_eq!(moved, Transform { translation: frame.translation + by, ..frame });
 
-    // Turned about its barycentre: it stays there, spin and velocity turn along.
+    // Turned about its centre of mass: that stays where it is, spin and velocity turn with the body.
     let (_, momentum, _) = momenta(&app, &all, Vec3::ZERO);
     let quarter = Quat::from_rotation_y(core::f32::consts::FRAC_PI_2);
     command(&mut app, body, |body| _ = body.turn(quarter));
@@ -227,7 +227,7 @@ fn an_edit_after_a_transform_was_moved_by_hand_acts_where_it_is_now() {
     let mut app = space();
     let body = built(&mut app, brick(), Transform::default());
     app.world_mut().get_mut::<Transform>(body).unwrap().translation.x = 50.0;
-    // Through its barycentre: no spin.
+    // Through the centre of mass, so without spin.
     command(&mut app, body, |body| _ = body.apply_impulse_at(Vec3::Y * 6.0, Vec3::X * 50.0));
     tick(&mut app, 1);
     let spin = app.world().get::<AngularVelocity>(body).unwrap().0;

@@ -1,4 +1,4 @@
-//! Every law of the solver is a component: what it does, that it comes, changes and goes while time runs, and how it is refused.
+//! Every constraint of the solver is a component: what it does, that it can be added, changed and removed while time runs, and how it is refused.
 
 use core::f32::consts::PI;
 use core::time::Duration;
@@ -17,7 +17,7 @@ use bevy_sinew::{
 use crate::bad_input::{nail, refused};
 use crate::support::{app, busy_scene, forget, hash_of, heard, position, tick};
 
-/// The faces of a tetrahedron `[a, b, c, d]`, seen from outside.
+/// The faces of a tetrahedron `[a, b, c, d]`, counter-clockwise from outside.
 pub(crate) const FACES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
 
 /// An app without gravity.
@@ -36,7 +36,7 @@ fn pin(app: &mut App, particle: Entity) {
     app.world_mut().entity_mut(particle).insert(Pinned::HERE);
 }
 
-/// A hard rod as long as the two are apart.
+/// A rigid distance constraint between two particles at their present distance.
 fn rod(app: &mut App, a: Entity, b: Entity) {
     let length = position(app, a).distance(position(app, b));
     app.world_mut().spawn(DistanceConstraint::new(a, b, length));
@@ -126,7 +126,7 @@ fn areas_and_volumes_grow_to_what_they_should_be() {
     assert_eq!(heard(&app), []);
 }
 
-/// An octahedron of springy edges falls onto the ground. The least volume that it has meanwhile, as a share of what it began with.
+/// Drops an octahedron whose edges are springs onto the ground. Returns its least volume on the way, as a share of the initial volume.
 fn least_volume_of_a_ball(kept: bool) -> f32 {
     let mut app = app();
     app.world_mut().spawn(Ground);
@@ -218,7 +218,7 @@ fn a_law_acts_from_the_tick_after_it_was_added_until_it_is_removed() {
     assert_eq!(count(&app), 0, "removed");
     app.world_mut().entity_mut(law).insert(AreaConstraint::new(triangle, 0.6));
     tick(&mut app, 1);
-    // Ten frames a tick: Bevy forgets what was removed long before the tick comes.
+    // Ten frames a tick: Bevy drops the record of a removed component long before the tick.
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_micros(1700)));
     app.update();
     app.world_mut().despawn(law);
@@ -235,7 +235,7 @@ fn a_law_whose_particle_is_gone_is_named_once_and_nobody_else_notices() {
         world.despawn(nails[1]);
         world.spawn(AngleConstraint::new(nails, 0.0, 1.0)).id()
     });
-    // In the middle of the run: and again only after it was mended and broke anew.
+    // While time runs, and again only after the constraint was repaired and broke anew.
     let run = |lost: bool| {
         let mut app = app();
         let bodies = busy_scene(&mut app);

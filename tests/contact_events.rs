@@ -1,4 +1,4 @@
-//! What a game hears of contacts, what it may ask, and bodies that sleep.
+//! Contact events, spatial queries, and sleeping bodies.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -16,7 +16,7 @@ fn crate_at(x: f32, y: f32) -> (RigidBox, BodyContacts, Transform) {
     (RigidBox::new(Vec3::splat(0.4)), BodyContacts::default(), place)
 }
 
-/// What observers have seen.
+/// What the observers recorded: entity, other entity, and whether the contact started or is of a sensor.
 #[derive(Resource, Default)]
 struct Seen(Vec<(Entity, Entity, bool)>);
 
@@ -159,14 +159,15 @@ fn the_transform_of_a_sleeper_follows_what_a_game_writes_to_its_particles() {
     let place = *app.world().get::<Transform>(body).unwrap();
     assert!((place.translation.x - 2.0).abs() < 1e-3, "{place:?}");
     assert!((app.world().get::<WorldCenterOfMass>(body).unwrap().position.x - 2.0).abs() < 1e-3);
-    // Pushed, it wakes.
+    // It wakes when it is pushed.
     let first = app.world().get::<BodyParticles>(body).unwrap().iter().next().unwrap();
     app.world_mut().get_mut::<Particle>(first).unwrap().velocity = Vec3::Y;
     tick(&mut app, 1);
     assert!(!app.world().get::<Sleep>(body).unwrap().asleep);
 }
 
-/// Bodies that are not solved have no contacts that the solver could report: each lost what it lay on when it fell asleep, and met it again when it woke.
+/// Regression: bodies that are not solved have no contacts that the solver could report, so a body that fell asleep ended its contacts with what it lay on, and
+/// started them again when it woke.
 #[test]
 fn who_falls_asleep_goes_on_touching_what_it_lies_on() {
     let mut app = app();
@@ -194,7 +195,7 @@ fn who_falls_asleep_goes_on_touching_what_it_lies_on() {
     let mut both = [ground, upper];
     both.sort_unstable();
     assert_eq!(touching, both);
-    // It wakes, and nothing has changed; what is gone is touched no more.
+    // Waking without a change triggers no event; a despawned body ends its contact.
     app.world_mut().get_mut::<Sleep>(lower).unwrap().wake();
     tick(&mut app, 5);
     assert!(!asleep(&app, lower));

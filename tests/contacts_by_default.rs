@@ -1,4 +1,4 @@
-//! Who meets whom where nobody says so, and what says otherwise.
+//! What collides with what by default, and the components that change it.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -30,7 +30,7 @@ fn what_a_game_spawns_with_a_recipe_is_not_overridden_by_it() {
     assert_eq!(*app.world().get::<BodyContacts>(plain).unwrap(), BodyContacts::ALL);
     assert_eq!(*app.world().get::<Collider>(own).unwrap(), Collider::sphere(0.2));
     assert_eq!(app.world().get::<SurfaceMaterial>(own).unwrap().friction, 0.9);
-    // Built anew, too.
+    // Also when it is built anew.
     app.world_mut().get_mut::<Ragdoll>(figure).unwrap().height = 1.5;
     tick(&mut app, 2);
     assert_eq!(*app.world().get::<BodyContacts>(figure).unwrap(), alone);
@@ -86,10 +86,10 @@ fn parts_that_are_joined_do_not_meet_and_do_when_the_joint_goes() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
     let world = app.world_mut();
-    // One half in the other.
+    // They overlap by half.
     let (a, b) = (world.spawn(crate_at(0.0, 0.0)).id(), world.spawn(crate_at(0.2, 0.0)).id());
     tick(&mut app, 1);
-    // Built in each other they would be pressed apart: joined at once, they are left in peace.
+    // Overlapping boxes are pushed apart; a joint that comes at once prevents it.
     let (p, q) = (particles_of(&app, a)[0], particles_of(&app, b)[0]);
     let rest = position(&app, p).distance(position(&app, q));
     let joint = app.world_mut().spawn(DistanceConstraint::new(p, q, rest)).id();
@@ -113,7 +113,7 @@ fn a_weight_tied_to_a_rope_and_a_rope_pinned_to_a_post_hang_in_peace() {
     let world = app.world_mut();
     let post = (Collider::capsule(0.1, 1.0), Transform::from_xyz(0.0, 3.0, 0.0));
     let post = world.spawn(post).id();
-    // The first particle is in the middle of the post.
+    // The first particle is inside the post, on its axis.
     let rope = Rope { segments: 20, pin_start: false, ..Rope::between(Vec3::ZERO, Vec3::NEG_Y) };
     let rope = world.spawn((rope, Transform::from_xyz(0.0, 3.0, 0.0))).id();
     tick(&mut app, 1);
@@ -166,7 +166,7 @@ fn what_of_a_body_meets_others_is_what_lets_nothing_through() {
     let parts = app.world().get::<BodyParts>(figure).unwrap().iter().count();
     let sinew = app.world().resource::<SinewWorld>();
     let simulation = sinew.simulation();
-    // A cuboid for the box, shapes for the limbs, and a capsule for each piece of the thin rope.
+    // A cuboid for the box, shapes for the limbs, and a capsule for each segment of the thin rope.
     assert_eq!(simulation.body_colliders().len(), 1 + parts + 20);
     let number = |body: Entity| {
         (0..simulation.contacts.len())
@@ -176,7 +176,7 @@ fn what_of_a_body_meets_others_is_what_lets_nothing_through() {
         |body: Entity| simulation.contacts[number(body).expect("it is listed")].surface;
     assert!(!by_triangles(fine) && by_triangles(coarse) && by_triangles(soft));
     assert!(!by_triangles(thin) && !by_triangles(thick));
-    // What changes is found again, and what is said counts more.
+    // A change is picked up, and an explicit choice overrides the automatic one.
     app.world_mut().get_mut::<Cloth>(coarse).unwrap().radius = 0.06;
     let particles = BodyContacts::default().shaped(ContactShape::Particles);
     app.world_mut().entity_mut(thin).insert(particles);

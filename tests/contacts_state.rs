@@ -1,5 +1,4 @@
-//! Things that collide, bounce, slide and fall asleep are rolled back like everything else: their state is in components, and contacts are found
-//! again.
+//! Things that collide, bounce, slide and fall asleep are rolled back like everything else: their state is in components, and contacts are found again.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -9,8 +8,8 @@ use bevy_sinew::{ContactCache, ContactShape};
 use crate::snapshot::{hashes, roll_back_in_every_tick};
 use crate::support::{app, hash, heard, tick};
 
-/// A ramp over a floor, boxes that tumble down it onto each other, a figure beside them, a sheet that folds up on a ball, marbles in a net, a rope
-/// across a thin post; all may sleep.
+/// A ramp over a floor, boxes that tumble down it onto each other, a ragdoll beside them, a sheet that folds over a ball, marbles in a net, and a rope across a
+/// thin post; all may sleep.
 fn colliding_scene(app: &mut App) {
     let world = app.world_mut();
     world.spawn((Collider::plane(), SurfaceMaterial::new(0.6).with_restitution(0.3)));
@@ -30,7 +29,7 @@ fn colliding_scene(app: &mut App) {
         .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
     let sheet = Cloth { radius: 0.02, ..Cloth::grid(1.0, 1.0, 14, 14) };
     world.spawn((sheet, folds, Sleep::default(), flat));
-    // A coarse one that catches marbles by its triangles.
+    // A coarse net that catches marbles by its triangles.
     let net = Cloth { radius: 0.01, ..Cloth::grid(0.8, 0.8, 4, 4) }.pinned(ClothPins::Corners);
     let place = Transform { translation: Vec3::new(6.0, 0.8, 0.0), ..flat };
     world.spawn((net, folds.shaped(ContactShape::Triangles), Sleep::default(), place));
@@ -39,7 +38,7 @@ fn colliding_scene(app: &mut App) {
         let marble = (Particle::at(at), Mass(0.02), Radius(0.02), Sleep::default());
         world.spawn((marble, BodyContacts::default()));
     }
-    // A coarse one that hangs by its segments.
+    // A coarse rope that hangs by its segments.
     let across = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
     let post = Transform::from_xyz(-4.0, 0.6, 0.0).with_rotation(across);
     world.spawn((Collider::capsule(0.005, 1.0), post));
@@ -58,7 +57,7 @@ fn contacts_put_back_lead_to_the_same_bits_while_bodies_hit_each_other_and_when_
     let mut app = app();
     colliding_scene(&mut app);
     let mut slept = Vec::new();
-    // In the air, among the first hits, and when the first are asleep.
+    // In the air, among the first hits, and when the first bodies are asleep.
     for ticks in [20, 40, 240] {
         tick(&mut app, ticks);
         let saved = SinewSnapshot::capture(app.world());
@@ -92,7 +91,7 @@ fn a_fresh_app_that_is_given_bodies_in_contact_goes_on_as_the_old_one_did() {
     assert_eq!(hashes(&mut new, 60), hashes(&mut old, 60));
 }
 
-/// Three plates on a slope that holds them.
+/// Three plates on a slope that holds them by friction.
 fn stack(app: &mut App) -> Vec<Entity> {
     let turned = Quat::from_rotation_z(-0.35);
     let slope = Transform::from_rotation(turned);
@@ -118,7 +117,7 @@ fn a_stack_on_a_slope_stays_and_its_memory_goes_with_those_who_have_it() {
     for (n, before) in before.into_iter().enumerate() {
         assert!(before.distance(place(&app, n)) < 1e-4, "plate {n} creeps");
     }
-    // The older of two remembers, and what stands remembers nothing.
+    // A contact is cached on the older of its two bodies, and static geometry caches none.
     assert_eq!([0, 1, 2].map(|n| held(&app, n)), [2, 1, 0]);
     app.world_mut().despawn(plates[1]);
     tick(&mut app, 60);
@@ -133,7 +132,7 @@ fn what_a_stack_remembers_is_part_of_a_rollback_and_of_nobody_else() {
     let (mut alone, mut among) = (app(), app());
     stack(&mut alone);
     stack(&mut among);
-    // Something far away that comes and goes: the others must not forget by that.
+    // A distant collider that is added and removed: the caches of the others must not be cleared by it.
     let far = among
         .world_mut()
         .spawn((Collider::cuboid(Vec3::splat(2.0)), Transform::from_xyz(90.0, 0.0, 0.0)));

@@ -1,4 +1,4 @@
-//! Control forces accelerate what they act on by F/m and τ/I; and the inertia that is read back is the one they meet.
+//! Control forces accelerate bodies by F/m and τ/I, with the inertia that is read back.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -11,7 +11,7 @@ use crate::commands::{brick, space};
 use crate::snapshot::clear;
 use crate::support::{hash, heard, tick};
 
-/// Of the brick of 1 × 2 × 3 m and 6 kg, kg·m².
+/// Of the brick of 1 × 2 × 3 m and 6 kg about its axes, kg·m².
 const INERTIA: Vec3 = Vec3::new(6.5, 5.0, 2.5);
 
 fn linear(app: &App, body: Entity) -> Vec3 {
@@ -22,7 +22,7 @@ fn spin(app: &App, body: Entity) -> Vec3 {
     app.world().get::<AngularVelocity>(body).unwrap().0
 }
 
-/// How long a tick is, seconds.
+/// Length of a tick, seconds.
 fn tick_seconds(app: &App) -> f32 {
     app.world().resource::<Time<Fixed>>().timestep().as_secs_f32()
 }
@@ -115,7 +115,7 @@ fn a_control_is_steered_while_time_runs_and_acts_on_particles_too() {
 fn controls_are_named_and_stand_in_the_order_of_their_creation() {
     let mut app = space();
     let body = app.world_mut().spawn(brick()).id();
-    // Different archetypes, which queries go through one after the other.
+    // Different archetypes, which a query visits one after the other.
     app.world_mut().spawn((Name::new("left"), ControlForce::new(Vec3::X).on(body)));
     app.world_mut().spawn((
         Name::new("middle"),
@@ -202,7 +202,7 @@ fn the_inertia_read_back_is_the_solid_boxs_and_turns_with_it() {
     let mut app = space();
     let rotation = Quat::from_euler(EulerRot::XYZ, 0.3, -1.1, 2.0);
     let at = |rotation| Transform::from_xyz(900.0, 5.0, 0.0).with_rotation(rotation);
-    // One in the other.
+    // All in the same place.
     let alone = ContactsDisabled;
     let straight = app.world_mut().spawn((brick(), alone, at(Quat::IDENTITY))).id();
     let turned = app.world_mut().spawn((brick(), alone, at(rotation))).id();

@@ -1,5 +1,5 @@
-//! Settings that no other suite turns: each integrator, order and gradient, steps of every length, rigid integrators, the plugin alone, phases with
-//! conditions, drags of a ground, and what a wind finds no surface on.
+//! Settings that no other suite covers: each integrator, order and gradient, steps of every length, rigid integrators, the plugin alone, phases with run
+//! conditions, the drag of a ground, and bodies without a surface in a wind.
 
 use core::time::Duration;
 
@@ -63,7 +63,8 @@ fn steps_of_any_length_leave_what_lies_where_it_is() {
     }
 }
 
-/// By a fifth from one to the next. By more, ropes whip: what is stretched in a long step is drawn in within a short one (CHANGELOG, "Not yet").
+/// The step changes by up to a fifth from one frame to the next. With larger changes ropes whip: what a long step stretched, a short one draws in at once
+/// (CHANGELOG, "Not yet").
 #[test]
 fn steps_that_jitter_leave_what_hangs_where_it_is() {
     let mut app = stepped();
@@ -135,7 +136,7 @@ fn a_rigid_body_of_each_integrator_falls_spins_and_comes_to_rest() {
         assert!((fallen / expected - 1.0).abs() < 0.005, "{integrator:?}: {fallen} {expected}");
         let spin = app.world().get::<AngularVelocity>(body).unwrap().0;
         assert!((spin.y - 2.0).abs() < 0.15, "{integrator:?}: {spin}");
-        // And lies, on a floor that is there where it is now.
+        // And it comes to rest on a ground that is spawned where it is now.
         let below = app.world().get::<Transform>(body).unwrap().translation.y - 1.0;
         app.world_mut().spawn((Ground, Transform::from_xyz(0.0, below, 0.0)));
         app.world_mut().commands().entity(body).set_motion(Vec3::ZERO, Vec3::ZERO);
@@ -164,7 +165,7 @@ fn the_plugin_alone_simulates_the_same_bits_as_the_group() {
     assert_eq!(hash(&mut alone), hash(&mut grouped));
 }
 
-/// Where nothing disturbed them, all substeps were taken at once, and the conditions were not asked.
+/// Regression: where no system of a game ran between phases, all substeps were taken at once and the conditions were never evaluated.
 #[test]
 fn a_condition_on_the_set_of_a_phase_is_asked_in_every_substep() {
     let mut app = app();
@@ -184,7 +185,7 @@ fn a_condition_on_the_set_of_a_phase_is_asked_in_every_substep() {
         "no forces, no fall: 10 substeps in each of 10 ticks"
     );
     tick(&mut app, 30);
-    // Its velocity at rest counts as that of the middle of the substep before, so it falls half a substep more at each instant.
+    // The velocity of a particle at rest counts as that at the middle of the previous substep (leapfrog), so it falls half a substep further at each instant.
     let (seconds, h) = (30.0 * TICK.as_secs_f32(), TICK.as_secs_f32() / 10.0);
     let expected = -0.5 * 9.81 * seconds * (seconds + h);
     let fallen = position(&app, stone).y;
@@ -227,7 +228,7 @@ fn a_box_slides_on_a_ground_with_a_drag_as_the_lectures_have_it() {
     }
 }
 
-/// A rope and a figure: what has no surface of its own.
+/// A rope and a ragdoll: bodies without a surface of their own.
 fn bare(app: &mut App) -> [Entity; 2] {
     let world = app.world_mut();
     let rope =
@@ -285,7 +286,7 @@ fn a_figure_that_is_given_a_surface_feels_the_wind() {
     assert!(drift(false).abs() < 1e-4, "{}", drift(false));
 }
 
-/// The literal rule has the size of each triangle's share of the wind, and no sign: the back of a closed body is pressed as much as its front.
+/// The wind of the lectures uses the magnitude of each triangle's share without its sign, so the back of a closed body is pushed as much as its front.
 #[test]
 fn a_closed_body_feels_twice_its_silhouette() {
     for turn in
@@ -298,7 +299,7 @@ fn a_closed_body_feels_twice_its_silhouette() {
         let body = app.world_mut().spawn((jelly, Transform::from_rotation(turn))).id();
         app.world_mut().spawn(Wind { pressure: Vec3::X * 6.0, ..default() });
         tick(&mut app, 6);
-        // Of a cube with unit faces: what its three axes show of it.
+        // Of a cube with unit faces: the projected area is the sum over its three axes.
         let silhouette: f32 =
             [Vec3::X, Vec3::Y, Vec3::Z].iter().map(|axis| (turn * *axis).x.abs()).sum();
         let seconds = app.world().resource::<SinewClock>().seconds as f32;

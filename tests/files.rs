@@ -1,4 +1,4 @@
-//! Snapshots go to RON and to bytes and come back bit for bit; what is broken or foreign is refused, and nothing changes.
+//! Snapshots are written to RON and to bytes and read back bit for bit; broken or foreign files are refused, and nothing changes.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -46,12 +46,13 @@ fn every_scene_comes_back_from_both_formats_and_goes_on_as_it_did() {
     }
 }
 
-/// It was: what it had been built from named the entities of the app that had saved it. It hung straight again, and went on otherwise.
+/// Regression: the record of what the rope was built from named entities of the app that saved it, so the rope was built anew: it hung straight again and went
+/// on differently.
 #[test]
 fn a_rope_between_two_things_is_not_built_anew_when_it_is_loaded() {
     for (format, write, read) in FORMATS {
         let mut old = game();
-        // So that things have other numbers than in the app that loads them.
+        // So that entity ids differ from those in the app that loads them.
         old.world_mut().spawn_batch([(); 64].map(|()| Name::new("nothing of ours")));
         let hook =
             old.world_mut().spawn((Collider::default(), Transform::from_xyz(0.0, 3.0, 0.0))).id();
@@ -99,7 +100,7 @@ fn floats_at_the_ends_of_what_there_is_come_back_bit_for_bit() {
     assert_eq!(spawned.len(), floats.len());
 }
 
-/// A world with something in it, and a file of it.
+/// An app with a few bodies, and a file of its state.
 fn file_of(write: Write) -> (App, Vec<u8>) {
     let mut app = game();
     let world = app.world_mut();
@@ -138,7 +139,7 @@ fn a_file_with_a_byte_that_is_not_what_was_written_is_refused() {
             assert!(SinewSnapshot::from_bytes(&file, app.world()).is_err(), "{flip} at {place}");
         }
     }
-    // Text with one digit that is another.
+    // The text with one digit changed.
     let (_, file) = file_of(FORMATS[0].1);
     let text = String::from_utf8(file).unwrap();
     let place = text.find("position").unwrap();
@@ -175,7 +176,7 @@ fn what_is_foreign_of_another_version_or_not_registered_is_refused_by_name() {
     assert_eq!(bytes(&file), LoadFault::Version(2));
 }
 
-/// A constraint that cannot be written: it is not reflected.
+/// A constraint that cannot be written, because it is not reflected.
 #[derive(Component, Clone)]
 struct Unseen {
     #[entities]

@@ -1,4 +1,4 @@
-//! What a new user meets in the first ten minutes, with nothing configured: each was wrong once, without a word.
+//! What a new user tries in the first ten minutes, with nothing configured. Each of these was once silently wrong.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -24,7 +24,7 @@ fn two_boxes_dropped_one_onto_the_other_stand_one_on_the_other() {
     assert_eq!(heard(&app), []);
 }
 
-/// What a recipe builds, of every kind, with how high its middle is when it lies on something at y = 0, and how far from that it may be.
+/// One recipe of every kind: its name, how to spawn it at a height, the height of its centre when it lies on a surface at y = 0, and the tolerance, metres.
 fn every_recipe() -> Vec<(&'static str, fn(&mut World, f32) -> Entity, f32, f32)> {
     vec![
         (
@@ -84,7 +84,7 @@ fn every_recipe() -> Vec<(&'static str, fn(&mut World, f32) -> Entity, f32, f32)
     ]
 }
 
-/// Middle of all particles of a body.
+/// Mean position of a body's particles.
 fn middle(app: &App, body: Entity) -> Vec3 {
     let own = particles_of(app, body);
     own.iter().map(|&one| position(app, one)).sum::<Vec3>() / own.len() as f32
@@ -197,7 +197,7 @@ fn the_mouse_is_no_part_of_the_plugins_and_substeps_are_taken_at_once() {
     let app = app();
     let world = app.world();
     assert!(world.get_resource::<bevy_sinew::MouseDrag>().is_none());
-    // Any other system there is a game's, and the substeps are run one by one for it.
+    // Any other system in this schedule counts as a game's, for which the substeps run one by one.
     let substeps = world.resource::<Schedules>().get(SubstepSchedule).unwrap();
     assert_eq!(substeps.systems_len(), 7);
     let mut dragging = crate::support::app_with(bevy_sinew::MouseDragPlugin);

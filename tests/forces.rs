@@ -1,4 +1,4 @@
-//! Every force of the solver as a component or a resource does what physics asks of it, where it is told to.
+//! Every force of the solver as a component or a resource: its effect agrees with physics, in the region where it applies.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -23,7 +23,7 @@ fn vacuum() -> App {
     app
 }
 
-/// A triangle of 0.5 m² and 0.3 kg about a point, square to the given axis; its three particles move as one in an even wind.
+/// A triangle of 0.5 m² and 0.3 kg about a point, perpendicular to the given axis. In an even wind its three particles move as one. Returns one of them.
 fn sheet(app: &mut App, at: Vec3, axis: Vec3) -> Entity {
     let turn = Quat::from_rotation_arc(Vec3::Z, axis);
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| {
@@ -51,7 +51,7 @@ fn a_wind_in_a_region_blows_inside_it_alone_and_where_it_fades_by_its_share() {
     let [inside, fading, outside] =
         [10.0, 11.5, 13.0].map(|x| sheet(&mut app, Vec3::X * x, Vec3::Z));
     tick(&mut app, 6);
-    // 6 Pa on 0.5 m² for 0.1 s, on 0.3 kg; in the middle of the fade, half of it.
+    // 6 Pa on 0.5 m² for 0.1 s, on 0.3 kg; in the middle of the fade, half of that.
     close(velocity(&app, inside).z, 1.0, 0.02);
     close(velocity(&app, fading).z, 0.5, 0.02);
     assert_eq!(velocity(&app, outside), Vec3::ZERO);
@@ -86,7 +86,7 @@ fn an_air_flow_carries_a_sheet_to_its_terminal_speed() {
     let mut app = vacuum();
     let flow = app.world_mut().spawn(AirFlow::steady(Vec3::Y * 3.0)).id();
     let leaf = sheet(&mut app, Vec3::ZERO, Vec3::Y);
-    // Weight m g against ½ρ C A v².
+    // Weight m g against drag ½ρ C A v².
     let terminal = (2.0 * 0.3 * 9.81 / (1.225 * 1.28 * 0.5_f32)).sqrt();
     tick(&mut app, 300);
     close(velocity(&app, leaf).y, 3.0 - terminal, 1e-3);
@@ -104,12 +104,12 @@ fn a_current_carries_a_ball_and_only_in_its_pool() {
     let wet = app.world_mut().spawn(ball(Vec3::Y * -1.0)).id();
     let dry = app.world_mut().spawn(ball(Vec3::Y * -4.0)).id();
     tick(&mut app, 60);
-    // It loses 0.8 of its velocity relative to the current each second.
+    // The difference of its velocity to the current shrinks by 0.8 each second.
     close(velocity(&app, wet).x, 1.6, 2e-3);
     assert_eq!(velocity(&app, dry), Vec3::ZERO);
 }
 
-/// How deep a box of 1 × 0.6 × 1 m and 240 kg lies in still water, as a share of its height, after it came to rest.
+/// Draft of a box of 1 × 0.6 × 1 m and 240 kg at rest in still water, as a share of its height.
 fn draft(body: RigidBox, floats: Floats, flatland: bool) -> f32 {
     let mut app = bare_app();
     app.world_mut().spawn((Fluid { drag: 0.95, ..default() }, Transform::from_xyz(0.0, 2.0, 0.0)));
@@ -218,7 +218,7 @@ fn a_uniform_field_accelerates_a_charge_by_q_e_over_m() {
     let ion = |x: f32| (Particle::at(Vec3::X * x), Charge(0.5), Mass(2.0));
     let [inside, outside] = [0.0, 20.0].map(|x| app.world_mut().spawn(ion(x)).id());
     tick(&mut app, 60);
-    // The mean over the last of ten substeps is that of half a substep before.
+    // The reported velocity is the mean over the last of ten substeps, thus that of half a substep earlier.
     let t = 1.0 - 0.5 / 600.0;
     assert!(velocity(&app, outside).abs_diff_eq(field * 0.25 * t, 1e-4));
     assert!(velocity(&app, inside).abs_diff_eq((field + Vec3::X * 4.0) * 0.25 * t, 1e-4));
@@ -244,7 +244,7 @@ fn a_world_in_2d_stays_in_its_plane_and_falls_in_it() {
     }
     let at = position(&app, stone);
     assert!(at.abs_diff_eq(Vec3::new(1.0, -0.5 * 9.81, 0.0), 1e-3), "{at}");
-    // The plane moved: so do they.
+    // The particles follow the plane when it moves.
     *app.world_mut().get_mut::<Transform>(plane).unwrap() = Transform::from_xyz(0.0, 0.0, 0.25);
     tick(&mut app, 1);
     assert!(apart(&app, &all, 0.25) < 1e-5);
@@ -266,7 +266,7 @@ fn without_gravity_of_their_own_bodies_and_particles_hang_and_with_twice_of_it_f
         app.world_mut().spawn((place, GravityScale(scale))).id()
     });
     tick(&mut app, 1);
-    // Of a body and its particles, the product counts.
+    // The scales of a body and of its particles multiply.
     for particle in particles_of(&app, bodies[1]) {
         app.world_mut().entity_mut(particle).insert(GravityScale(2.0));
     }

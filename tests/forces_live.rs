@@ -1,5 +1,5 @@
-//! Forces while they are in use: edited, they act otherwise in the next tick; broken, they are named once and nothing else notices; and all of them
-//! go on from cloned components, bit for bit.
+//! Forces while they are in use: an edit takes effect in the next tick; a broken one is named once and affects nothing else; and all of them go on from cloned
+//! components, bit for bit.
 
 use bevy::prelude::*;
 use bevy_sinew::Region;
@@ -12,7 +12,7 @@ use bevy_sinew::{
 
 use crate::support::{bare_app, bits, hash, heard, tick};
 
-/// Who is who in the scene.
+/// The entities of the scene.
 #[derive(Clone)]
 struct Cast {
     wind: Entity,
@@ -24,7 +24,7 @@ struct Cast {
     ion: Entity,
 }
 
-/// A bit of each force: a sheet in winds, a raft and a ball in a pool with a current, charges in fields, an attractor, and one gravity of its own.
+/// A bit of each force: a sheet in winds, a raft and a ball in a pool with a current, charges in fields, an attractor, and a gravity scale.
 fn scene(app: &mut App) -> Cast {
     app.insert_resource(Electric { constant: 2.0, softening: 0.1, ..default() });
     let world = app.world_mut();
@@ -32,7 +32,7 @@ fn scene(app: &mut App) -> Cast {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.2)]
         .map(|at| world.spawn((Particle::at(at + Vec3::Y * 3.0), Mass(0.1))).id());
     let [a, b, c, d] = corners;
-    // Numbered, so that the snapshot knows it.
+    // With a creation order, so that the snapshot includes it.
     world.spawn((WindSurface { triangles: vec![[a, b, c], [b, d, c]] }, CreationOrder::default()));
     for pair in [[a, b], [a, c], [b, c], [b, d], [c, d]] {
         world.spawn(Spring::new(pair[0], pair[1], 1.0, 30.0).with_damping(0.2));
@@ -110,7 +110,7 @@ fn each_number_edited_live_takes_effect_in_the_next_tick() {
     let start = SinewSnapshot::capture(app.world());
     tick(&mut app, 1);
     let unedited = hash(&mut app);
-    // From the same instant under new ids, as some edits leave something behind.
+    // From the same instant in a new app, because some edits leave state behind.
     let after = |name: &str, change: Edit| {
         let mut app = bare_app();
         let map = start.restore(app.world_mut()).unwrap();
@@ -135,7 +135,7 @@ fn each_number_edited_live_takes_effect_in_the_next_tick() {
     }
 }
 
-/// The first so many particles, in the order of their creation.
+/// State of the first `count` particles, in the order of creation.
 fn state(app: &mut App, count: usize) -> Vec<[u32; 10]> {
     let world = app.world_mut();
     let mut all: Vec<(CreationOrder, Particle)> =
@@ -144,7 +144,7 @@ fn state(app: &mut App, count: usize) -> Vec<[u32; 10]> {
     all.iter().take(count).map(|(_, particle)| bits(particle)).collect()
 }
 
-/// Breaks something in one app, sets its better in another, and expects one message about the culprit, and the same bits.
+/// Applies `breaks` in one app and `instead`, its valid equivalent, in another. Asserts one message about the broken entity, and the same bits in both.
 fn as_if(
     name: &str,
     breaks: impl FnOnce(&mut App, &Cast) -> (Entity, Refusal),
@@ -202,7 +202,7 @@ fn a_broken_number_is_refused_once_and_all_goes_on_as_if_its_owner_were_not_ther
     ];
     for &(name, breaks) in cases {
         let break_it = |app: &mut App, cast: &Cast| (breaks(app, cast), Refusal::Surroundings);
-        // The last is two things at once, of which one is sound: air that is there.
+        // The last case has two components on one entity, of which one is valid: its still air acts.
         let sound = |app: &mut App, _: &Cast| {
             if name == "two things" {
                 app.world_mut().spawn(AirFlow::steady(Vec3::ZERO));
@@ -249,7 +249,7 @@ fn a_broken_weight_or_hull_is_refused_once_and_the_body_goes_on_without() {
     }
 }
 
-/// The entity on which a resource is.
+/// The entity that holds a resource.
 fn home<R: Resource>(app: &mut App) -> Entity {
     let world = app.world_mut();
     world.query_filtered::<Entity, With<R>>().single(world).unwrap()

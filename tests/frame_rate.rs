@@ -10,7 +10,7 @@ use bevy_sinew::prelude::*;
 
 use crate::support::{app, busy_scene, hash};
 
-/// The hash after each tick, as recorded within the fixed schedule itself.
+/// The hash after each tick, recorded within the fixed schedule itself.
 #[derive(Resource, Default)]
 struct Hashes(BTreeMap<u64, u64>);
 
@@ -47,7 +47,7 @@ fn run(mut frame: impl FnMut(u64) -> f64) -> BTreeMap<u64, u64> {
     hashes
 }
 
-/// Numbers between 0 and 1 that look random.
+/// Pseudo-random numbers between 0 and 1.
 fn noise(i: u64) -> f64 {
     let mixed = (i ^ 0x9e37).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     ((mixed ^ (mixed >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 40) as f64 / (1 << 24) as f64

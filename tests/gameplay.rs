@@ -1,4 +1,4 @@
-//! What a game asks of contacts: impulses of every tick, shapes on their way, and what a character weighs.
+//! Contacts as a game uses them: impulses of every tick, shape casts, and the weight of a character.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -6,7 +6,7 @@ use bevy_sinew::{ContactImpulse, QueryFilter, Refusal, SinewQuery, Weighs};
 
 use crate::support::{TICK, app, heard, tick};
 
-/// The impulses that somebody has got since this was emptied, tick by tick, N·s.
+/// The contact impulses since this was last cleared, tick by tick, N·s.
 #[derive(Resource, Default)]
 struct Got(Vec<(Entity, Entity, f32)>);
 
@@ -17,7 +17,7 @@ fn listen(app: &mut App) {
     });
 }
 
-/// The mean force between two over some ticks, N.
+/// Mean contact force between two entities over some ticks, N, from the impulses reported to the first.
 fn force(app: &mut App, asks: Entity, other: Entity, ticks: u64) -> f32 {
     app.world_mut().resource_mut::<Got>().0.clear();
     tick(app, ticks);
@@ -54,7 +54,7 @@ fn who_asks_for_every_contact_hears_what_presses_on_it() {
     }
 }
 
-/// A player that a game moves: it stays a centimetre above what is below it.
+/// A player that the game moves: it stays a centimetre above what is below it.
 #[derive(Component, Default)]
 struct Player {
     stands_on: Option<Entity>,
@@ -94,7 +94,7 @@ fn a_player_on_a_plank_weighs_what_it_weighs() {
         assert_eq!(app.world().get::<Player>(player).unwrap().stands_on, Some(plank));
         let heavy = force(&mut app, scale, plank, 60) / 9.81;
         assert!((heavy / (plank_mass + mass) - 1.0).abs() < 0.02, "{plank_mass} {mass}: {heavy}");
-        // Off it goes, and the plank is light again.
+        // When the player steps off, the plank is light again.
         let aside = Transform::from_xyz(4.0, 0.92, 0.0);
         app.world_mut().entity_mut(player).insert(aside);
         tick(&mut app, 60);

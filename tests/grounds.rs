@@ -1,4 +1,4 @@
-//! `Ground` and `BoundingBox` are colliders like others: material, layers, sensors, events, questions, and they may be moved.
+//! `Ground` and `BoundingBox` are colliders like others: material, layers, sensors, events and spatial queries apply to them, and a game may move them.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -6,7 +6,7 @@ use bevy_sinew::{Combine, ContactImpulse, ContactsDisabled, QueryFilter, Touchin
 
 use crate::support::{TICK, app, heard, tick};
 
-/// An app with one of the two in it, whose solid surface is at a height of 0.
+/// An app with one of the two, whose solid surface is at y = 0.
 fn with(room: bool) -> (App, Entity) {
     let mut app = app();
     let floor = if room {
@@ -19,7 +19,7 @@ fn with(room: bool) -> (App, Entity) {
     (app, floor)
 }
 
-/// The four kinds of things that touch by ways of their own: a particle, a ball that rolls, a cloth, a rope by its segments.
+/// One thing for each kind of contact: a particle, a box, a cloth, and a rope, which collides by its segments.
 fn things(app: &mut App, with: impl Bundle + Clone) -> [(&'static str, Entity); 4] {
     let world = app.world_mut();
     let at = |x: f32| Transform::from_xyz(x, 1.0, 0.0);
@@ -36,7 +36,7 @@ fn things(app: &mut App, with: impl Bundle + Clone) -> [(&'static str, Entity); 
     ]
 }
 
-/// The least height of what there is of a thing, metres.
+/// Height of the lowest particle of a thing, metres.
 fn height(app: &App, thing: Entity) -> f32 {
     let world = app.world();
     let place = |entity: Entity| world.get::<Particle>(entity).map(|one| one.position.y);
@@ -72,7 +72,7 @@ fn layers_say_who_falls_through_and_who_does_not() {
     }
 }
 
-/// How high a ball of a restitution bounces that falls from a metre above a floor, as a share of that.
+/// How high a ball bounces that falls from a metre above a floor, as a share of that metre.
 fn bounce(room: bool, floor: SurfaceMaterial, ball: SurfaceMaterial, rigid: bool) -> f32 {
     let (mut app, entity) = with(room);
     app.world_mut().entity_mut(entity).insert(floor);
@@ -126,7 +126,7 @@ fn what_bounces_follows_from_the_materials_of_both() {
     }
 }
 
-/// What things slide on.
+/// The floor that things slide on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Floor {
     Ground,
@@ -134,7 +134,7 @@ enum Floor {
     Slab,
 }
 
-/// How far a thing slides that begins at 2 m/s on a floor, metres.
+/// How far a thing slides that starts at 2 m/s on a floor, metres.
 fn slide(floor: Floor, friction: f32, thing: SurfaceMaterial, kind: usize) -> f32 {
     let (mut app, entity) = with(floor == Floor::Room);
     if floor == Floor::Slab {
@@ -190,7 +190,7 @@ fn friction_is_made_of_both_surfaces_by_their_rules() {
                 let far = slide(floor, friction, thing, kind);
                 let case = format!("{floor:?}, kind {kind}: {friction} on {thing:?}");
                 assert!((far / slab - 1.0).abs() < 0.02, "{case}: {far}, and {slab} on a slab");
-                // The first tick is over before it is looked at, at 2 m/s. A cloth wrinkles.
+                // The first tick, at 2 m/s, is over before the start is measured. A cloth wrinkles, so it is compared with the slab alone.
                 let (expected, first) = (4.0 / (2.0 * mu * 9.81), 2.0 * TICK.as_secs_f32());
                 let right = far < expected * 1.04 && far > expected * 0.94 - first;
                 assert!(kind == 2 || right, "{case}: {far} for {expected}");
@@ -232,7 +232,7 @@ fn a_floor_that_asks_hears_who_lands_on_it_and_what_that_weighs() {
             assert!(heard.0.contains(&(floor, thing, false)), "room {room}: {name} landed");
             assert!(touching.contains(&thing), "room {room}: {name} lies on it");
         }
-        // What lies on it weighs what it weighs.
+        // The impulses are those of the weight of what lies on it.
         for (_, thing) in things.iter().filter(|one| one.1 != crates) {
             app.world_mut().despawn(*thing);
         }
@@ -302,7 +302,7 @@ fn questions_meet_grounds_and_walls() {
     assert_eq!((hit.entity, hit.particle), (ground, None));
     assert!((hit.distance - 1.0).abs() < 1e-4, "{hit:?}");
     assert!(hit.normal.dot(Vec3::Y) < 0.9 && hit.normal.dot(Vec3::Y) > 0.8);
-    // By layers, and by who asks, it is passed, and the floor of the room is next.
+    // Filtered out by layers or by entity, the ground is passed, and the floor of the bounding box is hit next.
     let layers = Some(CollisionLayers::of(&[2], &[2]));
     for filter in [QueryFilter { layers, ..all }, QueryFilter { except: Some(ground), ..all }] {
         let hit = world.cast_ray(down, 100.0, &filter).expect("the floor of the room");

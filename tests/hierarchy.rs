@@ -1,4 +1,4 @@
-//! Bodies, colliders and regions are at home in a hierarchy: wherever Bevy would draw them, there they are.
+//! Bodies, colliders and regions in a hierarchy are where Bevy would draw them.
 
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -9,14 +9,14 @@ use bevy_sinew::{Refusal, Region, WorldCenterOfMass};
 
 use crate::support::{app, forget, heard, particles_of, position, tick};
 
-/// Without gravity.
+/// An app without gravity and without drag.
 fn space() -> App {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0));
     app
 }
 
-/// A parent that is moved, turned and scaled, and one inside it.
+/// A child of a parent that is moved, turned and scaled. Returns the child and its frame in the world.
 fn nested(world: &mut World) -> (Entity, Transform) {
     let outer = Transform::from_xyz(4.0, 1.0, -2.0)
         .with_rotation(Quat::from_rotation_z(0.5))
@@ -98,7 +98,7 @@ fn what_a_parent_would_shear_is_refused_by_name_and_comes_back_when_that_is_mend
     let wall = world.spawn((Collider::default(), turned, ChildOf(long))).id();
     let wind = (Wind::default(), Region::boxed(Vec3::ONE), turned);
     let wind = world.spawn((wind, ChildOf(long))).id();
-    // A quarter turn leaves right angles right.
+    // A quarter turn keeps right angles.
     let quarter = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_2));
     let flag = world.spawn((Cloth::grid(1.0, 1.0, 2, 2), quarter, ChildOf(long))).id();
     tick(&mut app, 3);
@@ -258,7 +258,8 @@ fn bodies_are_eased_whenever_they_are_told_to_be() {
     assert!(places(&mut app, body) <= 4);
 }
 
-/// Nothing of it has been written then: whether a body may be elsewhere is asked of whole tables, and who has lost its parents says so by that alone.
+/// No component of the body is written when it loses its parent: whether any body may have moved is decided by change ticks of whole tables, so the loss itself
+/// has to be noticed.
 #[test]
 fn a_body_that_loses_its_parent_is_where_its_transform_says_without_one() {
     for scale in [1.0, 2.0] {

@@ -1,5 +1,5 @@
-//! What is despawned while it is in use: a particle, a constraint, a body, what a pin follows, a mesh, before and after every set,
-//! from within a substep, in an observer, and in the very tick in which it was spawned.
+//! Despawning what is in use: a particle, a constraint, a body, the target of a pin, a mesh; before and after every set, from within a substep, in an observer,
+//! and in the very tick in which it was spawned.
 
 use bevy::ecs::schedule::ScheduleConfigs;
 use bevy::ecs::system::ScheduleSystem;
@@ -26,7 +26,7 @@ enum Victim {
 const VICTIMS: [Victim; 5] =
     [Victim::Particle, Victim::Constraint, Victim::Body, Victim::PinTarget, Victim::MeshAsset];
 
-/// Whom to despawn in the tenth tick.
+/// The entity to despawn in the tenth tick.
 #[derive(Resource)]
 struct Doomed {
     what: Victim,
@@ -47,7 +47,7 @@ fn strike(world: &mut World) {
     }
 }
 
-/// Runs a cloth that hangs on a moving anchor through the loss of something, beside others; says what was heard, and the others' hash.
+/// Runs a cloth that hangs from a moving anchor, beside other bodies, through the loss of something. Returns the number of refusals and the other bodies' hash.
 fn lose(what: Option<Victim>, place: impl FnOnce(&mut App)) -> (usize, u64) {
     let mut app = app();
     let others = busy_scene(&mut app);
@@ -75,7 +75,7 @@ fn lose(what: Option<Victim>, place: impl FnOnce(&mut App)) -> (usize, u64) {
     (heard(&app).len(), hash_of(&app, &others))
 }
 
-/// How many messages a loss may cause: one for the pin, one for each constraint that lost its particle (8 threads and 4 bends).
+/// The most messages that a loss may cause: one for the pin, one for each constraint that lost its particle (8 threads and 4 bends).
 fn most_messages(what: Victim) -> usize {
     match what {
         Victim::PinTarget => 1,
@@ -167,7 +167,7 @@ fn a_body_whose_observer_despawns_it_while_it_is_built_harms_nobody() {
             },
         );
     });
-    // Sooner: while it is being inserted, with everything else of its bundle.
+    // Earlier: while the component is being inserted, with the rest of its bundle.
     check("on a new particle", |app| {
         app.add_observer(|put: OnAdd<Particle>, of: Query<&ParticleOf>, mut commands: Commands| {
             if let Ok(of) = of.get(put.entity) {
@@ -209,7 +209,7 @@ fn bodies_that_are_despawned_in_the_tick_that_they_were_spawned_in_leave_nothing
         }
         tick(&mut app, 1);
     }
-    // The recipe built it, and it goes before it was ever gathered.
+    // The recipe builds it during a pause, and it is despawned before it is ever gathered.
     let world = app.world_mut();
     world.insert_resource(SinewControl { paused: true, ..default() });
     let body = world.spawn(Ragdoll::default()).id();

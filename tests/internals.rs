@@ -1,4 +1,4 @@
-//! The pieces of the plugin that no game can see, from outside as all else: what binds a body, what composes frames, and what closes a surface.
+//! Internal pieces of the plugin, tested from outside: binding a body's constraints, composing frames, and the gap that closes a surface.
 
 use core::f32::consts::FRAC_PI_2;
 

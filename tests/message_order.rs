@@ -1,4 +1,4 @@
-//! In which order a game hears of what happened in a tick: that of creation, whatever entities are called and wherever they are stored.
+//! Messages of a tick arrive in the order of creation, whatever the entities' ids are and wherever they are stored.
 
 use bevy::prelude::*;
 use bevy_sinew::ContactImpulse;
@@ -6,14 +6,15 @@ use bevy_sinew::prelude::*;
 
 use crate::support::{app, tick};
 
-/// What was heard, with entities by when they were spawned.
+/// What was reported: the kind of event, the entity and the other entity.
 #[derive(Resource, Default)]
 struct Log(Vec<(&'static str, Entity, Entity)>);
 
 #[derive(Component)]
 struct Odd;
 
-/// Crates that fall in a row and a heap, each of which asks for everything, in 60 ticks.
+/// Runs crates that fall in a row and a heap, all with contact events, for 60 ticks. Returns the events, with entities by their order of spawning. `spoil`
+/// changes ids and archetypes on the way.
 fn heard_of(spoil: impl Fn(&mut World, usize)) -> Vec<(&'static str, usize, usize)> {
     let mut app = app();
     app.init_resource::<Log>()
@@ -62,7 +63,7 @@ fn contacts_are_told_in_the_order_of_creation() {
     for what in ["started", "ended", "impulse"] {
         assert!(plain.iter().filter(|one| one.0 == what).count() > 12, "{what}");
     }
-    // Names that go down where they went up, and archetypes of their own.
+    // Ids that descend where they ascended, and other archetypes.
     let spoiled = heard_of(|world, i| {
         let junk: Vec<Entity> = (0..7).map(|_| world.spawn(Odd).id()).collect();
         for &one in junk.iter().skip(i % 3).step_by(2) {

@@ -1,5 +1,5 @@
-//! Real meshes that nobody here made become cloth, fall on the ground, and stay whole. They lie in `../shared/models`, beside the
-//! repository; where that folder is missing, these tests say so and pass.
+//! Real meshes from outside this project become cloth, fall on the ground, and stay whole. They lie in `../shared/models`, beside the repository; where that
+//! folder is missing, these tests print so and pass.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use bevy_sinew::prelude::*;
 use crate::support::{app, assert_finite, heard, mesh_of, particles_of, position, tick};
 
 fn model(name: &str) -> Option<PathBuf> {
-    // Asked when the test runs: a target folder may be shared by clones.
+    // Read when the test runs: clones may share a target folder.
     let package = std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo says where it is");
     let path = PathBuf::from(package).join("../../shared/models").join(name);
     if path.exists() {
@@ -68,7 +68,7 @@ pub(crate) fn read_gltf(path: &PathBuf) -> (Vec<Vec3>, Vec<u32>) {
     (positions, indices)
 }
 
-/// Base 64, as data in a glTF file has it.
+/// Decodes base 64, the encoding of data in a glTF file.
 fn decode(text: &str) -> Vec<u8> {
     let value = |c: u8| match c {
         b'A'..=b'Z' => c - b'A',
@@ -94,13 +94,13 @@ pub(crate) fn mesh_from(positions: &[Vec3], indices: Vec<u32>) -> Mesh {
         .with_inserted_indices(Indices::U32(indices))
 }
 
-/// Lets a mesh fall as cloth on the ground for a second and looks at what is left of it.
+/// Drops a mesh as cloth on the ground for a second and checks what is left of it.
 fn drop_on_the_ground(name: &str, (positions, indices): (Vec<Vec3>, Vec<u32>)) {
     let (min, max) =
         positions.iter().fold((Vec3::MAX, Vec3::MIN), |(min, max), &p| (min.min(p), max.max(p)));
     let count = positions.len();
     let mesh = mesh_from(&positions, indices);
-    // A metre across, two hand's breadths above the ground.
+    // A metre across, 20 cm above the ground.
     let scale = 1.0 / (max - min).max_element();
     let place = Transform::from_xyz(0.0, 0.2 - min.y * scale, 0.0).with_scale(Vec3::splat(scale));
 

@@ -1,4 +1,4 @@
-//! Motion is two-way: velocities are read off a body, and what a game writes to them, or pushes with, the body does.
+//! Motion is two-way: velocities are read off a body, and a body follows the velocities, forces and impulses that a game writes.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -9,14 +9,14 @@ use bevy_sinew::{
 
 use crate::support::{app, bits, hash, heard, particles_of, tick};
 
-/// Without gravity.
+/// An app without gravity and without drag.
 fn space() -> App {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0));
     app
 }
 
-/// A box of 2 kg that turns as a full one does.
+/// A box of 2 kg with its particles at the corners.
 fn boxed() -> RigidBox {
     RigidBox::new(Vec3::new(1.0, 0.6, 0.4)).with_mass(2.0)
 }
@@ -74,7 +74,7 @@ fn a_velocity_that_a_game_changes_is_the_bodys_and_leaves_the_other_alone() {
     tick(&mut app, 10);
     assert_close(velocity(&app, body), Vec3::X * 3.0, "kept");
     assert_close(spin(&app, body), Vec3::ZERO, "set");
-    // Each tick, as a character controller does it.
+    // Each tick, as a character controller writes it.
     app.add_systems(FixedUpdate, |mut all: Query<&mut LinearVelocity>| {
         all.iter_mut().for_each(|mut velocity| velocity.0.z += 1.0 / 60.0);
     });
@@ -82,7 +82,7 @@ fn a_velocity_that_a_game_changes_is_the_bodys_and_leaves_the_other_alone() {
     assert_close(velocity(&app, body), Vec3::new(3.0, 0.0, 1.0), "accelerated");
 }
 
-/// It was ignored without a word, where a newcomer threw a ball with it.
+/// Regression: the component was silently ignored on a single particle, where a new user threw a ball with it.
 #[test]
 fn a_single_particle_that_has_a_linear_velocity_follows_it_too() {
     let mut app = app();
@@ -161,7 +161,7 @@ fn forces_torques_and_impulses_do_to_a_box_what_newton_and_euler_say() {
     tick(&mut app, 1);
     let inertia = app.world().get::<Inertia>(torque).unwrap().0;
     let turned = |moment: Vec3| inertia.inverse() * moment;
-    // One tick of 1/60 s: v = F t/m, ω = J⁻¹ M t. After it an impulse is done: v = P/m, ω = J⁻¹ r × P.
+    // One tick of 1/60 s: v = F t/m, ω = J⁻¹ M t. An impulse acts once: v = P/m, ω = J⁻¹ r × P.
     let t = 1.0 / 60.0;
     assert_close(velocity(&app, force) * 60.0, Vec3::Z * 2.0, "force");
     assert_close(spin(&app, torque) * 60.0, turned(Vec3::Y * 0.3), "torque");
@@ -185,7 +185,7 @@ fn commands_push_for_one_tick_and_add_up() {
     commands.entity(body).apply_force(Vec3::X * 60.0).apply_force(Vec3::X * 60.0);
     commands.entity(body).apply_force_at(Vec3::Z * 60.0, Vec3::X * 0.5).apply_torque(Vec3::X);
     let inertia = app.world().get::<Inertia>(body).unwrap().0;
-    // Read in the tick after, for as long as they act, velocities are those of the middle of a substep and half a kick.
+    // While forces act, the reported velocity is that of the middle of a substep and off by half a kick, so it is read a tick later.
     tick(&mut app, 2);
     let t = 1.0 / 60.0;
     assert_close(velocity(&app, body), Vec3::new(1.0, 0.0, 0.5), "two and one");
@@ -240,7 +240,7 @@ fn what_a_body_says_of_itself_is_shared_out_onto_its_particles() {
         assert!(pairs.iter().all(|(a, b)| (a - b).abs() < 1e-4), "{found:?}");
     };
     near(sums(&app), (8.0, 0.03, 2.0, 0.25));
-    // The distribution stays that of the recipe: as much inertia for its mass as before.
+    // The distribution stays that of the recipe: the same inertia per mass as before.
     let inertia = app.world().get::<Inertia>(body).unwrap().0;
     let plain = app.world_mut().spawn((boxed(), Transform::from_xyz(0.0, 9.0, 0.0))).id();
     tick(&mut app, 1);
@@ -269,7 +269,7 @@ fn a_body_that_is_put_back_is_not_pushed_again() {
         for _ in 0..20 {
             tick(&mut app, 1);
             if restores {
-                // What a rollback does: every component is written anew with the value that it has.
+                // As in a rollback: every component is inserted anew with its present value.
                 let world = app.world_mut();
                 let mut own = world.entity_mut(body);
                 let state = (

@@ -1,4 +1,4 @@
-//! What a pointer catches, how it is held, and what is left alone. A pointer here has a ray in the world, but no window.
+//! What a pointer grabs, how it holds it, and what it ignores. The pointer here has a ray in the world, but no window.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::picking::backend::ray::{RayId, RayMap};
@@ -21,7 +21,7 @@ fn input(app: &mut App, action: PointerAction) {
     app.update();
 }
 
-/// Presses where the pointer is; what is held then.
+/// Presses at the pointer. Returns the grab.
 fn press(app: &mut App) -> Option<Grab> {
     input(app, PointerAction::Press(PointerButton::Primary));
     app.world().resource::<MouseDrag>().grabbed.clone()
@@ -31,14 +31,14 @@ fn run(app: &mut App, ticks: usize) {
     (0..ticks).for_each(|_| app.update());
 }
 
-/// The point of a grab now.
+/// The grabbed point now.
 fn anchor_at(app: &App, grab: &Grab) -> Vec3 {
     let place =
         |(one, share): &(Entity, f32)| app.world().get::<Particle>(*one).unwrap().position * *share;
     grab.anchor.iter().map(place).sum()
 }
 
-/// How many particles, bodies and constraints there are.
+/// Number of particles, bodies and constraints.
 fn count(app: &mut App) -> usize {
     app.world_mut().query::<&CreationOrder>().iter(app.world()).count()
 }
@@ -54,7 +54,7 @@ fn a_click_into_the_middle_of_a_face_catches_the_crate_there() {
     let caught = Vec3::new(0.3, 0.2, 1.0);
     assert!(grab.target.distance(caught) < 1e-3, "{}", grab.target);
     assert!(anchor_at(&app, &grab).distance(caught) < 1e-3, "{}", anchor_at(&app, &grab));
-    // It follows by that point, and turns no more than it must.
+    // The body follows by that point, and turns no more than it must.
     aim(&mut app, 2.3, 1.2);
     run(&mut app, 240);
     let held = anchor_at(&app, &grab);
@@ -78,7 +78,7 @@ fn a_press_while_time_stands_still_holds_nothing_and_changes_no_state() {
     assert!(press(&mut app).is_some(), "it is caught all the same");
     run(&mut app, 2);
     assert_eq!(hash(&app), before);
-    // It is held from the first tick on that is simulated.
+    // It is held from the first simulated tick on.
     let there = count(&mut app);
     app.world_mut().resource_mut::<SinewControl>().step();
     run(&mut app, 1);
@@ -135,7 +135,7 @@ fn a_press_on_something_above_is_not_for_the_world() {
     let mut app = app();
     app.world_mut().spawn(RigidBox::default());
     let button = app.world_mut().spawn_empty().id();
-    // As a backend of a UI tells it: in every frame.
+    // As a UI backend reports it: in every frame.
     app.add_systems(
         PreUpdate,
         (move |mut hits: MessageWriter<PointerHits>, cameras: Query<Entity, With<Camera>>| {
@@ -146,13 +146,13 @@ fn a_press_on_something_above_is_not_for_the_world() {
     );
     run(&mut app, 2);
     assert_eq!(press(&mut app), None);
-    // A decoration that is drawn over all, but lets presses through.
+    // A decoration that is drawn over everything, but lets presses through.
     app.world_mut().entity_mut(button).insert(Pickable::IGNORE);
     assert!(press(&mut app).is_some());
 }
 
-/// Found by driving the gallery's window: a click on a rope took a lantern elsewhere, by a ray of the camera that egui draws through, which stands a kilometre
-/// off and saw everything within forty metres of it.
+/// Found by driving the gallery's window: a click on a rope grabbed a lantern elsewhere, by a ray of the camera that egui draws with, which is a kilometre
+/// away, so that anything within forty metres of its ray was near enough.
 #[test]
 fn a_camera_that_sees_nothing_catches_nothing() {
     let mut app = app();
@@ -182,7 +182,7 @@ fn a_camera_that_sees_nothing_catches_nothing() {
 fn another_backend_may_tell_of_the_body_first() {
     let mut app = app();
     let body = app.world_mut().spawn(RigidBox::default()).id();
-    // Its mesh, which is nearer than its shape and a child of it.
+    // Its mesh, a child of the body that is nearer than the shape.
     let skin = app.world_mut().spawn(ChildOf(body)).id();
     app.add_systems(
         PreUpdate,
@@ -257,7 +257,8 @@ fn what_is_held_may_go_and_the_hand_is_empty() {
     assert!(app.world_mut().query::<&BodyConstraints>().iter(app.world()).next().is_none());
 }
 
-/// Which of some balls a press takes, each given by its place as the pointer has it, from which it looks along -z, and its radius.
+/// Index of the ball that a press grabs. Each ball is given by its place relative to the pointer, which points along -z, and its radius, metres; a wall is at
+/// the given depth.
 fn taken_of(balls: &[(Vec3, f32)], wall: Option<f32>) -> Option<usize> {
     let mut app = app();
     let eye = Vec3::Z * 10.0;

@@ -1,4 +1,4 @@
-//! A game's own constraints, and all kinds together: one door, one order, one state.
+//! A game's own constraints, and all kinds together: one registration, one order, one state.
 
 use core::sync::atomic::{AtomicUsize, Ordering};
 
@@ -22,7 +22,7 @@ use crate::constraints::FACES;
 use crate::snapshot::clear;
 use crate::support::{TICK, app, busy_scene, hash, heard, position, tick};
 
-/// Keeps a particle on a ball. It has hooks of its own: we must not need them.
+/// Keeps a particle on a sphere. It has hooks of its own, which the plugin must not need.
 #[derive(Component, Clone)]
 #[component(on_add = count, on_remove = count)]
 struct OnBall {
@@ -74,7 +74,7 @@ fn on_ball(particle: Entity) -> OnBall {
     OnBall { particle, centre: Vec3::ZERO, radius: 1.0 }
 }
 
-/// The same as a second type, about another centre.
+/// The same constraint as a second type.
 #[derive(Component, Clone)]
 struct OnOther(OnBall);
 
@@ -139,7 +139,7 @@ fn registering_early_late_or_twice_comes_to_the_same() {
             .insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(TICK));
         register(&mut app, 1);
         let bead = app.world_mut().spawn(Particle::at(Vec3::new(0.6, 0.8, 0.0))).id();
-        // No number is given to one that is spawned before anybody has heard of its type.
+        // A constraint that is spawned before its type is registered has no creation order yet.
         let on = app.world_mut().spawn(on_ball(bead)).id();
         register(&mut app, 2);
         app.finish();
@@ -157,7 +157,7 @@ fn registering_early_late_or_twice_comes_to_the_same() {
     }
 }
 
-/// How often any `Counted` was asked for its law.
+/// How often the kind of any `Counted` was queried.
 static ASKED: AtomicUsize = AtomicUsize::new(0);
 
 #[derive(Component, Clone)]
@@ -190,12 +190,12 @@ fn a_law_is_asked_for_when_something_changed_and_not_in_a_warm_tick() {
     assert_eq!(ASKED.load(Ordering::Relaxed), asked + 1);
 }
 
-/// Puts an entity into a table of its own.
+/// Moves an entity into a table of its own.
 #[derive(Component)]
 struct Mark<const N: usize>;
 
-/// Two types of constraints, taking turns, pull one particle onto surfaces that exclude each other: the last one wins. `marks` shuffles their tables,
-/// `turned` their order of creation. Gives the bits of the end.
+/// Two types of constraints, taking turns, pull one particle onto surfaces that exclude each other: the last one wins. `marks` shuffles their tables, `turned`
+/// reverses their order of creation. Returns a hash of the final positions.
 fn quarrel(marks: bool, turned: bool) -> u64 {
     let mut app = app();
     app.register_particle_constraint::<OnBall>().register_particle_constraint::<OnOther>();
@@ -203,7 +203,7 @@ fn quarrel(marks: bool, turned: bool) -> u64 {
     let beads: Vec<Entity> =
         (0..3).map(|i| world.spawn(Particle::at(Vec3::Y + Vec3::X * i as f32)).id()).collect();
     if marks {
-        // Tables are gone through in the order in which they came up.
+        // Tables are visited in the order in which they were created.
         world.spawn((OnOther(on_ball(beads[0])), Mark::<2>));
         world.spawn((on_ball(beads[0]), Mark::<1>));
         world.spawn((on_ball(beads[0]), Mark::<0>));
@@ -230,7 +230,7 @@ fn quarrel(marks: bool, turned: bool) -> u64 {
     }
     tick(&mut app, 30);
     assert_eq!(heard(&app), []);
-    // The particles alone, whose numbers are the same in every case.
+    // The particles alone, whose creation orders are the same in every case.
     let at = beads.iter().map(|&bead| position(&app, bead).to_array());
     crate::support::fnv(at.flatten().map(f32::to_bits))
 }
@@ -242,7 +242,7 @@ fn the_order_of_creation_decides_across_types_and_tables() {
     assert_ne!(quarrel(false, false), quarrel(false, true), "and it does matter");
 }
 
-/// One of each, hanging from the first of its particles, and some soft.
+/// One constraint of each kind, each on particles that hang from the first one; some are soft.
 fn one_of_each(world: &mut World) {
     let mut x = -3.0;
     let mut set = || {

@@ -1,4 +1,4 @@
-//! The phases run in their documented order, substeps times in a tick, and the systems of a game fit in between.
+//! The phases run in their documented order, as often as there are substeps in a tick, and the systems of a game fit in between.
 
 use core::time::Duration;
 
@@ -13,7 +13,7 @@ use bevy_sinew::{
 
 use crate::support::{TICK, app_with, bare_app, position, tick};
 
-/// What happened, in order.
+/// What ran, in order.
 #[derive(Resource, Default)]
 struct Log(Vec<&'static str>);
 
@@ -35,7 +35,7 @@ fn the_phases_run_in_their_order_as_often_as_there_are_substeps() {
     for substeps in [1, 3, 10] {
         let mut app = bare_app();
         app.init_resource::<Log>().insert_resource(SolverConfig { substeps, ..default() });
-        // Added backwards, so that it is not the order of adding that puts them right.
+        // Added backwards, so that the order of adding cannot be what puts them right.
         for (set, name) in PHASES.into_iter().rev() {
             app.add_systems(SubstepSchedule, note(name).in_set(set));
         }
@@ -61,7 +61,7 @@ fn a_tick_builds_gathers_steps_scatters_and_extracts_in_this_order() {
         app.add_systems(SinewTick, note(name).in_set(set));
     }
     app.add_systems(SubstepSchedule, note("substep").in_set(PhaseSystems::Integrate));
-    // Where the tick is run, all of it is one system, in all of its sets.
+    // In the schedule that runs the tick, the whole tick is one system that is in all of its sets.
     app.add_systems(FixedPostUpdate, note("before").before(SinewSystems::Build))
         .add_systems(FixedPostUpdate, note("after").after(SinewSystems::Extract));
     app.world_mut().spawn(Particle::default());
@@ -86,7 +86,7 @@ fn a_world_without_particles_takes_no_substeps_and_time_passes_all_the_same() {
     assert_eq!(empty.tick, 7);
 }
 
-/// What a particle's row shows at one point of the substep.
+/// Acceleration and position of the watched particle's row at each point of the substep.
 #[derive(Resource, Default)]
 struct Seen(Vec<(&'static str, Vec3, Vec3)>);
 
@@ -112,7 +112,7 @@ fn each_phase_does_its_own_work_in_its_own_set_and_no_other() {
         .insert_resource(AirDrag(0.0))
         .insert_resource(Electric { constant: 1.0, softening: 0.0, ..default() });
     let world = app.world_mut();
-    // One particle that feels everything: in wind (as part of a sheet), half in water, charged, and tied to a hook.
+    // One particle on which everything acts: in wind (as part of a sheet), half in water, charged, and tied to a hook.
     let start = Vec3::new(0.0, 1.0, 0.0);
     let watched = world.spawn((Particle::at(start), Radius(0.1), Charge(1.0), Watched)).id();
     let pinned = |at: Vec3| (Particle::at(at), Pinned::HERE, Charge(1.0));
@@ -144,7 +144,7 @@ fn each_phase_does_its_own_work_in_its_own_set_and_no_other() {
     assert!((far - 1.0).abs() < 1e-5, "and then held by its rod: {far}");
 }
 
-/// Whether it is asked for or not: a cape with a wind, which takes its substeps one by one anyway, and a rope without, which takes them at once.
+/// With and without measuring: a cape in a wind, which takes its substeps one by one anyway, and a rope without wind, which takes them all at once.
 #[test]
 fn phases_are_measured_where_that_is_asked_for_and_nothing_else_changes() {
     let run = |by_phase: bool| {
@@ -166,7 +166,7 @@ fn phases_are_measured_where_that_is_asked_for_and_nothing_else_changes() {
     assert!(!usual.gather.is_zero() && !usual.substeps.is_zero() && !usual.scatter.is_zero());
 }
 
-/// A rope that swings, a crate that rests on the ground, and a cloth in the wind.
+/// An app with a rope that swings, a crate that rests on the ground, and a cloth in the wind.
 fn busy() -> App {
     let mut app = bare_app();
     app.world_mut().spawn(Ground);
@@ -192,7 +192,7 @@ fn half_step(app: &mut App) -> Option<PhaseStep> {
     app.world().resource::<PhaseSteps>().shown()
 }
 
-/// Where all particles are as the columns have it, and what accelerates them.
+/// Positions and accelerations of all particles in the columns.
 fn columns(app: &App) -> (Vec<Vec3>, Vec<Vec3>) {
     let particles = app.world().resource::<SinewWorld>().particles();
     let rows = 0..particles.len();
@@ -210,7 +210,7 @@ fn half_steps_show_each_phase_of_a_tick_that_is_the_same_as_one_taken_at_once() 
     }
     let before = columns(&halves).0;
     whole.world_mut().resource_mut::<SinewControl>().step();
-    // And a frame in which time stands still: in it velocities of bodies are read off anew, to other last digits.
+    // And a paused frame, in which the velocities of bodies are read off anew, to other last digits.
     tick(&mut whole, 2);
     let after = hash(&whole);
     let mut seen = Vec::new();
@@ -220,7 +220,7 @@ fn half_steps_show_each_phase_of_a_tick_that_is_the_same_as_one_taken_at_once() 
         assert_eq!(shown.phase, PHASES[number as usize % 6].0);
         let next = (number < 17).then(|| PHASES[(number as usize + 1) % 6].0);
         assert_eq!(shown.next, next);
-        // Frames that pass meanwhile change nothing of it.
+        // Frames that pass meanwhile change nothing.
         let now = columns(&halves);
         tick(&mut halves, 2);
         assert_eq!(columns(&halves), now);
@@ -233,7 +233,7 @@ fn half_steps_show_each_phase_of_a_tick_that_is_the_same_as_one_taken_at_once() 
     assert_ne!(seen[4].0, seen[5].0, "constraints correct");
     assert_eq!(half_step(&mut halves), None, "the end");
     assert_eq!((hash(&halves), columns(&halves).0), (after, columns(&whole).0));
-    // And both go on alike, the one by half-steps again.
+    // Both go on alike, the second again by half-steps.
     whole.world_mut().resource_mut::<SinewControl>().step();
     tick(&mut whole, 2);
     (0..19).for_each(|_| _ = half_step(&mut halves));
@@ -264,7 +264,7 @@ fn what_goes_on_or_back_in_the_middle_of_half_steps_finds_a_whole_tick() {
     assert_eq!(hash(&app), rested, "for as long as time stands still");
     (0..7).for_each(|_| _ = half_step(&mut app));
     assert!(shown(&app).is_some());
-    // A whole step goes on from the tick's end, and so does the simulation when it runs.
+    // A whole step goes on from the end of the tick, and so does the simulation when it is unpaused.
     app.world_mut().resource_mut::<SinewControl>().step();
     tick(&mut app, 1);
     assert_eq!((shown(&app), hash(&app)), (None, second));
@@ -276,7 +276,7 @@ fn what_goes_on_or_back_in_the_middle_of_half_steps_finds_a_whole_tick() {
     assert_eq!(shown(&app), None);
     app.world_mut().resource_mut::<SinewControl>().pause();
 
-    // Back, and a body that comes, end the showing.
+    // A restored snapshot ends the showing, and so does a new body.
     (0..7).for_each(|_| _ = half_step(&mut app));
     start.restore(app.world_mut()).unwrap();
     tick(&mut app, 1);
@@ -285,7 +285,7 @@ fn what_goes_on_or_back_in_the_middle_of_half_steps_finds_a_whole_tick() {
     app.world_mut().spawn(Particle::default());
     tick(&mut app, 2);
     assert_eq!(shown(&app), None);
-    // A world that runs takes no half-steps.
+    // A world that is not paused takes no half-steps.
     app.world_mut().resource_mut::<SinewControl>().unpause();
     assert_eq!(half_step(&mut app), None);
 }
@@ -338,7 +338,7 @@ fn thrust(mut world: ResMut<SinewWorld>, rockets: Query<&ParticleRow, With<Rocke
     }
 }
 
-/// A rocket of 2 kg beside a stone: their heights after a second.
+/// Heights of a rocket of 2 kg and of a stone beside it after a second.
 fn launched(place: ScheduleConfigs<ScheduleSystem>) -> (f32, f32) {
     let mut app = bare_app();
     app.insert_resource(AirDrag(0.0)).add_systems(SubstepSchedule, place);
@@ -368,7 +368,8 @@ fn a_games_own_force_acts_in_a_set_and_between_any_two() {
     }
 }
 
-/// In a world that took its substeps at once such a system was never run: the schedule counted itself when it ran, and did not run before it was counted.
+/// Regression: in a world that took its substeps at once a system that was added later never ran, because the schedule counted its systems only when it ran,
+/// and ran only if it had counted any.
 #[test]
 fn a_games_own_system_that_comes_later_is_run_whatever_the_world_did_before() {
     for falls in [true, false] {

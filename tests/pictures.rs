@@ -1,4 +1,4 @@
-//! What is drawn follows what is simulated: vertices, normals, tubes, and what lies between two ticks.
+//! What is drawn follows what is simulated: vertices, normals, tubes, and the frames between two ticks.
 
 use core::time::Duration;
 
@@ -12,7 +12,7 @@ use crate::support::{
     TICK, app, assert_finite, heard, mesh_of, particles_of, position, tick, vertices,
 };
 
-/// The largest distance between a cloth's vertices, brought into the world, and the particles that they follow.
+/// The largest distance between a cloth's vertices, in the world's frame, and the particles that they follow, metres.
 fn mesh_error(app: &App, body: Entity) -> f32 {
     let frame = *app.world().get::<Transform>(body).unwrap();
     let follow = app.world().get::<MeshFollow>(body).unwrap();
@@ -78,7 +78,7 @@ fn normals_are_unit_vectors_and_stand_on_a_flat_cloth() {
     let normals = mesh.attribute(Mesh::ATTRIBUTE_NORMAL).and_then(|list| list.as_float3()).unwrap();
     assert_eq!(normals.len(), 441);
     for &normal in normals {
-        // Threads whose lengths round up push, and a sheet gives way to that sideways, by micrometres.
+        // Threads whose rest length is rounded up push, and the sheet gives way sideways by micrometres.
         assert!(Vec3::from(normal).abs_diff_eq(Vec3::Z, 2e-3), "{normal:?}");
     }
 }
@@ -100,7 +100,7 @@ fn the_tube_of_a_rope_keeps_its_radius_around_its_particles() {
     }
 }
 
-/// The mesh of a tube around loose particles, where nothing moves them.
+/// The mesh of a tube around loose particles at rest.
 fn tube(places: &[Vec3], radius: f32, sides: u32) -> Mesh {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
@@ -139,13 +139,14 @@ fn points_on_top_of_each_other_leave_a_tube_finite_and_one_alone_shows_nothing()
     let mesh = tube(&[Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::ZERO], 0.1, 5);
     assert_eq!(vertices(&mesh).len(), 4 * 6);
     assert!(vertices(&mesh).iter().all(|place| place.is_finite()));
-    // Not a mesh without vertices, of which Bevy's renderer reports an error.
+    // Not a mesh without vertices, for which Bevy's renderer reports an error.
     let alone = tube(&[Vec3::Y], 0.1, 5);
     assert_eq!(vertices(&alone), [Vec3::Y; 3]);
     assert_eq!(alone.indices().map(Indices::len), Some(3));
 }
 
-/// In a window each rope logged "Use-after-free: attempted to copy element data for an unallocated key" when it was spawned: its first mesh was empty.
+/// Regression: the first mesh of a rope was empty, so that in a window each rope logged "Use-after-free: attempted to copy element data for an unallocated key"
+/// when it was spawned.
 #[test]
 fn the_first_mesh_of_a_rope_has_vertices() {
     let mut app = app();
@@ -179,7 +180,7 @@ fn a_cloth_that_is_spawned_while_time_stands_still_is_drawn_where_it_is() {
 fn what_is_eased_is_drawn_between_the_last_two_ticks() {
     let mut app = app();
     let fall = |eased: bool, app: &mut App| {
-        // One in the other.
+        // Both in the same place.
         let mut body =
             app.world_mut().spawn((Cloth::default(), ContactsDisabled, Transform::default()));
         if eased {

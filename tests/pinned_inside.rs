@@ -1,4 +1,4 @@
-//! What is held inside of something that it collides with stays in peace: nothing can move it out, and so nothing may try to at any price.
+//! What is pinned inside of something that it collides with stays calm: no contact can move it out, so none may try to at any price.
 //!
 //! Two ropes that hung from one point turned their first segments by radians in each substep and were thrown away at any speed; so was a box that is hinged
 //! inside of another one.
@@ -8,18 +8,18 @@ use bevy_sinew::prelude::*;
 
 use crate::support::{app, assert_finite, forget, heard, particles_of, position, tick};
 
-/// The most that was seen while it ran.
+/// The largest values over a run.
 #[derive(Clone, Copy, Debug, Default)]
 struct Worst {
-    /// J.
+    /// Kinetic energy of the world, J.
     kinetic: f64,
-    /// m/s.
+    /// Speed of the fastest particle, m/s.
     speed: f32,
-    /// The same at the end.
+    /// Speed of the fastest particle in the last tick, m/s.
     last: f32,
-    /// How far any particle was from the origin, metres.
+    /// Distance of the farthest particle from the origin, metres.
     far: f32,
-    /// How often a particle was too fast or frozen.
+    /// How often a particle was reported as too fast or frozen.
     reported: usize,
 }
 
@@ -44,7 +44,7 @@ fn watch(app: &mut App, ticks: u32) -> Worst {
     worst
 }
 
-/// An app with a floor 2 m below, and so many substeps.
+/// An app with a ground 2 m below the origin, and so many substeps.
 fn world(substeps: u32) -> App {
     let mut app = app();
     app.world_mut().resource_mut::<SolverConfig>().substeps = substeps;
@@ -52,12 +52,12 @@ fn world(substeps: u32) -> App {
     app
 }
 
-/// A rope of a tenth of a kilogram that is held at both ends.
+/// A rope of a tenth of a kilogram that is pinned at both ends.
 fn rope(from: Vec3, to: Vec3) -> Rope {
     Rope { pin_end: true, slack: 0.06, segments: 30, ..Rope::between(from, to) }
 }
 
-/// The ends of so many ropes from the origin, in all directions and at different heights, 1 m and more away.
+/// The ends of `count` ropes from the origin, in all directions and at different heights, 1 m and more away.
 fn ends(count: usize) -> impl Iterator<Item = Vec3> {
     (0..count).map(move |i| {
         let turn = Quat::from_rotation_y(i as f32 * core::f32::consts::TAU / count as f32);
@@ -65,7 +65,7 @@ fn ends(count: usize) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Nothing is thrown: what falls by half a metre at the most, or is pressed apart at 2 m/s, does not go faster than twice that.
+/// Asserts that nothing is thrown: what falls by half a metre at the most, or is pushed apart at 2 m/s, is no faster than about twice that.
 fn assert_peace(name: &str, app: &App, worst: Worst, kinetic: f64, reach: f32) {
     let peace = worst.speed < 4.5 && worst.kinetic < kinetic && worst.far < reach;
     assert!(peace && worst.reported == 0, "{name}: {worst:?}");
@@ -113,7 +113,7 @@ fn ropes_one_in_the_other_and_of_all_kinds_at_one_point_are_pressed_apart_no_fas
     let worst = watch(&mut app, 90);
     assert!(worst.speed < 12.0 && worst.far < 1.5 && worst.reported == 0, "{worst:?}");
 
-    // One that is held inside of the middle of another.
+    // One that is pinned inside the middle of another.
     let mut app = world(10);
     app.world_mut().spawn(rope(Vec3::X * -0.6, Vec3::X * 0.6));
     app.world_mut().spawn(rope(Vec3::Y * -0.19, Vec3::new(0.0, -0.3, 0.9)));
@@ -210,7 +210,7 @@ fn boxes_that_hang_by_corners_inside_of_something_are_not_flung() {
                 }
                 let worst = watch(&mut app, 90);
                 let name = format!("pins {pins:?}, {deep} m, {substeps} substeps: {worst:?}");
-                // Two that overlap by a third push each other round their pins as long as they do.
+                // Two that overlap by a third push each other round their pins for as long as they overlap.
                 assert!(worst.speed < 45.0 && worst.far < 1.5 && worst.reported == 0, "{name}");
             }
         }

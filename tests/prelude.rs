@@ -1,4 +1,4 @@
-//! The prelude: it is short, and names nothing that Bevy's does, so both may be imported whole.
+//! The prelude is short and shares no name with Bevy's, so a game may import both whole.
 
 use core::any::type_name;
 
@@ -6,14 +6,14 @@ use bevy::prelude::*;
 use bevy_sinew::CollisionLayer;
 use bevy_sinew::prelude::*;
 
-/// The names of some types, and where they come from. A name that stands in both preludes would be ambiguous here, and not compile.
+/// Names of types and the paths that they resolve to. A name that is in both preludes would be ambiguous here, and not compile.
 macro_rules! types {
     ($($name:ident),* $(,)?) => {
         [$((stringify!($name), type_name::<$name>())),*]
     };
 }
 
-/// The traits of the prelude, of which no type name is asked: here they would be ambiguous, too.
+/// The traits of the prelude, which have no type name: [`traits`] uses them, so that they would be ambiguous there.
 const TRAITS: [&str; 2] = ["BodyCommandsExt", "SinewCommandsExt"];
 fn traits<'a>(entity: EntityCommands<'a>, world: Commands<'a, 'a>)
 where
@@ -23,7 +23,7 @@ where
     let _ = (entity, world);
 }
 
-/// What the source exports there, sorted.
+/// The names that the source exports in the prelude, sorted.
 fn exported() -> Vec<&'static str> {
     let source = include_str!("../crates/bevy_sinew/src/lib.rs");
     let (_, prelude) = source.split_once("pub mod prelude {").expect("there is a prelude");
@@ -95,7 +95,7 @@ fn the_prelude_has_some_fifty_names_and_stands_beside_that_of_bevy() {
     listed.sort_unstable();
     assert_eq!(listed, exported(), "the list above is the prelude");
     assert!((45..=52).contains(&listed.len()), "{} names", listed.len());
-    // Bevy's own are as they were.
+    // Bevy's own names still resolve to Bevy.
     assert!(type_name::<(Transform, Commands, Query<Entity>)>().contains("bevy_ecs"));
 }
 

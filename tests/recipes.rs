@@ -27,7 +27,7 @@ fn every_recipe_builds_itself_where_its_transform_is() {
     let at = Transform::from_xyz(5.0, 2.0, -3.0).with_rotation(Quat::from_rotation_y(1.0));
     let world = app.world_mut();
     let flat = RigidBox { flat: true, particles: BoxParticles::Corners, ..default() };
-    // One in the other.
+    // All in the same place.
     let alone = ContactsDisabled;
     let cases = [
         (world.spawn((RigidBox::default(), alone, at)).id(), 8, 28),
@@ -144,7 +144,7 @@ fn cloth_from_a_mesh_that_is_built_anew_starts_from_the_mesh_and_not_from_its_fo
     assert_eq!(shared, original, "others that share the mesh keep theirs");
     app.insert_resource(Gravity(Vec3::ZERO));
     app.world_mut().get_mut::<Cloth>(body).unwrap().density = 0.5;
-    // It would go on as fast as it was.
+    // Without this the body would keep its velocity when it is built anew.
     app.world_mut()
         .entity_mut(body)
         .insert((LinearVelocity::default(), AngularVelocity::default()));
@@ -201,7 +201,7 @@ fn a_cloth_is_not_teleported_by_ticks_that_nobody_else_touches() {
     let mut app = app();
     let body = app.world_mut().spawn((Cloth::default(), Transform::from_xyz(1.0, 2.0, 3.0))).id();
     tick(&mut app, 1);
-    // Something that marks the transform as changed and leaves it what it was.
+    // A system that marks the transform as changed without changing it.
     app.add_systems(FixedUpdate, |mut all: Query<&mut Transform>| {
         all.iter_mut().for_each(|mut transform| transform.set_changed());
     });
@@ -274,7 +274,7 @@ fn a_ragdoll_has_named_parts_that_stay_with_its_particles() {
 
 #[test]
 fn the_pinned_vertices_of_a_mesh_are_held_however_its_particles_are_numbered() {
-    // Two rows of three vertices, column by column: not the order of the particles.
+    // Two rows of three vertices, numbered column by column, which is not the order of the particles.
     let place = |i: u32| Vec3::new((i / 2) as f32, (i % 2) as f32, 0.0);
     let positions: Vec<Vec3> = (0..6).map(place).collect();
     let indices = (0..2).flat_map(|column| [0, 2, 3, 0, 3, 1].map(|k| 2 * column + k)).collect();
@@ -294,7 +294,8 @@ fn the_pinned_vertices_of_a_mesh_are_held_however_its_particles_are_numbered() {
     assert_eq!(held, [positions[1], positions[4]]);
 }
 
-/// Whoever names particles looked at a change of rows as one of the tick at hand, and so missed it where another tick followed before the frame was drawn.
+/// Regression: meshes and tubes, which run once a frame, took a change of rows for one of the latest tick only, and so missed it where another tick followed
+/// before the frame was drawn.
 #[test]
 fn what_is_drawn_after_several_ticks_follows_the_rows_that_moved_in_the_first() {
     let drawn = |ticks: u32| {

@@ -1,4 +1,4 @@
-//! Solids of any shape, soft bodies and articulated ones build themselves and are what they were asked to be.
+//! Solids of any shape, soft bodies and articulated bodies build themselves with the requested properties.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -29,7 +29,7 @@ fn a_solid_weighs_and_turns_as_its_mesh_filled_with_its_density() {
         (RigidMesh::density(500.0).shaped(RigidShape::Hull), 8),
         (RigidMesh { particles: four, ..RigidMesh::mass(3000.0) }, 4),
     ] {
-        // One in the other.
+        // All in the same place.
         let body = app.world_mut().spawn((solid, skin.clone(), ContactsDisabled, at)).id();
         tick(&mut app, 2);
         assert_eq!(particles_of(&app, body).len(), count);
@@ -54,7 +54,7 @@ fn a_solid_weighs_and_turns_as_its_mesh_filled_with_its_density() {
 
 #[test]
 fn what_is_round_weighs_as_that_and_rolls_down_a_slope_as_its_inertia_has_it() {
-    // A hull of a sphere's mesh has corners, and rolls as those let it.
+    // The hull of a sphere's mesh has corners and does not roll freely, so the round shapes are used.
     let (radius, height, angle) = (0.5, 1.2, 0.35_f32);
     let volume = core::f32::consts::PI * radius * radius;
     let ball = RigidShape::Sphere { radius };
@@ -121,7 +121,7 @@ fn a_solid_cone_that_is_thrown_keeps_its_spin() {
     let kept = entity.get::<AngularVelocity>().unwrap().0;
     assert!(kept.abs_diff_eq(spin, 0.02), "{kept}");
     let centre = entity.get::<WorldCenterOfMass>().unwrap().position;
-    // The origin of Bevy's cone is half way up, the centre of mass a quarter.
+    // The origin of Bevy's cone is at half its height, its centre of mass at a quarter.
     assert!(centre.abs_diff_eq(Vec3::new(2.0, -0.15, 0.0), 2e-3), "{centre}");
     assert_finite(&mut app);
     assert_eq!(heard(&app), []);
@@ -131,7 +131,7 @@ fn a_solid_cone_that_is_thrown_keeps_its_spin() {
 fn solids_that_cannot_be_are_refused_once_and_have_no_particles() {
     let mut app = app();
     let skin = mesh(&mut app, Cuboid::new(1.0, 1.0, 1.0));
-    // A plane has no inside, but a sheet of paper has no hull either.
+    // A sheet has no inside, and no hull either.
     let sheet = mesh(&mut app, Plane3d::default().mesh().size(1.0, 1.0));
     let world = app.world_mut();
     let point = RigidShape::Points(vec![Vec3::ZERO]);
@@ -194,7 +194,7 @@ fn soft_boxes_and_balls_make_their_own_mesh_and_stand_up_again() {
     let world = app.world_mut();
     let bodies = [
         (world.spawn((cube, Transform::from_xyz(0.0, 0.5, 0.0))).id(), 64, 56),
-        // Shells of 12 and 42 about a middle.
+        // Shells of 12 and 42 particles around the middle one.
         (world.spawn((SoftBody::ball(0.3, 4), Transform::from_xyz(3.0, 0.5, 0.0))).id(), 55, 42),
     ];
     tick(&mut app, 240);
@@ -206,7 +206,7 @@ fn soft_boxes_and_balls_make_their_own_mesh_and_stand_up_again() {
         let heights = skin.iter().map(|&vertex| (frame * vertex).y);
         let tall = heights.clone().fold(f32::MIN, f32::max) - heights.fold(f32::MAX, f32::min);
         assert!((tall - 0.6).abs() < 0.06, "{tall} of 0.6 m");
-        // A ball of flat faces may still be rolling.
+        // A ball with flat faces may still be rolling.
         let speed = app.world().get::<LinearVelocity>(body).unwrap().0.length();
         assert!(speed < 0.05 || vertices == 42, "the cube rests: {speed}");
     }

@@ -1,4 +1,4 @@
-//! A body may be particles or an explicit rigid body, and change in any tick: nothing jumps, nothing is lost.
+//! A body may be particles or an explicit rigid body, and change in any tick without a jump in its state.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -26,7 +26,7 @@ fn tumbling(representation: Representation) -> (App, Entity) {
     (app, body)
 }
 
-/// Where a body is, how it is turned, its momentum (kg·m/s) and its angular momentum (kg·m²/s).
+/// Centre of mass, rotation, momentum (kg·m/s) and angular momentum (kg·m²/s) of a body.
 fn whole(app: &App, body: Entity) -> (Vec3, Quat, Vec3, Vec3) {
     let entity = app.world().entity(body);
     let (transform, centre) =
@@ -196,7 +196,7 @@ fn a_change_to_one_rigid_state_and_back_is_taken_at_once() {
     let (_, _, momentum, turning) = whole(&app, body);
     for (next, is_swept) in [
         (Representation::Auto, false),
-        // As an explicit body it is a shape that is swept.
+        // As an explicit rigid body it is a shape constraint, which is swept.
         (RIGID, true),
         (Representation::Auto, false),
         (Representation::Particles, true),

@@ -1,5 +1,5 @@
-//! Rollback netcode through `bevy_ggrs`: a thousand frames, each of them rolled back and simulated again, give the same state; and what is forgotten is
-//! found.
+//! Rollback netcode through `bevy_ggrs`: a thousand frames, each of them rolled back and simulated again, give the same state; and state that was not
+//! registered is detected.
 
 use core::time::Duration;
 
@@ -22,7 +22,7 @@ type Config = GgrsConfig<u8>;
 #[derive(Resource, Default)]
 struct Mismatches(usize);
 
-/// A session that rolls every frame back by so many, once they are there.
+/// A session that rolls every frame back by `distance` frames, as soon as there are so many.
 fn session(distance: usize) -> App {
     let mut app = App::new();
     let session = SessionBuilder::<Config>::new()
@@ -54,7 +54,7 @@ fn session(distance: usize) -> App {
     app
 }
 
-/// Runs so many frames. How often states differed, and how many frames there were.
+/// Runs `frames` frames. Returns how often states differed, and the number of the last frame.
 fn run(app: &mut App, frames: usize) -> (usize, i32) {
     (0..frames).for_each(|_| app.update());
     let frame = app.world().resource::<RollbackFrameCount>().0;
@@ -83,7 +83,7 @@ fn state_that_is_not_registered_is_found_and_once_it_is_registered_all_is_well()
             app.register_state_resource::<Counted>();
         }
         assert_eq!(app.world().resource::<StateTypes>().contains::<Counted>(), registered);
-        // What it counts has a bearing on what is simulated.
+        // The counter influences the simulation.
         let blow = |counted: Res<Counted>, mut gravity: ResMut<Gravity>| {
             gravity.0.x = counted.0 as f32 * 1e-3;
         };

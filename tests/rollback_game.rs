@@ -1,18 +1,18 @@
-//! A game that the tests of rollback play: bodies and particles come, fall onto each other, fall asleep and go; threads break.
+//! The game of the rollback tests: bodies and particles are spawned, fall onto each other, fall asleep and are despawned; threads of a cloth break.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyConstraints, RegisterState, SinewClock};
 
-/// State of the game, which it counts in every frame.
+/// State of the game, counted up in every frame.
 #[derive(Resource, Reflect, Clone, Debug, Default)]
 pub(crate) struct Counted(pub(crate) u32);
 
-/// What was spawned in play, and when.
+/// Marks what was thrown, with the tick in which it was spawned.
 #[derive(Component, Reflect, Clone, Debug)]
 pub(crate) struct Thrown(u64);
 
-/// Spawns what there is at the start of the game.
+/// Spawns the scene at the start of the game.
 pub(crate) fn stage(app: &mut App) {
     app.init_resource::<Counted>().register_state::<Thrown>();
     let world = app.world_mut();
@@ -23,7 +23,7 @@ pub(crate) fn stage(app: &mut App) {
     world.spawn((Rope { segments: 6, ..default() }, Transform::from_xyz(1.5, 2.0, 0.0)));
 }
 
-/// Bodies and particles come, fall onto each other, fall asleep and go; threads break.
+/// One frame of the game: throws boxes and balls, cuts a thread of the cloth, and despawns what was thrown 150 ticks ago.
 pub(crate) fn play(
     mut commands: Commands,
     clock: Res<SinewClock>,
@@ -54,13 +54,13 @@ pub(crate) fn play(
     }
 }
 
-/// How many constraints hold the cloth together.
+/// Number of constraints of the cloth.
 pub(crate) fn ties(app: &mut App) -> usize {
     let mut cloths = app.world_mut().query_filtered::<&BodyConstraints, With<Cloth>>();
     cloths.single(app.world()).unwrap().len()
 }
 
-/// What was thrown and is still there.
+/// Number of thrown entities that still exist.
 pub(crate) fn in_play(app: &mut App) -> usize {
     let world = app.world_mut();
     world.query::<&Thrown>().iter(world).count()

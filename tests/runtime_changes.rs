@@ -1,4 +1,4 @@
-//! Particles, springs, constraints and bodies come, change and go while time runs: no restart, and no leak.
+//! Particles, springs, constraints and bodies are added, changed and removed while time runs: without a restart, and without a leak.
 
 use bevy::prelude::*;
 use bevy_sinew::SinewClock;
@@ -67,7 +67,7 @@ fn a_particle_is_pinned_led_and_let_go_while_time_runs() {
     assert!(position(&app, stone).y < -1.0);
 }
 
-/// What swings to and fro, as a game's hand would.
+/// A transform that swings to and fro, like a hand that the game moves.
 #[derive(Component)]
 struct Hand;
 
@@ -152,7 +152,7 @@ fn spawning_and_despawning_a_hundred_bodies_leaves_nothing_behind() {
         ];
         tick(&mut app, 2);
         assert!(count(&mut app).0 > baseline.0 + 100, "they were there");
-        // Built again on the way, as when a slider is dragged.
+        // Built again meanwhile, as when a slider is dragged.
         app.world_mut().get_mut::<Cloth>(bodies[3]).unwrap().density = 0.3 + round as f32 * 0.01;
         app.world_mut().get_mut::<Rope>(bodies[1]).unwrap().segments = 7;
         tick(&mut app, 2);

@@ -1,4 +1,4 @@
-//! The whole state is captured and put back, in place and into a fresh app, recipes included: everything that a scene can have goes on bit for bit.
+//! The whole state is captured and restored, in place and into a fresh app, recipes included: everything that a scene can contain goes on bit for bit.
 
 use core::time::Duration;
 
@@ -16,7 +16,7 @@ use bevy_sinew::{
 
 use crate::support::{TICK, app, bare_app, busy_scene, forget, hash, heard, particles_of, tick};
 
-/// A constraint of a game's own: a particle stays on a ball about another one.
+/// A constraint of the game's own: keeps the second particle on a sphere about the first.
 #[derive(Component, Reflect, Clone, Debug)]
 struct OnBall {
     #[entities]
@@ -46,7 +46,7 @@ impl Equation for Ball {
     }
 }
 
-/// A pin that the game leads, and a platform that it moves, by the clock of the simulation.
+/// A pin or a platform that the game moves, by the clock of the simulation, around this place.
 #[derive(Component, Reflect, Clone, Debug)]
 struct Led(Vec3);
 
@@ -64,7 +64,7 @@ fn lead(
     }
 }
 
-/// An app in which such things are known.
+/// An app in which these components are registered.
 pub(crate) fn game() -> App {
     let mut app = app();
     app.register_particle_constraint::<OnBall>()
@@ -148,7 +148,7 @@ fn sleepers(world: &mut World) {
         let place = at(2.0 * i as f32, 0.16 + 0.2 * i as f32, 0.0);
         world.spawn((RigidBox::new(Vec3::splat(0.3)), Sleep::default(), place));
     }
-    // What wakes one of them by and by.
+    // A falling box that wakes one of them later.
     world.spawn((RigidBox::new(Vec3::splat(0.3)), Sleep::default(), at(0.1, 14.0, 0.0)));
 }
 
@@ -157,7 +157,7 @@ fn torn_cloth(world: &mut World) {
     world.spawn((cloth, Torn, at(0.0, 2.0, 0.0)));
 }
 
-/// Is to be torn.
+/// Marks a cloth that is torn before it is captured.
 #[derive(Component)]
 struct Torn;
 
@@ -216,7 +216,7 @@ pub(crate) const SCENES: [(&str, fn(&mut World), u64); 11] = [
     ("not built yet", heap, 0),
 ];
 
-/// A game with a scene, as it is when it is captured.
+/// A game with a scene, in the state in which it is captured.
 pub(crate) fn played(scene: fn(&mut World), ticks: u64) -> App {
     let mut app = game();
     scene(app.world_mut());
@@ -236,7 +236,7 @@ pub(crate) fn whole(app: &App) -> u64 {
     SinewSnapshot::capture(app.world()).hash()
 }
 
-/// The same after each of the next ticks.
+/// The hash after each of the next ticks.
 pub(crate) fn future(app: &mut App, ticks: u64) -> Vec<u64> {
     let after = |_| {
         tick(app, 1);
@@ -259,7 +259,7 @@ fn every_scene_goes_on_as_it_did_in_place_and_in_a_fresh_app() {
         assert_eq!(future(&mut old, 120), expected, "{name}: in place");
 
         let mut new = game();
-        // Other things were here before: ids and the order of archetypes differ; and something is simulated that is to go.
+        // Other things were here before, so that ids and the order of archetypes differ; and a body is simulated that the restore has to remove.
         new.world_mut().spawn_batch((0..50).map(|i| (Name::new(format!("{i}")), Led(Vec3::X))));
         new.world_mut().spawn((Cloth::grid(0.3, 0.3, 3, 3), at(9.0, 9.0, 9.0)));
         tick(&mut new, 3);
@@ -271,8 +271,8 @@ fn every_scene_goes_on_as_it_did_in_place_and_in_a_fresh_app() {
     }
 }
 
-/// Of a door on a post the pins were said to be awake while the door slept on, and rigid bodies never slept once somebody else did: the step woke them itself. Neither was
-/// so in the first tick after a restore.
+/// Regressions: the pins of a door on a post counted as awake while the door slept on, so the door was reported awake; and once any body slept, the step itself
+/// woke rigid bodies, so they never slept. Neither happened in the first tick after a restore.
 #[test]
 fn every_scene_may_be_put_back_to_any_of_its_ticks() {
     for (name, scene, ticks) in SCENES {
@@ -294,7 +294,7 @@ fn what_another_history_despawned_and_spawned_is_undone_in_place() {
         let saved = SinewSnapshot::capture(app.world());
         let expected = future(&mut app, 60);
 
-        // Every second entity of the simulation goes, and others come.
+        // Every second entity of the simulation is despawned, and others are spawned.
         let world = app.world_mut();
         let all: Vec<Entity> =
             world.query_filtered::<Entity, With<CreationOrder>>().iter(world).collect();
@@ -333,7 +333,7 @@ fn recipes_restored_into_a_fresh_app_build_nothing_anew_and_go_on() {
     let after: Vec<_> = bodies.iter().map(|body| particles_of(&new, map[body])).collect();
     assert_eq!(after, restored, "the same particles, not new ones");
     assert_eq!(after.iter().map(Vec::len).collect::<Vec<_>>(), counts);
-    // Their recipes are there and act: one that changes builds its body anew.
+    // The recipes are restored and active: a changed one builds its body anew.
     new.world_mut().get_mut::<Rope>(map[&bodies[1]]).unwrap().segments = 7;
     tick(&mut new, 1);
     assert_eq!(particles_of(&new, map[&bodies[1]]).len(), 8);
@@ -422,7 +422,7 @@ fn the_hash_sees_every_bit_of_what_is_state() {
     }
 }
 
-/// Every contact that a game heard of.
+/// Every contact event: whether it started, and its entity.
 #[derive(Resource, Default)]
 struct Told(Vec<(bool, Entity)>);
 

@@ -1,4 +1,4 @@
-//! The gallery's own scenes keep what their captions promise.
+//! The gallery's scenes keep what their captions promise.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -91,7 +91,7 @@ fn scenes_follow_each_other_in_one_app_without_a_trace() {
 
 #[test]
 fn what_was_played_before_changes_no_bit_of_any_scene() {
-    // What is kept from step to step for its memory holds what other bodies left there, of other shapes and in other numbers.
+    // Buffers that are kept from step to step to avoid allocations still hold data of other bodies, of other shapes and in other numbers.
     let mut used = app_with(ScenesPlugin);
     let play = |app: &mut App, scene| -> Vec<u64> {
         sinew_scenes::load(app.world_mut(), scene);
@@ -114,7 +114,7 @@ fn what_was_played_before_changes_no_bit_of_any_scene() {
     assert!(off.is_empty(), "{off:?}");
 }
 
-/// What bears a name in a scene, in the order of its creation.
+/// The entities of this name in a scene, in the order of creation.
 fn named(app: &mut App, name: &str) -> Vec<Entity> {
     let world = app.world_mut();
     let mut found: Vec<(Option<CreationOrder>, Entity)> = world
@@ -132,7 +132,7 @@ fn transform(app: &App, entity: Entity) -> Transform {
     *app.world().get::<Transform>(entity).unwrap()
 }
 
-/// The lowest particle of a body, metres.
+/// Height of the lowest particle of a body, metres.
 fn lowest(app: &App, body: Entity) -> f32 {
     let heights = particles_of(app, body).into_iter().map(|p| position(app, p).y);
     heights.fold(f32::MAX, f32::min)
@@ -220,7 +220,7 @@ fn bones(app: &App, body: Entity) -> Vec<Vec3> {
     parts.iter().map(|part| transform(app, part).rotation * Vec3::NEG_Y).collect()
 }
 
-/// From one direction to another, radians about z, within ±π.
+/// Angle from one direction to another about z, radians, within ±π.
 fn about_z(a: Vec3, b: Vec3) -> f32 {
     a.cross(b).z.atan2(a.dot(b))
 }
@@ -252,7 +252,7 @@ fn flaps_stop_at_their_marks_one_elbow_never_bends_backward_and_the_tail_stays_i
     }
     assert!(closed > 0.5, "it bends forward: {closed}");
     assert!(backward < -0.5, "the free one bends the other way: {backward}");
-    // Its end swings about straight down, a quarter of a turn from where its root points.
+    // Its end swings about straight down, a quarter turn from the direction of its root.
     let hangs = (0..540).map(|_| {
         tick(&mut app, 1);
         let bones = bones(&app, tail);
@@ -263,7 +263,7 @@ fn flaps_stop_at_their_marks_one_elbow_never_bends_backward_and_the_tail_stays_i
     assert_finite(&mut app);
 }
 
-/// How much room a mesh takes, m³.
+/// Volume of a body's mesh, m³.
 fn volume(app: &App, body: Entity) -> f32 {
     let triangles = &app.world().get::<WindSurface>(body).unwrap().triangles;
     let six = |t: &[Entity; 3]| {
@@ -276,7 +276,7 @@ fn volume(app: &App, body: Entity) -> f32 {
 #[test]
 fn soft_bodies_squash_when_they_land_and_come_back() {
     let mut app = playing("soft");
-    // Without images and glTF the ball's own mesh is there all the same: scenes make it.
+    // Without images and glTF the ball still has a mesh: the scene makes it.
     tick(&mut app, 1);
     let mut bodies = named(&mut app, "ball");
     let balls = bodies.len();
@@ -309,12 +309,12 @@ fn soft_bodies_squash_when_they_land_and_come_back() {
     assert_finite(&mut app);
 }
 
-/// They were spawned in each other, an eighth of their volume was pressed out of them in the first tick, and four left over the rim.
+/// Regression: the cubes were spawned overlapping, an eighth of their volume was pressed out of them in the first tick, and four went over the rim.
 #[test]
 fn cubes_of_jelly_start_apart_and_stay_in_their_bin() {
     let mut app = playing("bin");
     let cubes = named(&mut app, "jelly");
-    // Least and mean share of their volume.
+    // Least and mean volume, as a share of the initial one.
     let sizes = |app: &App| {
         let sizes = cubes.iter().map(|&cube| volume(app, cube) / 0.26_f32.powi(3));
         let [least, sum] =
@@ -325,7 +325,7 @@ fn cubes_of_jelly_start_apart_and_stay_in_their_bin() {
     let [least, mean] = sizes(&app);
     assert!(least > 0.995 && mean < 1.002, "{least} {mean}");
     tick(&mut app, 300);
-    // What lies on them, 351 kg on 8.4 m² and where cubes meet on a third of that, is up to 1.2 kPa; their bulk modulus is 8.9 kPa.
+    // The load on the lowest, 351 kg on 8.4 m², of which cubes touch on a third, is up to 1.2 kPa; their bulk modulus is 8.9 kPa.
     let [least, mean] = sizes(&app);
     assert!(least > 0.7 && mean > 0.88 && mean < 0.98, "{least} {mean}");
     for &cube in &cubes {
@@ -335,7 +335,7 @@ fn cubes_of_jelly_start_apart_and_stay_in_their_bin() {
     }
 }
 
-/// The reading took the crate's transform, which is eased between ticks, for its place, and had the sheet up to 48 mm inside of it.
+/// Regression: the scene's reading used the crate's transform, which is interpolated between ticks, as its place, and had the sheet up to 48 mm inside of it.
 #[test]
 fn the_sheet_that_catches_a_crate_is_never_inside_of_it() {
     let mut app = playing("catch");
@@ -354,7 +354,7 @@ fn sheets_sink_at_the_speed_that_their_weight_asks_for_and_a_fan_blows_one_away(
     tick(&mut app, 1);
     let sheets = named(&mut app, "sheet");
     let speed = |app: &App, i: usize| app.world().get::<LinearVelocity>(sheets[i]).unwrap().0;
-    // v = √(2σg/ρC), and from rest v tanh(g t / v).
+    // Terminal speed v = √(2σg/ρC), reached from rest as v tanh(g t / v).
     for (i, (weight, ticks)) in [(2, (1.6_f32, 30)), (1, (0.4, 15)), (0, (0.1, 0))] {
         tick(&mut app, ticks);
         let terminal = (2.0 * weight * 9.81 / (1.225 * 1.28)).sqrt();
@@ -474,7 +474,7 @@ fn a_rounded_box_is_inside_its_size_and_faces_outwards() {
     assert!(volume > 0.7 * 1.2 && volume < 1.2, "{volume}");
 }
 
-/// Puts the meshes that a scene loads into an app that has no glTF: those of `assets`, read here.
+/// Inserts the meshes that a scene loads into an app that has no glTF loader: those of `assets`, read here.
 fn supply_models(app: &mut App) {
     let world = app.world_mut();
     let mut drawn = world.query::<&Mesh3d>();
@@ -489,7 +489,7 @@ fn supply_models(app: &mut App) {
     }
 }
 
-/// Loads a scene with these values of its sliders, runs it until its number is due, and returns the number and what the formula says.
+/// Loads a scene with these values of its sliders, runs it until its reading is due, and returns the reading and the value of the formula.
 fn reading(scene: &'static sinew_scenes::Scene, values: &[f32]) -> [f64; 2] {
     let lesson = scene.lesson.unwrap();
     let mut app = app_with(ScenesPlugin);
@@ -501,7 +501,7 @@ fn reading(scene: &'static sinew_scenes::Scene, values: &[f32]) -> [f64; 2] {
     stage.reading.unwrap_or_else(|| panic!("{}: nothing was measured", scene.name))
 }
 
-/// Numbers of every second scene's lesson, from `first` on, that are not what their formula says, wherever their sliders stand.
+/// Readings that differ from their formula, of every second scene from `first` on, with the sliders at their defaults and at each end.
 fn wrong_numbers(first: usize) -> Vec<String> {
     let mut wrong = Vec::new();
     for scene in sinew_scenes::ALL.iter().skip(first).step_by(2) {
@@ -512,7 +512,7 @@ fn wrong_numbers(first: usize) -> Vec<String> {
         for (i, slider) in lesson.sliders.iter().enumerate() {
             let [least, most] = slider.range;
             assert!((least..=most).contains(&slider.default), "{}: {slider:?}", scene.name);
-            // An end that is the default was tried.
+            // An end that is the default was tried already.
             tried.extend(slider.range.into_iter().filter(|&end| end != slider.default).map(
                 |end| {
                     let mut values = defaults.clone();
@@ -533,7 +533,7 @@ fn wrong_numbers(first: usize) -> Vec<String> {
     wrong
 }
 
-// Two tests, so that two cores share them.
+// Two tests, so that they run on two cores.
 
 #[test]
 fn the_number_of_each_lesson_is_the_one_of_its_formula_wherever_its_sliders_stand() {
@@ -547,7 +547,7 @@ fn and_so_are_the_numbers_of_the_other_half_of_the_scenes() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// A crate that had landed was said to spin at 2.4 rad/s, and by the formula at 2.7.
+/// Regression: a crate that had landed was reported to spin at 2.4 rad/s, against 2.7 by the formula of flight.
 #[test]
 fn a_formula_of_flight_is_compared_until_it_lands_and_no_longer() {
     for name in ["crate", "jelly", "square", "ragdoll"] {
@@ -606,8 +606,8 @@ fn the_guide_lists_every_scene_under_a_topic_and_none_that_is_not_there() {
     );
 }
 
-/// What the panel's button Back promises of each scene. Of `ropes` the lantern's rotation once differed in its last digits: while the world rested its pose was
-/// found again and again, each time from the one before.
+/// The panel's button Back promises this of each scene. Regression (`ropes`): the lantern's rotation differed in its last digits, because during a pause its
+/// pose was extracted again and again, each time starting from the one before.
 #[test]
 fn each_scene_that_is_put_back_and_rests_there_goes_on_as_it_did() {
     for scene in sinew_scenes::ALL.iter().filter(|scene| scene.name != "million") {

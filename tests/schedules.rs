@@ -1,4 +1,4 @@
-//! No two systems of ours can touch the same data in an order that is left to chance: an ambiguity is an error.
+//! No two systems of Sinew access the same data in an order that is left to chance: an ambiguity is an error.
 
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel};
 use bevy::prelude::*;

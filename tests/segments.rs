@@ -1,4 +1,4 @@
-//! Ropes that collide by their segments: what asks for it gets it, what has none is told, and all that lasts is in components.
+//! Ropes that collide by their segments: a body with this contact shape gets it, a body without segments is refused, and all lasting state is in components.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -26,7 +26,7 @@ fn top(app: &App, body: Entity) -> f32 {
     heights.fold(f32::NEG_INFINITY, f32::max)
 }
 
-/// Rods with a memory, and those that remember something.
+/// The number of rods with a contact cache, and the rods whose cache is not empty.
 fn remembering(app: &mut App) -> (usize, Vec<Entity>) {
     let world = app.world_mut();
     let mut rods = world.query_filtered::<(Entity, &ContactCache), With<DistanceConstraint>>();
@@ -75,7 +75,7 @@ fn segments_that_come_and_go_while_it_runs_hold_and_let_go() {
     assert!(top(&app, rope).abs() < 0.05, "it was caught: {}", top(&app, rope));
     let (count, holding) = remembering(&mut app);
     assert_eq!((count, holding.is_empty()), (11, false));
-    // What lies on the post is torn, and its capsules go with it.
+    // The segments that lie on the post are torn, and their capsules go with them.
     for rod in holding {
         app.world_mut().despawn(rod);
     }
@@ -121,7 +121,7 @@ fn what_segments_remember_is_part_of_a_rollback_and_of_nobody_else() {
     let (mut alone, mut among) = (app(), app());
     over_a_post(&mut alone, ContactShape::Segments);
     over_a_post(&mut among, ContactShape::Segments);
-    // Another rope far away that comes and goes: the first must not forget by that.
+    // A distant rope that is added and removed: the caches of the first must not be cleared by it.
     let far = Rope::between(Vec3::X * 90.0, Vec3::X * 91.0);
     let far = among.world_mut().spawn((far, BodyContacts::ALL.shaped(ContactShape::Segments)));
     let far = far.id();
@@ -141,7 +141,7 @@ fn the_ropes_of_the_scene_hang_on_rail_and_line_by_their_segments_and_not_by_the
     let world = app.world_mut();
     let mut bodies = world.query_filtered::<(Entity, &BodyContacts), With<TubeMesh>>();
     let ropes: Vec<_> = bodies.iter(world).map(|(rope, own)| (rope, own.shape)).collect();
-    // Above the middle of the slack line.
+    // Higher than the middle of the slack line.
     let hanging = |shape: ContactShape| {
         ropes.iter().filter(|&&(rope, own)| own == shape && top(&app, rope) > 0.9).count()
     };

@@ -1,11 +1,11 @@
-//! Saving and putting back the simulation: what several suites do with it.
+//! Helpers of several suites for saving and restoring the simulation.
 
 use bevy::prelude::*;
 use bevy_sinew::{CreationOrder, SinewSnapshot};
 
 use crate::support::{hash, tick};
 
-/// Despawns everything that is part of the simulation now.
+/// Despawns everything that is part of the simulation.
 pub(crate) fn clear(world: &mut World) {
     let all: Vec<Entity> =
         world.query_filtered::<Entity, With<CreationOrder>>().iter(world).collect();
@@ -24,10 +24,10 @@ pub(crate) fn hashes(app: &mut App, count: u64) -> Vec<u64> {
         .collect()
 }
 
-/// What a sync test of a rollback plugin does: in each of so many ticks back by seven, forward again, compare.
+/// Like a sync test of a rollback plugin: in each of `ticks` ticks it goes back by seven, simulates them again and compares the hashes.
 pub(crate) fn roll_back_in_every_tick(app: &mut App, ticks: usize) {
     let mut ring: Vec<(SinewSnapshot, u64)> = Vec::new();
-    // In the first tick there may be nothing to hash yet.
+    // Before the first tick there may be nothing to hash.
     tick(app, 1);
     for _ in 0..ticks {
         let saved = SinewSnapshot::capture(app.world());

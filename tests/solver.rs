@@ -1,4 +1,4 @@
-//! What a world and a body ask of the solver, the report of a body, and worlds far from the origin.
+//! Solver settings of a world and of a body, the report of a body, and worlds far from the origin.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -6,7 +6,7 @@ use bevy_sinew::{BodyReport, BodySolver, GradientAt, Integrator};
 
 use crate::support::{bare_app, tick};
 
-/// A box that spins in the void, with settings of its own; how much of 10 rad/s is left after two seconds.
+/// Spins a box at 10 rad/s in free space with these settings. Returns the share of the spin that is left after two seconds.
 fn spin_left(config: SolverConfig, own: BodySolver) -> f32 {
     let mut app = bare_app();
     app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0)).insert_resource(config);
@@ -33,7 +33,7 @@ fn a_body_keeps_its_spin_unless_the_lectures_loop_is_asked_for() {
 #[test]
 fn a_body_that_asks_for_more_gets_it_and_its_report_says_so() {
     let mut app = bare_app();
-    // Sweeps are what is asked for: as the chains that they are, ropes need none.
+    // The test is about sweeps; as long-range chains ropes would need none.
     let config = SolverConfig { max_sweeps: 1, timed: true, long_range: false, ..default() };
     app.insert_resource(config);
     let picky = BodySolver { max_sweeps: Some(60), tolerance: Some(1e-6), ..default() };
@@ -77,7 +77,7 @@ fn statics_walks_a_slack_rope_to_its_catenary() {
         tolerance: 1e-6,
         ..default()
     });
-    // 1.5 m of rope between two nails 1 m apart.
+    // 1.5 m of rope between two pins 1 m apart.
     let rope =
         Rope { to: Vec3::X, slack: 0.5, segments: 20, pin_start: true, pin_end: true, ..default() };
     let body = app.world_mut().spawn(rope).id();
@@ -91,7 +91,7 @@ fn statics_walks_a_slack_rope_to_its_catenary() {
 
 #[test]
 fn five_kilometres_away_everything_happens_bit_for_bit_as_at_home() {
-    // The same start to the bit: on a grid that f32 can hold out there.
+    // The same start to the bit: rounded to a grid that f32 can represent at that distance.
     let turn = Quat::from_xyzw(0.1, 0.2, 0.3, 0.927_361_85);
     let corner = |i: u32| {
         let side = |bit: u32| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };

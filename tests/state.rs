@@ -1,4 +1,4 @@
-//! The whole state lives in components and in `SinewClock`: clone them, put them back, and everything happens again, bit for bit.
+//! The whole state is in components and in `SinewClock`: cloned and restored, everything happens again, bit for bit.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
@@ -8,7 +8,7 @@ use bevy_sinew::{CreationOrder, SinewClock, SinewSnapshot};
 use crate::snapshot::{clear, hashes, roll_back_in_every_tick};
 use crate::support::{app, busy_scene, hash, heard, particles_of, tick};
 
-/// Asserts that two histories are equal, and says in which tick they part if not.
+/// Asserts that two histories are equal, and otherwise names the first tick that differs.
 fn assert_same(left: &[u64], right: &[u64]) {
     assert_eq!(left.len(), right.len());
     let parted = left.iter().zip(right).position(|(a, b)| a != b);
@@ -65,7 +65,7 @@ fn what_was_torn_spawned_and_despawned_meanwhile_is_undone_by_restoring_under_ne
     let saved = SinewSnapshot::capture(app.world());
     let first = hashes(&mut app, 100);
 
-    // A hundred ticks of another history.
+    // Sixty ticks of another history.
     clear(app.world_mut());
     let map = saved.restore(app.world_mut()).unwrap();
     tick(&mut app, 10);
@@ -128,7 +128,7 @@ fn the_order_of_creation_survives_being_restored() {
     let map: EntityHashMap<Entity> = saved.restore(app.world_mut()).unwrap();
     let again: Vec<_> = first.iter().map(|p| order(&app, map[p])).collect();
     assert_eq!(orders, again);
-    // And what is created from now on comes after all of them.
+    // Whatever is created from now on comes after all of them.
     let late = app.world_mut().spawn(Particle::at(Vec3::ZERO)).id();
     assert!(again.iter().all(|&old| old < order(&app, late)));
 }

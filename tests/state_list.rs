@@ -1,4 +1,4 @@
-//! The list of what is state is whole: every component and resource in the source of `bevy_sinew` is in it, or is named here with the reason why not.
+//! The list of state is complete: every component and resource in the source of `bevy_sinew` is in it, or is listed here with the reason why it is not state.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -7,7 +7,7 @@ use bevy_sinew::{StateRole, StateTypes};
 
 use crate::support::app;
 
-/// Components and resources that are no state, and why not.
+/// Components and resources that are not state, and why.
 const NO_STATE: [(&str, &str); 21] = [
     ("ParticleRow", "scratch: given anew whenever particles come or go"),
     ("ResolvedRows", "scratch: resolved anew where what it is of has changed"),
@@ -32,7 +32,7 @@ const NO_STATE: [(&str, &str); 21] = [
     ("Breakables", "scratch: listed anew where what it follows from has changed"),
 ];
 
-/// State that only comes with a plugin that these apps do not add.
+/// State of plugins that these apps do not add.
 const ELSEWHERE: [&str; 1] = ["GrabConstraint"];
 
 /// The name of a type without its path and its parameters.
@@ -41,7 +41,7 @@ fn short(name: &str) -> &str {
     name.rsplit("::").next().unwrap_or(name)
 }
 
-/// The components and resources in the files of a folder, but for those of tests.
+/// Collects the names of components and resources declared in the files of a folder, tests excluded.
 fn declared(folder: &Path, found: &mut BTreeSet<String>) {
     for entry in std::fs::read_dir(folder).unwrap().flatten() {
         let path = entry.path();

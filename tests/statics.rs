@@ -8,14 +8,14 @@ use bevy_sinew::{
 
 use crate::support::{app, hash_of, heard, particles_of, position, tick};
 
-/// A rope of 1.5 m between nails 1 m apart.
+/// A rope of 1.5 m between pins 1 m apart.
 fn slack(segments: u32) -> (Rope, BodySolver) {
     let rope =
         Rope { to: Vec3::X, segments, slack: 0.5, pin_start: true, pin_end: true, ..default() };
     (rope, BodySolver { max_sweeps: Some(60), ..default() })
 }
 
-/// How far the lowest of a rope's particles hangs below its start, metres.
+/// How far the lowest particle of a rope hangs below the rope's start, metres.
 fn sag(app: &App, rope: Entity) -> f32 {
     let particles = particles_of(app, rope);
     particles.iter().map(|&p| -position(app, p).y).fold(f32::NEG_INFINITY, f32::max)
@@ -35,7 +35,7 @@ fn a_rope_that_is_spawned_to_rest_hangs_as_a_catenary_in_its_first_tick() {
     for (segments, expected) in [(10, 0.50595), (20, 0.50345), (50, 0.50276), (100, 0.50267)] {
         let mut app = app();
         watch(&mut app);
-        // A link of 3 cm or less is long beside what it falls in a substep.
+        // With the shorter step a link of 3 cm or less is long compared with what it falls in a substep.
         let step = if segments < 50 { 0.2 } else { 0.05 };
         let relax = Relax { step, max_steps: 20_000, ..default() };
         let rope = app.world_mut().spawn((slack(segments), relax)).id();
@@ -46,7 +46,7 @@ fn a_rope_that_is_spawned_to_rest_hangs_as_a_catenary_in_its_first_tick() {
         assert_eq!(seen.len(), 1);
         assert!(seen[0].entity == Some(rope) && seen[0].settled, "{seen:?}");
         assert!(app.world().get::<Relax>(rope).is_none(), "once");
-        // And there it stays, but for what its rods are off by in the long steps of statics and not in motion: a rope of 100 pieces swings by that.
+        // It stays there, except that the rods have other errors in the long steps of statics than in motion: a rope of 100 segments swings by that.
         for _ in 0..120 {
             tick(&mut app, 1);
             let off = (sag(&app, rope) / expected - 1.0).abs();

@@ -1,4 +1,4 @@
-//! Apps to test in, a clock that runs tick by tick, an ear for messages, and hashes of the state.
+//! Apps to test in, a clock that runs tick by tick, a record of refusals, and hashes of the state.
 
 use core::time::Duration;
 
@@ -19,7 +19,7 @@ pub(crate) struct Heard(pub(crate) Vec<Refused>);
 #[derive(Resource, Default)]
 struct FixedTicks(u64);
 
-/// Nothing but `MinimalPlugins` and ours: no assets, no meshes.
+/// An app with nothing but `MinimalPlugins` and Sinew's: no assets, no meshes.
 pub(crate) fn bare_app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, SinewPlugins));
@@ -55,7 +55,7 @@ fn instrument(app: &mut App) {
     app.cleanup();
 }
 
-/// Runs frames until the fixed schedule ran `count` more times. A frame is as long as a tick, unless a test set it otherwise.
+/// Runs frames until the fixed schedule ran `count` more times. A frame is as long as a tick, unless the test set another length.
 pub(crate) fn tick(app: &mut App, count: u64) {
     let end = app.world().resource::<FixedTicks>().0 + count;
     for _ in 0..100 * (count + 10) {
@@ -67,13 +67,13 @@ pub(crate) fn tick(app: &mut App, count: u64) {
     panic!("the fixed schedule does not run");
 }
 
-/// What was refused so far: the entity and why.
+/// The refusals so far: entity and reason.
 pub(crate) fn heard(app: &App) -> Vec<(Entity, Refusal)> {
     let all = &app.world().resource::<Heard>().0;
     all.iter().map(|refused| (refused.entity, refused.reason.clone())).collect()
 }
 
-/// Forgets what was refused so far.
+/// Clears the refusals so far.
 pub(crate) fn forget(app: &mut App) {
     app.world_mut().resource_mut::<Heard>().0.clear();
 }
@@ -83,7 +83,7 @@ pub(crate) fn particles_of(app: &App, body: Entity) -> Vec<Entity> {
     app.world().get::<BodyParticles>(body).map(|list| list.iter().collect()).unwrap_or_default()
 }
 
-/// Where a particle is.
+/// Position of a particle.
 pub(crate) fn position(app: &App, particle: Entity) -> Vec3 {
     app.world().get::<Particle>(particle).expect("it is a particle").position
 }
@@ -115,7 +115,7 @@ pub(crate) fn hash(app: &mut App) -> u64 {
     fnv(all.iter().flat_map(|(_, particle)| bits(particle)))
 }
 
-/// Hash of the particles and the transforms of some bodies alone.
+/// Hash of the particles and the transforms of these bodies alone.
 pub(crate) fn hash_of(app: &App, bodies: &[Entity]) -> u64 {
     let world = app.world();
     fnv(bodies.iter().flat_map(|&body| {
@@ -162,7 +162,7 @@ pub(crate) fn mesh_of(app: &App, body: Entity) -> Vec<Vec3> {
     vertices(meshes.get(handle).expect("its mesh is there"))
 }
 
-/// A bit of everything: a box, a rope, a flag, a ragdoll and a swarm of charges on springs, in wind, water and a room.
+/// Spawns a bit of everything: a box, a rope, a flag, a ragdoll and a swarm of charges on springs, in wind, water and a bounding box. Returns the four bodies.
 pub(crate) fn busy_scene(app: &mut App) -> Vec<Entity> {
     let world = app.world_mut();
     world.spawn(Ground);

@@ -1,6 +1,6 @@
-//! Rollback without a netcode library: what a sync-test session of GGRS does, by snapshots alone. Every frame is rolled back by so many frames and
-//! simulated again from there, with a checksum of each state against the first one of that frame. (`rollback` plays the same game through `bevy_ggrs`; this
-//! is for where there is none, as with Bevy 0.20.)
+//! Rollback without a netcode library: what a sync-test session of GGRS does, by snapshots alone. Every frame is rolled back by a number of frames and
+//! simulated again from there, and the checksum of each state is compared with the first one of that frame. (`rollback` plays the same game through
+//! `bevy_ggrs`; this is for builds without it, as with Bevy 0.20.)
 
 use std::collections::VecDeque;
 
@@ -13,7 +13,7 @@ use bevy_sinew::{
 use crate::rollback_game::{Counted, in_play, play, stage, ties};
 use crate::support::TICK;
 
-/// A frame of the game.
+/// The schedule of a frame of the game.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 struct Frame;
 
@@ -27,7 +27,7 @@ fn game() -> App {
     app
 }
 
-/// One frame of the simulation, and the state that it begins with: kept, and its checksum.
+/// Captures the state, simulates one frame, and returns the checksum of the captured state.
 fn advance(world: &mut World, frames: &mut VecDeque<SinewSnapshot>) -> u64 {
     let snapshot = SinewSnapshot::capture(world);
     let sum = snapshot.hash();
@@ -38,7 +38,7 @@ fn advance(world: &mut World, frames: &mut VecDeque<SinewSnapshot>) -> u64 {
     sum
 }
 
-/// Plays so many frames, each rolled back by a distance as soon as there are so many. How often the states of one frame differed.
+/// Plays `count` frames, each rolled back by `distance` frames as soon as there are so many. Returns how often the states of one frame differed.
 fn sync_test(app: &mut App, count: usize, distance: usize) -> usize {
     let world = app.world_mut();
     let (mut frames, mut sums) = (VecDeque::new(), VecDeque::new());
@@ -48,7 +48,7 @@ fn sync_test(app: &mut App, count: usize, distance: usize) -> usize {
         if frames.len() < distance {
             continue;
         }
-        // Back to where the first of them begins, and forward again.
+        // Back to the start of the first of them, and forward again.
         let past = frames.pop_front().expect("there are some");
         frames.clear();
         past.restore(world).expect("it is of this very world");
@@ -82,7 +82,7 @@ fn state_that_is_not_registered_is_found_and_once_it_is_registered_all_is_well()
             app.register_state_resource::<Counted>();
         }
         assert_eq!(app.world().resource::<StateTypes>().contains::<Counted>(), registered);
-        // What it counts has a bearing on what is simulated.
+        // The counter influences the simulation.
         let blow = |counted: Res<Counted>, mut gravity: ResMut<Gravity>| {
             gravity.0.x = counted.0 as f32 * 1e-3;
         };

@@ -17,7 +17,7 @@ const TICKS: u64 = 300;
 /// Ticks between one hash and the next.
 const STRIDE: u64 = 20;
 
-/// A task pool of a game's own.
+/// A game's own task pool, and how often it was used.
 #[derive(Debug)]
 struct Own {
     pool: TaskPool,
@@ -40,7 +40,7 @@ impl Workers for Own {
     }
 }
 
-/// Many bodies of all kinds, large enough that the solver has something to share out.
+/// Many bodies of all kinds, large enough that the solver splits its work.
 fn crowd(app: &mut App) {
     let world = app.world_mut();
     world.spawn(Ground);
@@ -55,7 +55,7 @@ fn crowd(app: &mut App) {
     }
 }
 
-/// The hashes of the crowd on its way.
+/// The hashes of the crowd at every [`STRIDE`] ticks.
 fn hashes(config: impl FnOnce(&mut App)) -> Vec<u64> {
     let mut app = app();
     crowd(&mut app);

@@ -1,4 +1,4 @@
-//! Time of the simulation's own: its speed, its pause, and what is drawn meanwhile.
+//! The simulation's own time: its speed, its pause, and what is drawn meanwhile.
 
 use core::time::Duration;
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ fn ticks(app: &App) -> u64 {
     app.world().resource::<SinewClock>().tick
 }
 
-/// The hash after each fixed tick that simulated something, by the tick that it was.
+/// The hash after each tick of the simulation, by its number.
 fn hashes(speed: f32, until: u64) -> BTreeMap<u64, u64> {
     let mut app = app();
     busy_scene(&mut app);
@@ -112,7 +112,7 @@ fn a_pause_and_single_steps_work_at_any_speed() {
     }
 }
 
-/// What moves evenly is drawn so: the way from frame to frame, over what it should be.
+/// Asserts that a body that moves at 3 m/s down is drawn with even steps from frame to frame, to 2 %.
 fn glide(speed: f32, height: impl Fn(&App) -> f32, mut app: App) {
     app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0));
     set_speed(&mut app, speed);
@@ -163,7 +163,7 @@ fn a_mesh_that_is_interpolated_glides_at_any_speed() {
 #[derive(Component)]
 struct Lift(f32);
 
-/// A lift that went its way in the first of two ticks, and stood in the second, threw off what it carried.
+/// Regression: a lift that moved in the first of two ticks, and stood still in the second, threw off what it carried.
 #[test]
 fn a_lift_carries_what_lies_on_it_at_twice_the_speed() {
     for speed in [0.5, 1.0, 2.0, 3.0] {
@@ -191,7 +191,7 @@ fn a_lift_carries_what_lies_on_it_at_twice_the_speed() {
             let mut lifts = world.query_filtered::<&Transform, (With<Lift>, With<Collider>)>();
             let top = lifts.single(world).unwrap().translation.y + 0.1;
             let gap = world.get::<Transform>(body).unwrap().translation.y - 0.2 - top;
-            // In slow motion, the lift goes on in fixed ticks that the crate does not notice.
+            // In slow motion the lift also moves in fixed ticks in which nothing is simulated.
             let late = if speed < 1.0 { 0.5 / 60.0 } else { 0.0 };
             assert!(gap.abs() < 0.005 + late, "{speed}: {gap}");
             let off = world.get::<Particle>(held).unwrap().position.y - (top - 0.0);

@@ -1,4 +1,4 @@
-//! A constraint that comes, goes or changes among thousands is mended into what is there: nothing tells the result from that of compiling everything
+//! A constraint that is added, removed or changed among thousands updates the compiled plan incrementally: the result has the same bits as compiling everything
 //! again.
 
 use core::time::Duration;
@@ -10,7 +10,7 @@ use bevy_sinew::{BodyConstraints, WindSurface};
 
 use crate::support::{app, forget, hash, heard, particles_of, position, tick};
 
-/// A cloth of some two thousand distances, with bends.
+/// An app with a cloth of some two thousand distance constraints, with bends.
 fn hung() -> (App, Entity) {
     let mut app = app();
     let cloth = app.world_mut().spawn(Cloth::default().pinned(ClothPins::TopCorners)).id();
@@ -18,7 +18,7 @@ fn hung() -> (App, Entity) {
     (app, cloth)
 }
 
-/// The constraints of a body, in the order in which they came.
+/// The constraints of a body, in the order in which they were added.
 fn ties(app: &App, body: Entity) -> Vec<Entity> {
     app.world()
         .get::<BodyConstraints>(body)
@@ -27,7 +27,7 @@ fn ties(app: &App, body: Entity) -> Vec<Entity> {
         .collect()
 }
 
-/// What is done to the cloth before tick number `n`: a tear or two, a new rod, another length.
+/// Changes the cloth before tick number `n`: a tear or two, a new rod, another length.
 fn fray(app: &mut App, cloth: Entity, n: usize) {
     let (ties, particles) = (ties(app, cloth), particles_of(app, cloth));
     let world = app.world_mut();
@@ -47,7 +47,7 @@ fn fray(app: &mut App, cloth: Entity, n: usize) {
     }
 }
 
-/// Has all of them looked at again: more changed than is worth mending one by one.
+/// Marks all distance constraints as changed: too many for an incremental update.
 fn touch_all(app: &mut App) {
     let world = app.world_mut();
     let mut all = world.query::<&mut DistanceConstraint>();
@@ -68,7 +68,7 @@ fn a_hundred_ticks_of_tears_leave_the_bits_of_compiling_everything_each_time() {
     assert_eq!(heard(&mended), []);
 }
 
-/// What comes and goes beside the cloth before tick number `n`; `others` are the bodies that did.
+/// Spawns and despawns bodies beside the cloth, and changes the cloth, before tick number `n`; `others` are the spawned bodies that still exist.
 fn come_and_go(app: &mut App, cloth: Entity, others: &mut Vec<Entity>, n: usize) {
     let place = Transform::from_xyz(2.0 + (n % 9) as f32, 1.0, (n / 9) as f32);
     let world = app.world_mut();
@@ -108,7 +108,7 @@ fn come_and_go(app: &mut App, cloth: Entity, others: &mut Vec<Entity>, n: usize)
 #[test]
 fn what_comes_and_goes_beside_others_leaves_the_bits_of_looking_at_everything_each_time() {
     let ((mut some, cloth), (mut all, same)) = (hung(), hung());
-    // Where one link cannot act, all are looked at whenever anything has changed.
+    // While one constraint cannot act, all are revalidated whenever anything has changed.
     let nail = all.world_mut().spawn((Particle::at(Vec3::Y * 50.0), Pinned::HERE)).id();
     let nail_of_some = some.world_mut().spawn((Particle::at(Vec3::Y * 50.0), Pinned::HERE)).id();
     all.world_mut().spawn(DistanceConstraint::new(nail, nail, 1.0));
@@ -138,7 +138,7 @@ fn what_comes_and_goes_beside_others_leaves_the_bits_of_looking_at_everything_ea
 
 #[test]
 fn what_goes_many_frames_before_a_tick_is_gone_in_that_tick() {
-    // Bevy tells for two frames what was removed; here a tick comes every eighth.
+    // Bevy keeps the record of a removed component for two frames; here there is a tick in every eighth or ninth frame.
     let ((mut slow, cloth), (mut fast, same)) = (hung(), hung());
     slow.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_micros(1953)));
     for n in 0..20 {

@@ -1,5 +1,5 @@
-//! Bodies that collide by the triangles of their surface: what asks for it gets it, what has none is told, and nothing of it is kept beside the
-//! components.
+//! Bodies that collide by the triangles of their surface: a body with this contact shape gets it, a body without triangles is refused, and no state is kept
+//! outside of components.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;

@@ -1,4 +1,4 @@
-//! What has nothing to do with a body does not change a bit of it: far bodies, junk entities, archetypes, the order of spawning.
+//! What has nothing to do with a body does not change a bit of it: distant bodies, unrelated entities, archetypes, the order of spawning.
 
 use bevy::prelude::*;
 use bevy_sinew::Charge;
@@ -7,7 +7,7 @@ use bevy_sinew::prelude::*;
 
 use crate::support::{app, busy_scene, hash_of, particles_of, tick};
 
-/// Hashes of the busy scene's bodies for 90 ticks, while something else goes on in the same world.
+/// Hashes of the busy scene's bodies for 90 ticks, while `meddle` changes something else in the same world before each.
 fn beside(mut meddle: impl FnMut(&mut App, &[Entity], u64)) -> Vec<u64> {
     let mut app = app();
     let bodies = busy_scene(&mut app);
@@ -24,7 +24,7 @@ fn alone() -> Vec<u64> {
     beside(|_, _, _| ())
 }
 
-/// A component that means nothing.
+/// A component without a meaning.
 #[derive(Component, Clone)]
 struct Junk<const N: usize>;
 
@@ -61,7 +61,7 @@ fn loose_particles_far_away_do_not_change_a_bit() {
 
 #[test]
 fn bodies_at_rest_and_without_gravity_far_away_do_not_change_a_bit() {
-    // They come and go, so that rows move and the plan is compiled again.
+    // They are spawned and despawned, so that rows move and the plan is compiled again.
     let mut guest = None;
     let meddled = beside(|app, _, now| {
         if now % 10 == 0 {
@@ -82,7 +82,7 @@ fn bodies_at_rest_and_without_gravity_far_away_do_not_change_a_bit() {
 
 #[test]
 fn bodies_that_work_hard_far_away_do_not_change_a_bit() {
-    // The solver stops sweeping when the error is small. A heavy rope far away must not make it sweep a flag here more often.
+    // The solver stops sweeping when the error is small. A heavy rope far away must not cause more sweeps of this flag.
     let meddled = beside(|app, _, now| {
         if now == 20 {
             let rope =
@@ -95,7 +95,8 @@ fn bodies_that_work_hard_far_away_do_not_change_a_bit() {
     assert_eq!(first, None, "the first tick that differs");
 }
 
-/// Cloth that touches nobody went on with other last digits in every substep in which somebody touched somebody else anywhere.
+/// Regression: after each substep in which any bodies of the world touched, the velocity of cloth without contacts was computed in another way, which changed
+/// its last digits.
 #[test]
 fn who_touches_each_other_far_away_does_not_change_a_bit_of_cloth() {
     let run = |busy: bool| {
@@ -151,7 +152,7 @@ fn one_light_body_is_the_same_alone_and_beside_a_busy_one() {
 
 #[test]
 fn the_order_in_which_archetypes_came_to_be_does_not_change_a_bit() {
-    // The same bodies in the same order, after the archetypes of their particles were made in every order.
+    // The same bodies in the same order, after the archetypes of their particles were created in each of six orders.
     let run = |first: usize| {
         let mut app = app();
         let world = app.world_mut();
@@ -180,8 +181,8 @@ fn the_order_in_which_archetypes_came_to_be_does_not_change_a_bit() {
 
 #[test]
 fn ropes_that_collide_by_their_segments_far_away_do_not_change_a_bit_of_a_figure() {
-    // Limbs and segments are read and written eight at a time. A segment cannot be found by its two particles alone, and its eight was read twice: the limbs
-    // beside it, too, to other bits. And what limbs share was summed up in the order of their eights.
+    // Limbs and segments are gathered and scattered eight at a time. Regression: a segment cannot be found by its two particles alone, so its batch of eight
+    // was read twice, and the limbs in it got other bits too. And contributions to shared limbs were summed in the order of their batches.
     let run = |among: bool| {
         let mut app = app();
         let world = app.world_mut();

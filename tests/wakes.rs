@@ -1,4 +1,4 @@
-//! What sleeps wakes, whatever a game does to it or beneath it; and nothing else wakes with it.
+//! A sleeping body wakes, whatever a game does to it or to what it lies on; and nothing else wakes with it.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -52,7 +52,7 @@ impl Asleep {
     }
 }
 
-/// Something that is to wake the upper crate.
+/// A change that is to wake the upper crate.
 type Cause = fn(&mut Asleep);
 
 #[test]
@@ -192,8 +192,7 @@ fn what_fills_the_world_wakes_all_when_it_comes_changes_and_goes() {
     assert_eq!(asleep_still, [""; 0]);
 }
 
-/// A chandelier whose nail is drawn; a rope that is cut.
-/// While all rest, the solver is told of sleep once: that holds until somebody says something else, of whomever.
+/// While all bodies rest, sleep is gathered only once, until any body's setting changes.
 #[test]
 fn who_is_to_stay_awake_wakes_in_a_world_that_has_rested_and_sleeps_again_when_it_may() {
     let mut all = asleep();
@@ -233,7 +232,7 @@ fn what_hung_falls_when_what_held_it_goes() {
         let corners = particles_of(&app, body);
         let world = app.world_mut();
         let nail = world.spawn((Particle::at(Vec3::Y * 3.0), Pinned::HERE)).id();
-        // By the four corners above, so that it hangs still.
+        // By the four upper corners, so that it hangs still.
         let above = corners.iter().filter(|&&c| world.get::<Particle>(c).unwrap().position.y > 2.0);
         let above: Vec<Entity> = above.copied().collect();
         assert_eq!(above.len(), 4);
@@ -250,13 +249,13 @@ fn what_hung_falls_when_what_held_it_goes() {
         }
         tick(&mut app, 30);
         let now = app.world().get::<Transform>(body).unwrap().translation.y;
-        // What rods that are too long push down goes no faster than violations are recovered; what falls is not held by that.
+        // Rods that are too long push down no faster than the limit for recovering violations; a free fall is not limited by that.
         let least = if name == "the rod is longer" { 0.4 } else { 0.5 };
         assert!(now < before - least, "{name}: {before} to {now}");
     }
 }
 
-/// A rod from each particle to the nail, as long as they are apart.
+/// A rod from each particle to the nail, at their present distance.
 fn rods(world: &mut World, particles: &[Entity], nail: Entity) -> Vec<Entity> {
     let at = |world: &World, one: Entity| world.get::<Particle>(one).unwrap().position;
     let rods = particles.iter().map(|&one| {
@@ -276,7 +275,7 @@ fn the_upper_one_falls_onto_the_floor_when_the_lower_one_is_gone() {
     assert!(all.app.world().get::<BodyParticles>(all.upper).is_some());
 }
 
-/// It fell asleep in a lull, and the next gust found it pinned to the ground.
+/// Regression: it fell asleep in a lull, and the next gust found it fixed to the ground.
 #[test]
 fn what_gusts_may_move_does_not_sleep_in_them() {
     let app_in = |pressure: f32| {
@@ -296,10 +295,10 @@ fn what_gusts_may_move_does_not_sleep_in_them() {
     };
     let asleep =
         |app: &App, all: [Entity; 3]| all.map(|b| app.world().get::<Sleep>(b).unwrap().asleep);
-    // A breeze is felt by nobody; what blows a carton about leaves a chest alone.
+    // A breeze moves none of them; a wind that pushes the light box about leaves the heavy one at rest.
     let (mut app, wind, all) = app_in(0.01);
     assert_eq!(asleep(&app, all), [true; 3], "in a breeze");
-    // What fills the world wakes all when it changes; the chest falls asleep again.
+    // Something that fills the world wakes all when it changes; the heavy box falls asleep again.
     app.world_mut().get_mut::<Wind>(wind).unwrap().pressure.x = 40.0;
     tick(&mut app, 2);
     assert_eq!(asleep(&app, all), [false; 3], "when it freshens");

@@ -1,12 +1,12 @@
-//! A game that imports the preludes of Bevy, Avian 0.7 and Sinew whole, with the aliases that the crate docs of `bevy_sinew` list: where a name of
-//! ours clashes with one of theirs that is not on that list, this does not compile. Run by hand, when a name of the prelude or Avian's version changes:
+//! A game that glob-imports the preludes of Bevy, Avian 0.7 and Sinew, with the aliases that the crate docs of `bevy_sinew` list. If a name of Sinew clashes
+//! with one of Avian that is not on that list, this does not compile. Run it by hand when a name of the prelude or Avian's version changes:
 //!
 //! `cargo check --manifest-path tests/beside-avian/Cargo.toml`
 
-// A name that two globs bring may be no more than a warning.
+// A name that two globs import may be no more than a warning.
 #![deny(warnings)]
 
-// The lists as the crate docs have them.
+// The lists as in the crate docs.
 use avian3d::prelude::*;
 use avian3d::prelude::{
     AngularVelocity, Collider, CollisionLayers, Gravity, GravityScale, LinearVelocity, Mass, Sensor,
@@ -19,7 +19,7 @@ use bevy_sinew::{
     LinearVelocity as SinewLinearVelocity, Mass as SinewMass, Sensor as SinewSensor,
 };
 
-/// Every name of Sinew's prelude, and those that Avian has, too: a name that two globs bring is ambiguous where it is used.
+/// Every name of Sinew's prelude, and the names that Avian shares with it. A name that two globs import is ambiguous where it is used.
 mod names {
     use super::*;
 
@@ -40,7 +40,7 @@ mod names {
         ]
     }
 
-    /// Traits of the prelude: their methods are found beside Avian's.
+    /// Traits of the prelude: their methods resolve beside Avian's.
     pub fn traits(mut commands: Commands, bodies: Query<Entity, With<RigidBox>>) {
         for body in &bodies {
             commands.entity(body).apply_impulse(Vec3::Y);
@@ -65,7 +65,7 @@ fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, SinewPlugins));
     app.add_systems(Startup, |mut commands: Commands| {
-        // One of each, in one world.
+        // One entity of each kind, in one world.
         commands.spawn((
             RigidBody::Static,
             Collider::cuboid(4.0, 0.2, 4.0),
