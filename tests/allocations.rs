@@ -62,7 +62,7 @@ fn an_allocation_would_be_counted() {
 }
 
 #[test]
-fn nothing_at_all_allocates_nothing() {
+fn an_empty_world_allocates_nothing() {
     assert_eq!(allocations(|_| {}), 0);
 }
 
@@ -124,7 +124,7 @@ fn charges_in_fields_allocate_nothing() {
 }
 
 #[test]
-fn what_floats_allocates_nothing() {
+fn floating_bodies_allocate_nothing() {
     let spawn = |world: &mut World| {
         world.spawn((Fluid::default(), Transform::from_xyz(0.0, 0.3, 0.0)));
         world.spawn((RigidBox::default(), Floats::default(), Transform::from_xyz(0.0, 1.0, 0.0)));
@@ -144,7 +144,7 @@ fn ride(mut lifts: Query<&mut Transform, With<Lift>>, time: Res<Time>) {
 }
 
 #[test]
-fn colliders_and_what_lies_on_them_allocate_nothing() {
+fn colliders_and_bodies_at_rest_on_them_allocate_nothing() {
     let spawn = |world: &mut World| {
         let around = world.spawn(Transform::from_xyz(0.0, -1.0, 0.0)).id();
         let floor = Transform::from_xyz(0.0, -0.5, 0.0);
@@ -160,7 +160,7 @@ fn colliders_and_what_lies_on_them_allocate_nothing() {
 }
 
 #[test]
-fn colliders_that_move_allocate_nothing() {
+fn moving_colliders_allocate_nothing() {
     let spawn = |world: &mut World| {
         let floor = (Collider::cuboid(Vec3::new(18.0, 1.0, 18.0)), Transform::default());
         world.spawn((floor, Lift));

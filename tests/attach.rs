@@ -45,7 +45,7 @@ fn place_in(app: &App, body: Entity, local: Vec3) -> Vec3 {
 }
 
 #[test]
-fn every_recipe_says_when_it_is_built_and_when_it_is_built_anew_in_the_order_of_creation() {
+fn every_recipe_triggers_an_event_when_it_is_built_or_rebuilt_in_the_order_of_creation() {
     let mut app = app();
     listen(&mut app);
     let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
@@ -83,7 +83,7 @@ fn every_recipe_says_when_it_is_built_and_when_it_is_built_anew_in_the_order_of_
 }
 
 #[test]
-fn what_an_observer_ties_to_a_new_body_holds_from_the_first_tick_on() {
+fn a_pin_added_by_an_observer_of_a_new_body_holds_from_the_first_tick_on() {
     let mut app = app();
     let world = app.world_mut();
     let rope = world.spawn(Rope { pin_start: false, ..default() }).id();
@@ -99,7 +99,7 @@ fn what_an_observer_ties_to_a_new_body_holds_from_the_first_tick_on() {
 }
 
 #[test]
-fn paused_a_body_is_built_and_says_so() {
+fn a_body_spawned_in_a_pause_is_built_and_triggers_its_event() {
     let mut app = app();
     listen(&mut app);
     app.world_mut().resource_mut::<SinewControl>().paused = true;
@@ -109,7 +109,7 @@ fn paused_a_body_is_built_and_says_so() {
 }
 
 #[test]
-fn a_cape_hangs_at_a_back_that_walks_and_turns_from_the_frame_in_which_both_are_spawned() {
+fn a_cape_follows_a_moving_and_turning_parent_from_the_frame_in_which_both_are_spawned() {
     let mut app = app();
     let world = app.world_mut();
     let hero = world.spawn(Transform::from_xyz(0.0, 1.0, 0.0)).id();
@@ -123,7 +123,7 @@ fn a_cape_hangs_at_a_back_that_walks_and_turns_from_the_frame_in_which_both_are_
         .id();
     tick(&mut app, 1);
     let edge: Vec<Entity> = app.world().get::<Attached>(cape).unwrap().pinned.clone();
-    assert_eq!(edge.len(), 7, "the upper edge of six cells");
+    assert_eq!(edge.len(), 7, "the upper edge has six cells");
     let local = |app: &App| -> Vec<Vec3> {
         let back = transform(app, hero).compute_affine().inverse();
         edge.iter().map(|&p| back.transform_point3(position(app, p))).collect()
@@ -140,7 +140,7 @@ fn a_cape_hangs_at_a_back_that_walks_and_turns_from_the_frame_in_which_both_are_
         }
     }
     let lowest = particles_of(&app, cape).iter().map(|&p| position(&app, p).y).reduce(f32::min);
-    assert!(lowest.unwrap() > 1.0, "it hangs, and is not stretched: {lowest:?}");
+    assert!(lowest.unwrap() > 1.0, "the cape hangs without stretching: {lowest:?}");
     assert_eq!(heard(&app), []);
 }
 
@@ -247,7 +247,7 @@ fn a_rope_is_tied_to_a_bone_a_vertex_of_cloth_and_a_region_of_a_soft_body_as_the
 }
 
 #[test]
-fn an_attachment_is_in_force_again_when_either_side_is_built_anew() {
+fn an_attachment_holds_again_when_either_side_is_rebuilt() {
     let mut app = app();
     let world = app.world_mut();
     let hand = world.spawn(Transform::from_xyz(0.0, 4.0, 0.0)).id();
@@ -287,7 +287,7 @@ fn an_attachment_is_in_force_again_when_either_side_is_built_anew() {
 }
 
 #[test]
-fn it_lets_go_with_one_message_when_its_other_entity_goes_and_goes_in_silence_with_its_body() {
+fn an_attachment_ends_with_one_message_with_its_target_and_silently_with_its_body() {
     let mut app = app();
     let world = app.world_mut();
     let hand = world.spawn(Transform::from_xyz(0.0, 4.0, 0.0)).id();
@@ -306,9 +306,9 @@ fn it_lets_go_with_one_message_when_its_other_entity_goes_and_goes_in_silence_wi
     app.world_mut().despawn(hand);
     tick(&mut app, 10);
     assert_eq!(count(&mut app), (1, 0));
-    let told = heard(&app);
-    assert_eq!(told.len(), 2, "one for the rope's end, one for the flag: {told:?}");
-    assert!(told.iter().all(|(_, reason)| *reason == Refusal::AttachTarget(hand)));
+    let refusals = heard(&app);
+    assert_eq!(refusals.len(), 2, "one message for the rope's end, one for the flag: {refusals:?}");
+    assert!(refusals.iter().all(|(_, reason)| *reason == Refusal::AttachTarget(hand)));
     assert!(
         app.world().get::<AttachTo>(flag).is_none() && app.world().get::<Attached>(flag).is_none()
     );
@@ -323,7 +323,7 @@ fn it_lets_go_with_one_message_when_its_other_entity_goes_and_goes_in_silence_wi
 }
 
 #[test]
-fn removing_the_component_lets_go() {
+fn removing_the_component_ends_the_attachment() {
     let mut app = app();
     let world = app.world_mut();
     let hook = world.spawn(Transform::from_xyz(0.0, 9.0, 0.0)).id();
@@ -341,7 +341,7 @@ fn removing_the_component_lets_go() {
 }
 
 #[test]
-fn what_is_attached_does_not_collide_with_what_it_is_attached_to() {
+fn attached_bodies_do_not_collide_with_their_targets() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
     let world = app.world_mut();
@@ -375,7 +375,7 @@ fn a_compliant_attachment_sags_by_its_compliance() {
 }
 
 #[test]
-fn what_cannot_be_attached_says_so_once_and_holds_when_it_is_mended() {
+fn an_impossible_attachment_is_refused_once_and_holds_when_it_is_repaired() {
     let mut app = app();
     let world = app.world_mut();
     let hook = world.spawn(Transform::from_xyz(0.0, 3.0, 0.0)).id();
@@ -401,10 +401,10 @@ fn what_cannot_be_attached_says_so_once_and_holds_when_it_is_mended() {
         (world.spawn((AttachTo::new(hook), Transform::default())).id(), AttachFault::NoParticles),
     ];
     tick(&mut app, 5);
-    let told = heard(&app);
+    let refusals = heard(&app);
     let wanted: Vec<_> =
         cases.iter().map(|&(entity, fault)| (entity, Refusal::Attach(fault))).collect();
-    assert_eq!(told, wanted);
+    assert_eq!(refusals, wanted);
     app.world_mut().get_mut::<AttachTo>(cases[0].0).unwrap().part = Anchor::Vertex(3);
     tick(&mut app, 5);
     assert_eq!(app.world().get::<Attached>(cases[0].0).unwrap().pinned.len(), 1);

@@ -10,7 +10,7 @@ use crate::commands::{PUSH, SPIN, brick, built, command, momenta, space};
 use crate::support::{forget, hash, heard, particles_of, position, tick};
 
 #[test]
-fn what_is_not_finite_is_refused_and_changes_nothing() {
+fn edits_that_are_not_finite_are_refused_and_change_nothing() {
     let mut app = space();
     let body = built(&mut app, brick(), Transform::default());
     let stone = app.world_mut().spawn(Particle::at(Vec3::X * 9.0)).id();
@@ -43,7 +43,7 @@ fn what_is_not_finite_is_refused_and_changes_nothing() {
 }
 
 #[test]
-fn what_is_gone_or_never_was_a_body_does_no_harm() {
+fn edits_of_despawned_entities_and_of_no_bodies_do_no_harm() {
     let mut app = space();
     let body = built(&mut app, brick(), Transform::default());
     let rock = app.world_mut().spawn(Transform::default()).id();
@@ -77,7 +77,7 @@ fn what_is_gone_or_never_was_a_body_does_no_harm() {
 }
 
 #[test]
-fn a_bad_particle_is_passed_over_and_a_broken_transform_is_healed_by_a_teleport() {
+fn impulses_skip_a_bad_particle_and_a_teleport_repairs_a_broken_transform() {
     let mut app = space();
     let body = built(&mut app, brick(), Transform::default());
     let all = particles_of(&app, body);
@@ -101,7 +101,7 @@ fn a_bad_particle_is_passed_over_and_a_broken_transform_is_healed_by_a_teleport(
 }
 
 #[test]
-fn edits_that_wait_are_part_of_the_state() {
+fn pending_edits_are_part_of_the_state() {
     let mut app = space();
     built(&mut app, brick(), Transform::default());
     let late = app.world_mut().spawn(ParticleBody).id();

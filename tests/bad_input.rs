@@ -23,8 +23,8 @@ fn beside(bad: impl FnOnce(&mut World) -> Entity) -> (Entity, Vec<(Entity, Refus
 
 /// Like [`beside`]; asserts that there is one message, about the bad entity.
 pub(crate) fn refused(reason: Refusal, bad: impl FnOnce(&mut World) -> Entity) {
-    let (culprit, said) = beside(bad);
-    assert_eq!(said, [(culprit, reason)]);
+    let (culprit, reported) = beside(bad);
+    assert_eq!(reported, [(culprit, reason)]);
 }
 
 /// A pinned particle far from the busy scene.
@@ -118,9 +118,9 @@ fn a_particle_with_a_broken_number_is_named_once() {
 }
 
 #[test]
-fn a_pin_to_something_that_is_gone_or_nowhere_lets_go_and_says_so_once() {
+fn a_pin_to_an_entity_that_is_gone_or_has_no_place_is_released_and_named_once() {
     for gone in [true, false] {
-        let (said_by, said) = beside(|world| {
+        let (pinned, reported) = beside(|world| {
             let hand = world.spawn(Name::new("a hand without a transform")).id();
             if gone {
                 world.despawn(hand);
@@ -129,8 +129,8 @@ fn a_pin_to_something_that_is_gone_or_nowhere_lets_go_and_says_so_once() {
             world.spawn((Particle::at(at), PinnedTo { entity: hand, offset: Vec3::ZERO })).id()
         });
         assert!(
-            matches!(said[..], [(entity, Refusal::PinTarget(_))] if entity == said_by),
-            "{said:?}"
+            matches!(reported[..], [(entity, Refusal::PinTarget(_))] if entity == pinned),
+            "{reported:?}"
         );
     }
 }
@@ -152,36 +152,36 @@ fn surroundings_with_a_broken_number_are_named_once_and_do_nothing() {
     ];
     let mut wrong = Vec::new();
     for (name, spawn) in cases {
-        let (culprit, said) = beside(spawn);
-        let whom: Vec<Entity> = said.iter().map(|(entity, _)| *entity).collect();
-        if whom != [culprit] {
-            wrong.push((name, culprit, whom));
+        let (culprit, reported) = beside(spawn);
+        let named: Vec<Entity> = reported.iter().map(|(entity, _)| *entity).collect();
+        if named != [culprit] {
+            wrong.push((name, culprit, named));
         }
     }
     assert!(wrong.is_empty(), "one message each was expected: {wrong:?}");
 }
 
 #[test]
-fn what_is_mended_goes_on_and_what_breaks_again_is_named_again() {
+fn a_repaired_particle_goes_on_and_is_named_again_when_it_breaks_again() {
     let mut app = app();
     let stone = app.world_mut().spawn(Particle::at(Vec3::Y)).id();
     let set = |app: &mut App, mass: f32| {
         app.world_mut().get_mut::<Mass>(stone).unwrap().0 = mass;
         tick(app, 10);
         let at = app.world().get::<Particle>(stone).unwrap().position.y;
-        let said = heard(app).len();
+        let reported = heard(app).len();
         forget(app);
-        (at, said)
+        (at, reported)
     };
     assert_eq!(set(&mut app, -1.0), (1.0, 1), "set aside where it is");
-    let (fell, said) = set(&mut app, 2.0);
-    assert!(fell < 1.0 && said == 0, "mended, it falls");
+    let (fell, reported) = set(&mut app, 2.0);
+    assert!(fell < 1.0 && reported == 0, "repaired, it falls");
     assert_eq!(set(&mut app, f32::NAN), (fell, 1));
-    assert_eq!(set(&mut app, f32::NAN), (fell, 0), "said once");
+    assert_eq!(set(&mut app, f32::NAN), (fell, 0), "named once");
 }
 
 #[test]
-fn a_mended_constraint_holds_again() {
+fn a_repaired_constraint_holds_again() {
     let mut app = app();
     let world = app.world_mut();
     let hook = world.spawn((Particle::at(Vec3::ZERO), Pinned::HERE)).id();
@@ -195,20 +195,20 @@ fn a_mended_constraint_holds_again() {
     assert!((length(&app) - 1.0).abs() < 1e-3, "{}", length(&app));
     app.world_mut().get_mut::<DistanceConstraint>(rod).unwrap().b = rod;
     tick(&mut app, 2);
-    let said: Vec<_> = heard(&app).into_iter().map(|(entity, _)| entity).collect();
-    assert_eq!(said, [rod, rod], "once for each time that it broke");
+    let reported: Vec<_> = heard(&app).into_iter().map(|(entity, _)| entity).collect();
+    assert_eq!(reported, [rod, rod], "once for each time that it broke");
 }
 
 #[test]
-fn one_poisoned_particle_of_a_cloth_is_one_message_and_poisons_nothing() {
+fn one_nan_particle_of_a_cloth_is_named_once_and_spreads_no_nan() {
     let mut app = app();
     let bodies = busy_scene(&mut app);
     tick(&mut app, 20);
     let poisoned = crate::support::particles_of(&app, bodies[2])[40];
     app.world_mut().get_mut::<Particle>(poisoned).unwrap().position.y = f32::NAN;
     tick(&mut app, 60);
-    let said = heard(&app);
-    assert_eq!(said, [(poisoned, Refusal::Particle(ParticleFault::Position))]);
+    let reported = heard(&app);
+    assert_eq!(reported, [(poisoned, Refusal::Particle(ParticleFault::Position))]);
     app.world_mut().get_mut::<Particle>(poisoned).unwrap().position.y = 2.0;
     assert_finite(&mut app);
 }
@@ -232,13 +232,13 @@ fn a_force_that_is_not_a_number_freezes_its_particle_alone() {
         assert_finite(&mut app);
         (victim, hash_of(&app, &bodies), heard(&app))
     };
-    let (victim, poisoned, said) = run(true);
-    assert_eq!(said, [(victim, Refusal::Diverged)]);
-    assert_eq!(poisoned, run(false).1, "nobody else notices");
+    let (victim, poisoned, reported) = run(true);
+    assert_eq!(reported, [(victim, Refusal::Diverged)]);
+    assert_eq!(poisoned, run(false).1, "no other body is affected");
 }
 
 #[test]
-fn a_particle_that_froze_is_not_named_again_while_the_clock_stands() {
+fn a_frozen_particle_is_not_named_again_while_the_clock_stands_still() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, bevy_sinew::SinewPlugin::in_schedule(Update)));
     app.finish();
@@ -250,11 +250,11 @@ fn a_particle_that_froze_is_not_named_again_while_the_clock_stands() {
         app.world().resource::<Messages<Refused>>().len()
     };
     // Bevy keeps messages while its clock stands still, so they add up.
-    let said = run(&mut app, crate::support::TICK, 2);
-    assert_eq!(said, 1, "it froze");
-    assert_eq!(run(&mut app, core::time::Duration::ZERO, 5), said);
+    let reported = run(&mut app, crate::support::TICK, 2);
+    assert_eq!(reported, 1, "it froze");
+    assert_eq!(run(&mut app, core::time::Duration::ZERO, 5), reported);
     app.world_mut().despawn(stone);
-    assert_eq!(run(&mut app, core::time::Duration::ZERO, 2), said);
+    assert_eq!(run(&mut app, core::time::Duration::ZERO, 2), reported);
 }
 
 #[test]

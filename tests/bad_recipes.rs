@@ -14,17 +14,17 @@ fn refused(spawn: impl FnOnce(&mut World) -> Entity) -> (Entity, Vec<Entity>, us
     let body = spawn(app.world_mut());
     tick(&mut app, 30);
     assert!(position(&app, stone).y < -1.0, "the rest goes on");
-    let said = heard(&app).into_iter().map(|(entity, _)| entity).collect();
-    (body, said, particles_of(&app, body).len())
+    let named = heard(&app).into_iter().map(|(entity, _)| entity).collect();
+    (body, named, particles_of(&app, body).len())
 }
 
 /// Asserts for each case that exactly one message names the body, and that the body has no particles.
 fn assert_each_refused(cases: Vec<(String, Box<dyn FnOnce(&mut World) -> Entity>)>) {
     let mut wrong = Vec::new();
     for (name, spawn) in cases {
-        let (body, said, particles) = refused(spawn);
-        if said != [body] || particles != 0 {
-            wrong.push(format!("{name}: {body} got {said:?} and {particles} particles"));
+        let (body, named, particles) = refused(spawn);
+        if named != [body] || particles != 0 {
+            wrong.push(format!("{name}: {body}: {named:?} named, {particles} particles"));
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
@@ -130,7 +130,7 @@ fn from_mesh(name: &str, mesh: Mesh) -> (String, Box<dyn FnOnce(&mut World) -> E
 }
 
 #[test]
-fn meshes_that_are_no_cloth_are_refused_once() {
+fn meshes_unfit_for_cloth_are_refused_once() {
     use PrimitiveTopology::{LineList, PointList, TriangleList, TriangleStrip};
     let three = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let with = |indices: Vec<u32>| {
@@ -165,12 +165,12 @@ fn a_mesh_file_that_is_not_there_is_refused_once() {
         tick(&mut app, 1);
         std::thread::sleep(core::time::Duration::from_millis(1));
     }
-    let said: Vec<Entity> = heard(&app).into_iter().map(|(entity, _)| entity).collect();
-    assert_eq!(said, [body]);
+    let named: Vec<Entity> = heard(&app).into_iter().map(|(entity, _)| entity).collect();
+    assert_eq!(named, [body]);
 }
 
 #[test]
-fn a_refused_body_is_built_once_its_recipe_is_mended() {
+fn a_refused_body_is_built_when_its_recipe_is_repaired() {
     let mut app = app();
     let body = app.world_mut().spawn(RigidBox::new(Vec3::NAN)).id();
     let rope = app.world_mut().spawn((Rope::default(), Transform::from_scale(Vec3::ZERO))).id();
@@ -186,7 +186,7 @@ fn a_refused_body_is_built_once_its_recipe_is_mended() {
 }
 
 #[test]
-fn a_body_that_is_changed_into_the_impossible_is_left_without_particles() {
+fn a_body_whose_recipe_becomes_invalid_is_left_without_particles() {
     let mut app = app();
     let world = app.world_mut();
     let cube = world.resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::default()));
@@ -202,9 +202,9 @@ fn a_body_that_is_changed_into_the_impossible_is_left_without_particles() {
     world.entity_mut(bodies[1]).insert((longer, Transform::from_xyz(f32::NAN, 0.0, 0.0)));
     world.entity_mut(bodies[2]).remove::<Mesh3d>().insert(Cloth::from_mesh());
     tick(&mut app, 5);
-    let mut said: Vec<Entity> = heard(&app).into_iter().map(|(entity, _)| entity).collect();
-    said.sort_by_key(|entity| entity.index());
-    assert_eq!(said, bodies);
+    let mut named: Vec<Entity> = heard(&app).into_iter().map(|(entity, _)| entity).collect();
+    named.sort_by_key(|entity| entity.index());
+    assert_eq!(named, bodies);
     assert_eq!(bodies.map(|body| particles_of(&app, body).len()), [0; 3]);
     assert!(app.world().resource::<SinewWorld>().particles().is_empty());
 }

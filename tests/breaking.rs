@@ -80,7 +80,7 @@ fn a_rope_breaks_off_at_its_weight_and_holds_just_above_it_at_any_substeps_and_s
 }
 
 #[test]
-fn a_rope_with_a_load_breaks_where_it_bears_most() {
+fn a_loaded_rope_breaks_where_its_tension_is_largest() {
     let mut app = app();
     listen(&mut app);
     let world = app.world_mut();
@@ -96,16 +96,16 @@ fn a_rope_with_a_load_breaks_where_it_bears_most() {
     app.world_mut().get_mut::<Mass>(last).unwrap().0 += 0.2;
     tick(&mut app, 2);
     // The top segment bears 1.6 kg less half a segment, and two segments further down the load is 1.5 kg.
-    let told: Vec<Entity> = broken(&app).iter().map(|one| one.constraint).collect();
-    assert!(!told.is_empty() && told.iter().all(|one| all[..3].contains(one)), "{told:?}");
-    assert_eq!(told[0], all[0]);
+    let which: Vec<Entity> = broken(&app).iter().map(|one| one.constraint).collect();
+    assert!(!which.is_empty() && which.iter().all(|one| all[..3].contains(one)), "{which:?}");
+    assert_eq!(which[0], all[0]);
     assert_eq!(broken(&app)[0].body, Some(rope));
     tick(&mut app, 30);
     assert!(position(&app, last).y < 1.5);
 }
 
 #[test]
-fn a_rod_of_its_own_a_spring_and_a_soft_rod_break_at_their_force_or_strain() {
+fn a_loose_rod_a_spring_and_a_soft_rod_break_at_their_force_or_strain() {
     let mut app = app();
     listen(&mut app);
     let world = app.world_mut();
@@ -130,12 +130,12 @@ fn a_rod_of_its_own_a_spring_and_a_soft_rod_break_at_their_force_or_strain() {
     let soft = DistanceConstraint::new(pairs[4].0, pairs[4].1, 1.0).with_compliance(0.01);
     let soft = world.spawn((soft, BreakAt::force(1.5 * 2.0 * G))).id();
     tick(&mut app, 120);
-    let mut told: Vec<Entity> = broken(&app).iter().map(|one| one.constraint).collect();
-    assert_eq!(told.remove(0), weak);
-    told.sort_unstable();
+    let mut which: Vec<Entity> = broken(&app).iter().map(|one| one.constraint).collect();
+    assert_eq!(which.remove(0), weak);
+    which.sort_unstable();
     let mut wanted = [spring, soft];
     wanted.sort_unstable();
-    assert_eq!(told, wanted, "a soft one swings up to twice the weight");
+    assert_eq!(which, wanted, "a soft one swings up to twice the weight");
     assert!(app.world().get_entity(firm).is_ok() && app.world().get_entity(tough).is_ok());
     let stretched = broken(&app).iter().find(|one| one.constraint == spring).unwrap().strain;
     assert!((0.3..0.36).contains(&stretched), "{stretched}");
@@ -164,14 +164,14 @@ fn a_crate_breaks_off_a_hand_and_off_another_crate_at_its_weight() {
 }
 
 #[test]
-fn what_breaks_is_the_same_each_run_and_says_so_in_the_order_of_creation() {
+fn constraints_break_alike_in_each_run_and_are_reported_in_a_fixed_order() {
     let run = || {
         let mut app = app();
         listen(&mut app);
         let world = app.world_mut();
         let sheet = Cloth { density: 2.0, ..Cloth::grid(1.0, 1.0, 10, 10) };
         let cloth = world.spawn((sheet.pinned(ClothPins::TopCorners), BreakAt::force(6.0))).id();
-        let told = |app: &App| {
+        let breaks_in = |app: &App| {
             let place = |entity: Entity| rods(app, cloth).iter().position(|&rod| rod == entity);
             let all = broken(app).iter();
             all.map(|one| (place(one.constraint), one.force.to_bits())).collect::<Vec<_>>()
@@ -179,13 +179,13 @@ fn what_breaks_is_the_same_each_run_and_says_so_in_the_order_of_creation() {
         tick(&mut app, 90);
         assert!(!broken(&app).is_empty());
         let members = app.world().get::<BodyParticles>(cloth).unwrap().iter().count();
-        (told(&app), members, hash(&mut app))
+        (breaks_in(&app), members, hash(&mut app))
     };
     assert_eq!(run(), run());
 }
 
 #[test]
-fn cloth_that_may_tear_at_a_strain_shows_what_a_jerk_does_to_it() {
+fn cloth_that_breaks_at_a_strain_is_exempt_from_the_strain_limit() {
     // Strains of large cloth are limited to 3 % at the end of a tick, except in cloth that breaks by strain.
     let mut app = app();
     listen(&mut app);
@@ -199,7 +199,7 @@ fn cloth_that_may_tear_at_a_strain_shows_what_a_jerk_does_to_it() {
 }
 
 #[test]
-fn nothing_breaks_by_a_number_that_is_none() {
+fn limits_that_are_not_positive_finite_numbers_break_nothing() {
     let mut app = app();
     listen(&mut app);
     for (x, force) in [(0.0, f32::NAN), (1.0, -1.0), (2.0, f32::INFINITY)] {

@@ -84,7 +84,7 @@ fn a_character_stands_on_a_ground_in_a_room_and_on_a_slope_and_does_not_creep() 
 }
 
 #[test]
-fn a_character_is_stopped_by_a_crate_that_lies_and_pushed_by_one_that_comes() {
+fn a_character_is_stopped_by_a_resting_crate_and_pushed_by_a_thrown_one() {
     for shape in shapes() {
         for mass in [1.0, 500.0] {
             let mut app = game();
@@ -111,7 +111,7 @@ fn a_character_is_stopped_by_a_crate_that_lies_and_pushed_by_one_that_comes() {
 }
 
 #[test]
-fn what_was_despawned_or_moved_is_where_it_is_from_the_next_tick_on() {
+fn moved_and_despawned_colliders_take_effect_in_the_next_tick() {
     let mut app = game();
     app.world_mut().spawn(Ground);
     let block = Collider::cuboid(Vec3::new(4.0, 1.0, 4.0));
@@ -134,7 +134,7 @@ fn what_was_despawned_or_moved_is_where_it_is_from_the_next_tick_on() {
 }
 
 #[test]
-fn nothing_is_passed_at_any_speed_and_broken_numbers_stay_where_they_are() {
+fn no_wall_is_passed_at_any_speed_and_broken_numbers_move_nothing() {
     let mut app = app();
     let wall = Collider::cuboid(Vec3::new(0.01, 50.0, 50.0));
     let wall = app.world_mut().spawn((wall, Transform::from_xyz(20.0, 0.0, 0.0))).id();

@@ -59,7 +59,7 @@ fn a_ball_and_boxes_come_to_rest_on_a_box() {
 }
 
 #[test]
-fn every_shape_holds_a_ball_up_as_high_as_it_is() {
+fn every_shape_holds_a_ball_at_its_height() {
     // Each with the height of its top above its centre.
     let octahedron: Vec<Vec3> =
         [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|v| [v * 0.5, v * -0.5]).collect();
@@ -119,7 +119,7 @@ impl Positions for Vec<(Entity, f32)> {
 }
 
 #[test]
-fn a_lift_lifts_and_a_conveyor_carries_what_lies_on_it() {
+fn a_lift_and_a_conveyor_carry_a_crate_that_lies_on_them() {
     for by_shape in [false, true] {
         let mut app = app();
         drive(&mut app);
@@ -140,13 +140,13 @@ fn a_lift_lifts_and_a_conveyor_carries_what_lies_on_it() {
         // The crate flew up a little when the lift stopped, and slid until it was as fast as the lift.
         assert!((1.7..2.05).contains(&place.x), "carried along, by shape: {by_shape}: {place}");
         let speed = app.world().get::<LinearVelocity>(body).unwrap().0;
-        assert!((speed - Vec3::X).length() < 0.05, "as fast as what it lies on: {speed}");
+        assert!((speed - Vec3::X).length() < 0.05, "as fast as the conveyor: {speed}");
         assert_eq!(heard(&app), []);
     }
 }
 
 #[test]
-fn a_collider_that_is_told_to_jump_takes_nothing_along() {
+fn a_collider_that_jumps_carries_nothing_along() {
     let run = |jumps: bool| {
         let mut app = app();
         let lift = app.world_mut().spawn((floor(), SurfaceMaterial::new(1.0))).id();
@@ -157,11 +157,14 @@ fn a_collider_that_is_told_to_jump_takes_nothing_along() {
             app.world_mut().entity_mut(lift).remove::<ColliderMotion>();
         }
         tick(&mut app, 1);
-        assert!(app.world().get::<ColliderMotion>(lift).unwrap().0.is_some(), "it is kept again");
+        assert!(
+            app.world().get::<ColliderMotion>(lift).unwrap().0.is_some(),
+            "its pose is kept again"
+        );
         position(&app, ball).x
     };
     // Friction of one tick: at most μ g dt², 2 mm.
-    assert!(run(false) > 5e-4, "moved, it takes along: {}", run(false));
+    assert!(run(false) > 5e-4, "moved, it carries along: {}", run(false));
     assert_eq!(run(true), 0.0);
 }
 
@@ -175,16 +178,16 @@ fn layers_and_sensors_let_through() {
     let sieve = world.spawn((Collider::cuboid(Vec3::new(10.0, 0.2, 10.0)), sieve, Sensor)).id();
     let ball = |x: f32| (Particle::at(Vec3::new(x, 2.0, 0.0)), Radius(0.1));
     let held = world.spawn(ball(-3.0)).id();
-    let minded = world.spawn((ball(-2.0), CollisionLayers::of(&[1], &[3]))).id();
-    let unminded = world.spawn((ball(-1.0), CollisionLayers::of(&[2], &[3]))).id();
+    let held_by_layer = world.spawn((ball(-2.0), CollisionLayers::of(&[1], &[3]))).id();
+    let of_other_layer = world.spawn((ball(-1.0), CollisionLayers::of(&[2], &[3]))).id();
     let blind = world.spawn((ball(1.0), CollisionLayers::of(&[1], &[2]))).id();
     let nothing = world.spawn((crate_at(3.0, 2.0), CollisionLayers::NONE)).id();
     let boxed = world.spawn((crate_at(2.0, 2.0), CollisionLayers::of(&[1], &[3]))).id();
     tick(&mut app, 120);
-    for ball in [held, minded] {
+    for ball in [held, held_by_layer] {
         assert!((position(&app, ball).y - 0.1).abs() < 5e-3, "{}", position(&app, ball));
     }
-    for ball in [unminded, blind] {
+    for ball in [of_other_layer, blind] {
         assert!(position(&app, ball).y < -5.0, "{}", position(&app, ball));
     }
     assert!(height(&app, nothing) < -5.0 && (height(&app, boxed) - 0.2).abs() < 0.01);
@@ -253,7 +256,7 @@ fn a_heightfield_and_a_mesh_hold_a_cloth() {
 }
 
 #[test]
-fn bodies_collide_and_those_that_are_told_not_to_pass_through_each_other() {
+fn bodies_collide_unless_contacts_with_bodies_are_off() {
     let run = |contacts: Option<BodyContacts>| {
         let mut app = app();
         app.world_mut().spawn(floor());
@@ -276,12 +279,12 @@ fn bodies_collide_and_those_that_are_told_not_to_pass_through_each_other() {
     let alone = BodyContacts { with_bodies: false, ..default() };
     let (with, without) = (run(None), run(Some(alone)));
     assert!(near(with, [0.2, 0.6, 0.9]), "a tower: {with:?}");
-    assert_eq!(with, run(Some(BodyContacts::default())), "the same said aloud");
-    assert!(near(without, [0.2, 0.2, 0.1]), "one in the other: {without:?}");
+    assert_eq!(with, run(Some(BodyContacts::default())), "the default, given explicitly");
+    assert!(near(without, [0.2, 0.2, 0.1]), "overlapping: {without:?}");
 }
 
 #[test]
-fn rigid_parts_have_the_shape_that_they_are_drawn_with_unless_the_game_gives_another() {
+fn rigid_parts_have_the_shape_of_their_recipe_unless_the_game_gives_another() {
     let mut app = app();
     let world = app.world_mut();
     let boxed = world.spawn(crate_at(0.0, 1.0)).id();
@@ -322,7 +325,7 @@ fn rigid_parts_have_the_shape_that_they_are_drawn_with_unless_the_game_gives_ano
 }
 
 #[test]
-fn a_cloth_that_is_to_be_solid_says_once_that_it_is_not() {
+fn a_cloth_with_a_solid_contact_shape_is_refused_once() {
     let mut app = app();
     let solid = BodyContacts::default().shaped(ContactShape::Solid);
     let cloth = app.world_mut().spawn((Cloth::grid(1.0, 1.0, 4, 4), solid)).id();
@@ -331,12 +334,12 @@ fn a_cloth_that_is_to_be_solid_says_once_that_it_is_not() {
     assert_eq!(
         heard(&app),
         [(cloth, Refusal::NotSolid)],
-        "one that is not built yet waits: {late}"
+        "a body that is not built yet is not refused: {late}"
     );
 }
 
 #[test]
-fn the_particles_of_a_body_know_their_places_and_those_that_take_part_in_contacts_have_names() {
+fn particles_of_a_body_have_rest_places_and_contact_participants_have_entities() {
     let mut app = app();
     let world = app.world_mut();
     let ground = world.spawn(Ground).id();
@@ -358,7 +361,7 @@ fn the_particles_of_a_body_know_their_places_and_those_that_take_part_in_contact
     assert_eq!(
         sinew.entity_of(ContactParticipant::Collider(2)),
         Some(collider),
-        "{broken} has no number"
+        "{broken} has no index"
     );
     assert_eq!(sinew.entity_of(ContactParticipant::Collider(3)), None);
     assert_eq!(sinew.entity_of(ContactParticipant::Body(0)), Some(cloth));
@@ -370,7 +373,7 @@ fn the_particles_of_a_body_know_their_places_and_those_that_take_part_in_contact
 }
 
 #[test]
-fn a_part_whose_collider_is_none_for_what_moves_says_so_once_and_collides_by_its_particles() {
+fn a_box_with_an_unsuitable_collider_is_refused_once_and_collides_by_its_particles() {
     let mut app = app();
     app.world_mut().spawn(floor());
     for (collider, refusals) in [(Collider::plane(), 1), (Collider::sphere(f32::NAN), 1)] {
@@ -378,8 +381,12 @@ fn a_part_whose_collider_is_none_for_what_moves_says_so_once_and_collides_by_its
         let body = app.world_mut().spawn(body).id();
         tick(&mut app, 60);
         assert!((height(&app, body) - 0.2).abs() < 5e-3, "{}", height(&app, body));
-        let said = heard(&app);
-        assert_eq!(said.iter().filter(|(entity, _)| *entity == body).count(), refusals, "{said:?}");
+        let reported = heard(&app);
+        assert_eq!(
+            reported.iter().filter(|(entity, _)| *entity == body).count(),
+            refusals,
+            "{reported:?}"
+        );
         app.world_mut().despawn(body);
     }
     assert_eq!(heard(&app).len(), 2);

@@ -29,7 +29,7 @@ fn turn(mut driven: Query<&mut Transform, With<Carousel>>, clock: Res<SinewClock
 }
 
 #[test]
-fn a_collider_with_something_wrong_is_named_once() {
+fn an_invalid_collider_is_named_once() {
     let cases: [(fn(&mut EntityWorldMut), ColliderFault); 4] = [
         (|e| _ = e.insert(Transform::from_xyz(0.0, BAD, 0.0)), ColliderFault::Transform),
         (
@@ -73,9 +73,12 @@ fn a_collider_with_something_wrong_is_named_once() {
             let bodies = busy_scene(&mut app);
             let culprit = app.world_mut().spawn((shape.clone(), scaled)).id();
             tick(&mut app, 10);
-            let said = heard(&app);
-            assert_eq!(said.len(), 1, "{shape:?} {scale}: {said:?}");
-            assert!(matches!(&said[0], (e, Refusal::Collider(_)) if *e == culprit), "{said:?}");
+            let refusals = heard(&app);
+            assert_eq!(refusals.len(), 1, "{shape:?} {scale}: {refusals:?}");
+            assert!(
+                matches!(&refusals[0], (e, Refusal::Collider(_)) if *e == culprit),
+                "{refusals:?}"
+            );
             let mut alone = crate::support::app();
             let controls = busy_scene(&mut alone);
             tick(&mut alone, 10);
@@ -85,7 +88,7 @@ fn a_collider_with_something_wrong_is_named_once() {
 }
 
 #[test]
-fn meshes_that_are_none_are_refused_where_they_are_made() {
+fn invalid_meshes_are_refused_by_their_constructors() {
     assert!(Collider::mesh([Vec3::ZERO], [[0, 1, 2]]).is_err());
     assert!(Collider::mesh([Vec3::splat(BAD); 3], [[0, 1, 2]]).is_err());
     assert!(Collider::mesh(Vec::<Vec3>::new(), Vec::<[u32; 3]>::new()).is_err());
@@ -97,7 +100,7 @@ fn meshes_that_are_none_are_refused_where_they_are_made() {
 }
 
 #[test]
-fn a_collider_that_is_mended_acts_again_and_is_named_again_when_it_breaks_anew() {
+fn a_repaired_collider_acts_again_and_is_named_again_when_it_breaks_again() {
     let mut app = app();
     let floor = (Collider::cuboid(Vec3::splat(BAD)), Transform::from_xyz(0.0, -1.0, 0.0));
     let floor = app.world_mut().spawn(floor).id();
@@ -121,7 +124,7 @@ fn a_collider_that_is_mended_acts_again_and_is_named_again_when_it_breaks_anew()
 }
 
 #[test]
-fn colliders_far_away_come_move_scale_and_go_without_changing_a_bit() {
+fn distant_colliders_that_are_added_moved_scaled_and_removed_change_no_bit() {
     let run = |meddle: bool| {
         let mut app = app();
         let bodies = busy_scene(&mut app);
@@ -218,7 +221,7 @@ fn fair(app: &mut App) {
 }
 
 #[test]
-fn cloned_and_put_back_with_a_moving_collider_all_happens_again() {
+fn a_restored_snapshot_with_a_moving_collider_goes_on_bit_for_bit() {
     let mut app = app();
     fair(&mut app);
     tick(&mut app, 40);
@@ -231,7 +234,7 @@ fn cloned_and_put_back_with_a_moving_collider_all_happens_again() {
 }
 
 #[test]
-fn a_fresh_app_that_is_given_the_colliders_goes_on_as_the_old_one_did() {
+fn a_fresh_app_with_the_restored_colliders_goes_on_bit_for_bit() {
     let mut old = app();
     fair(&mut old);
     tick(&mut old, 40);
@@ -255,7 +258,7 @@ fn a_rollback_every_tick_changes_nothing() {
 }
 
 #[test]
-fn a_pause_moves_nothing_and_what_was_moved_meanwhile_goes_there_in_one_tick() {
+fn a_pause_moves_nothing_and_a_collider_moved_meanwhile_pushes_in_one_tick() {
     let mut app = app();
     let wall = app.world_mut().spawn((Collider::cuboid(Vec3::ONE), Transform::default())).id();
     app.insert_resource(Gravity(Vec3::ZERO));

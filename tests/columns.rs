@@ -28,7 +28,7 @@ fn two_particles(app: &mut App) -> [Entity; 2] {
 const PLAIN: [f32; 5] = [1.0, 0.0, 0.0, 0.0, 1.0];
 
 #[test]
-fn properties_that_change_or_go_are_seen_in_the_next_tick() {
+fn changed_or_removed_properties_take_effect_in_the_next_tick() {
     let mut app = bare_app();
     let [a, b] = two_particles(&mut app);
     tick(&mut app, 5);
@@ -55,7 +55,7 @@ fn properties_that_change_or_go_are_seen_in_the_next_tick() {
 }
 
 #[test]
-fn what_a_body_says_is_said_once_however_often_its_particles_change() {
+fn the_gravity_scale_of_a_body_is_applied_once_however_often_its_particles_change() {
     let mut app = bare_app();
     let body = app.world_mut().spawn((ParticleBody, GravityScale(0.5))).id();
     let particles = two_particles(&mut app);
@@ -86,7 +86,7 @@ fn what_a_body_says_is_said_once_however_often_its_particles_change() {
 
 /// Regression: the product of the two scales was left at its old value when it overflowed, so it depended on the body's previous scale.
 #[test]
-fn a_scale_of_gravity_that_no_number_holds_with_its_body_is_the_particles_own() {
+fn a_gravity_scale_that_overflows_with_its_body_is_the_particles_own() {
     let mut app = bare_app();
     let body = app.world_mut().spawn((ParticleBody, GravityScale(2.0))).id();
     let heavy = (Particle::at(Vec3::ZERO), Pinned::HERE, GravityScale(1e30), ParticleOf(body));
@@ -99,7 +99,7 @@ fn a_scale_of_gravity_that_no_number_holds_with_its_body_is_the_particles_own() 
 }
 
 #[test]
-fn what_a_game_changes_in_the_columns_besides_state_holds_for_a_tick() {
+fn a_games_change_of_a_column_that_is_not_state_lasts_one_tick() {
     #[derive(Resource)]
     struct Meddle;
     let mut app = bare_app();
@@ -147,14 +147,14 @@ impl Zoo {
     }
 
     /// Makes one of the changes that a game may make to one of the bodies or particles.
-    fn edit(&mut self, what: u32, whom: u32) {
-        let body = self.all[whom as usize % self.all.len()];
-        let number = whom as f32 % 7.0;
+    fn edit(&mut self, what: u32, which: u32) {
+        let body = self.all[which as usize % self.all.len()];
+        let number = which as f32 % 7.0;
         if self.app.world().get_entity(body).is_err() {
             return;
         }
         let particles = particles_of(&self.app, body);
-        let particle = particles.get(whom as usize / 7 % particles.len().max(1)).copied();
+        let particle = particles.get(which as usize / 7 % particles.len().max(1)).copied();
         let world = self.app.world_mut();
         let mut body = world.entity_mut(body);
         match what % 24 {
@@ -169,7 +169,7 @@ impl Zoo {
             8 => drop(body.remove::<ContactsDisabled>()),
             9 => drop(body.remove::<Sleep>()),
             10 => body.despawn(),
-            11 => self.spawn(whom),
+            11 => self.spawn(which),
             _ => {
                 let Some(particle) = particle else { return };
                 let mut particle = world.entity_mut(particle);
@@ -194,7 +194,7 @@ impl Zoo {
 
 /// One app copies only what changed. In the other, a system writes to the columns after each tick, so that everything is copied in the next one.
 #[test]
-fn to_copy_what_changed_comes_to_the_same_as_to_copy_everything() {
+fn copying_what_changed_equals_copying_everything() {
     for seed in 1..5_u32 {
         let mut zoos = [Zoo::new(), Zoo::new()];
         let meddle = |mut world: ResMut<SinewWorld>| {
@@ -212,8 +212,8 @@ fn to_copy_what_changed_comes_to_the_same_as_to_copy_everything() {
         };
         for step in 0..150 {
             for _ in 0..random() % 3 {
-                let (what, whom) = (random(), random());
-                zoos.iter_mut().for_each(|zoo| zoo.edit(what, whom));
+                let (what, which) = (random(), random());
+                zoos.iter_mut().for_each(|zoo| zoo.edit(what, which));
             }
             zoos.iter_mut().for_each(|zoo| tick(&mut zoo.app, 1));
             let hashes = zoos.each_mut().map(|zoo| hash(&mut zoo.app));

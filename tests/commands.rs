@@ -61,7 +61,7 @@ fn velocity(app: &App, particle: Entity) -> Vec3 {
 }
 
 #[test]
-fn impulses_change_momentum_and_angular_momentum_by_exactly_themselves_near_and_far() {
+fn impulses_change_momentum_and_angular_momentum_exactly_near_and_far() {
     for at in [Vec3::ZERO, Vec3::new(5000.0, 20.0, -3000.0)] {
         let mut app = space();
         let turned = Transform::from_translation(at).with_rotation(Quat::from_rotation_z(0.7));
@@ -96,7 +96,7 @@ fn impulses_change_momentum_and_angular_momentum_by_exactly_themselves_near_and_
 }
 
 #[test]
-fn an_impulse_is_seen_in_what_is_read_back_after_the_next_tick() {
+fn an_impulse_shows_in_the_velocities_after_the_next_tick() {
     let mut app = space();
     let body = built(&mut app, brick(), Transform::default());
     command(&mut app, body, |body| _ = body.apply_impulse(PUSH).apply_angular_impulse(Vec3::Z));
@@ -109,7 +109,7 @@ fn an_impulse_is_seen_in_what_is_read_back_after_the_next_tick() {
 }
 
 #[test]
-fn velocities_that_are_set_are_read_back_and_leave_the_other_one_alone() {
+fn set_velocities_are_read_back_and_leave_the_other_one_unchanged() {
     let mut app = space();
     let body = built(&mut app, brick(), Transform::from_xyz(3.0, 0.0, 0.0));
     let read = |app: &App| {
@@ -137,7 +137,7 @@ fn velocities_that_are_set_are_read_back_and_leave_the_other_one_alone() {
 }
 
 #[test]
-fn a_velocity_set_in_free_fall_is_true_now_and_not_half_a_substep_ago() {
+fn a_velocity_set_in_free_fall_applies_now_and_not_half_a_substep_ago() {
     let mut app = bare_app();
     app.insert_resource(AirDrag(0.0)).insert_resource(SolverConfig { substeps: 1, ..default() });
     let body = built(&mut app, brick(), Transform::default());
@@ -170,7 +170,7 @@ fn a_teleport_does_the_same_as_moving_the_transform_bit_for_bit() {
 }
 
 #[test]
-fn a_teleport_is_seen_at_once_and_keeps_velocities_and_the_shape() {
+fn a_teleport_takes_effect_at_once_and_keeps_velocities_and_the_shape() {
     let mut app = space();
     let body = built(&mut app, brick(), Transform::from_xyz(1.0, 2.0, 3.0));
     command(&mut app, body, |body| _ = body.set_motion(PUSH, SPIN));
@@ -279,7 +279,7 @@ fn a_particle_is_kicked_moved_and_turned_back_like_a_body() {
 }
 
 #[test]
-fn pinned_particles_do_not_notice_except_that_a_teleport_takes_them_along() {
+fn pinned_particles_are_moved_by_teleports_alone() {
     let mut app = space();
     let rope = built(&mut app, Rope::default(), Transform::from_xyz(0.0, 3.0, 0.0));
     let all = particles_of(&app, rope);
@@ -318,7 +318,7 @@ fn a_rigid_part_of_a_ragdoll_is_pushed_by_itself() {
 }
 
 #[test]
-fn what_a_body_is_told_before_it_is_built_is_done_when_it_is() {
+fn edits_of_a_body_that_is_not_built_yet_are_applied_when_it_is() {
     let mut app = space();
     let body = app.world_mut().commands().spawn(brick()).apply_impulse(PUSH).id();
     app.world_mut().flush();

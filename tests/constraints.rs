@@ -105,7 +105,7 @@ fn a_shoulder_stays_in_its_cone() {
 }
 
 #[test]
-fn areas_and_volumes_grow_to_what_they_should_be() {
+fn areas_and_volumes_grow_to_their_rest_sizes() {
     let mut app = still_app();
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
     let triangle = particles(&mut app, [Vec3::ZERO, Vec3::X, Vec3::Y]);
@@ -167,8 +167,8 @@ fn a_shelf_does_not_bend() {
         (0..3).for_each(|i| pin(&mut app, shelf[i]));
         (0..2).for_each(|i| rod(&mut app, shelf[i], shelf[3]));
         if !bends {
-            let law = Bend::of(corners).unwrap();
-            app.world_mut().spawn(BendConstraint::from_kind(shelf, &law));
+            let bend = Bend::of(corners).unwrap();
+            app.world_mut().spawn(BendConstraint::from_kind(shelf, &bend));
         }
         tick(&mut app, 30);
         position(&app, shelf[3]).y
@@ -199,7 +199,7 @@ fn a_plane_a_line_and_a_rigid_shape_are_kept() {
 }
 
 #[test]
-fn a_law_acts_from_the_tick_after_it_was_added_until_it_is_removed() {
+fn a_constraint_acts_from_the_tick_after_it_was_added_until_it_is_removed() {
     let mut app = still_app();
     let triangle = particles(&mut app, [Vec3::ZERO, Vec3::X, Vec3::Y]);
     tick(&mut app, 1);
@@ -207,28 +207,28 @@ fn a_law_acts_from_the_tick_after_it_was_added_until_it_is_removed() {
         tick(app, 1);
         (Area::of(places(app, triangle)).rest * 100.0).round() / 100.0
     };
-    let law = app.world_mut().spawn(AreaConstraint::new(triangle, 0.6)).id();
+    let constraint = app.world_mut().spawn(AreaConstraint::new(triangle, 0.6)).id();
     assert_eq!(area(&mut app), 0.6, "added");
-    app.world_mut().get_mut::<AreaConstraint>(law).unwrap().rest = 0.7;
+    app.world_mut().get_mut::<AreaConstraint>(constraint).unwrap().rest = 0.7;
     assert_eq!(area(&mut app), 0.7, "changed");
     let count = |app: &App| app.world().resource::<SinewWorld>().simulation().constraints().len();
     assert_eq!(count(&app), 1);
-    app.world_mut().entity_mut(law).remove::<AreaConstraint>();
+    app.world_mut().entity_mut(constraint).remove::<AreaConstraint>();
     tick(&mut app, 1);
     assert_eq!(count(&app), 0, "removed");
-    app.world_mut().entity_mut(law).insert(AreaConstraint::new(triangle, 0.6));
+    app.world_mut().entity_mut(constraint).insert(AreaConstraint::new(triangle, 0.6));
     tick(&mut app, 1);
     // Ten frames a tick: Bevy drops the record of a removed component long before the tick.
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_micros(1700)));
     app.update();
-    app.world_mut().despawn(law);
+    app.world_mut().despawn(constraint);
     tick(&mut app, 2);
     assert_eq!(count(&app), 0, "despawned, at a high frame rate");
     assert_eq!(heard(&app), []);
 }
 
 #[test]
-fn a_law_whose_particle_is_gone_is_named_once_and_nobody_else_notices() {
+fn a_constraint_whose_particle_is_gone_is_named_once_and_affects_nothing_else() {
     let missing = Refusal::Constraint(ConstraintFault::MissingParticle);
     refused(missing.clone(), |world| {
         let nails = [0.0, 1.0, 2.0].map(|x| nail(world, x));
@@ -240,20 +240,20 @@ fn a_law_whose_particle_is_gone_is_named_once_and_nobody_else_notices() {
         let mut app = app();
         let bodies = busy_scene(&mut app);
         let nails = [0.0, 1.0, 2.0].map(|x| nail(app.world_mut(), x));
-        let law = app.world_mut().spawn(AngleConstraint::new(nails, 0.0, 1.0)).id();
+        let constraint = app.world_mut().spawn(AngleConstraint::new(nails, 0.0, 1.0)).id();
         tick(&mut app, 10);
         if lost {
             app.world_mut().despawn(nails[2]);
             tick(&mut app, 20);
-            assert_eq!(heard(&app), [(law, missing.clone())]);
+            assert_eq!(heard(&app), [(constraint, missing.clone())]);
             forget(&mut app);
             let other = nail(app.world_mut(), 3.0);
-            app.world_mut().get_mut::<AngleConstraint>(law).unwrap().particles[2] = other;
+            app.world_mut().get_mut::<AngleConstraint>(constraint).unwrap().particles[2] = other;
             tick(&mut app, 10);
             assert_eq!(heard(&app), []);
             app.world_mut().despawn(other);
             tick(&mut app, 10);
-            assert_eq!(heard(&app), [(law, missing.clone())]);
+            assert_eq!(heard(&app), [(constraint, missing.clone())]);
         } else {
             tick(&mut app, 40);
         }
@@ -263,13 +263,16 @@ fn a_law_whose_particle_is_gone_is_named_once_and_nobody_else_notices() {
 }
 
 #[test]
-fn a_law_waits_silently_for_a_particle_that_is_set_aside() {
+fn a_constraint_waits_silently_for_a_particle_that_is_set_aside() {
     let mut app = still_app();
     let triangle = particles(&mut app, [Vec3::ZERO, Vec3::X, Vec3::Y]);
     app.world_mut().spawn(AreaConstraint::new(triangle, 0.7));
     app.world_mut().get_mut::<Mass>(triangle[0]).unwrap().0 = -1.0;
     tick(&mut app, 5);
-    assert_eq!(heard(&app).into_iter().map(|(who, _)| who).collect::<Vec<_>>(), [triangle[0]]);
+    assert_eq!(
+        heard(&app).into_iter().map(|(entity, _)| entity).collect::<Vec<_>>(),
+        [triangle[0]]
+    );
     app.world_mut().get_mut::<Mass>(triangle[0]).unwrap().0 = 1.0;
     tick(&mut app, 5);
     assert!((Area::of(places(&app, triangle)).rest - 0.7).abs() < 1e-3);
@@ -277,7 +280,7 @@ fn a_law_waits_silently_for_a_particle_that_is_set_aside() {
 }
 
 #[test]
-fn a_law_with_a_broken_number_is_named_once() {
+fn a_constraint_with_a_broken_number_is_named_once() {
     let refused = |fault, spawn: fn(&mut World, [Entity; 4]) -> Entity| {
         refused(Refusal::Constraint(fault), |world| {
             let nails = [0.0, 1.0, 2.0, 3.0].map(|x| nail(world, x));

@@ -21,7 +21,7 @@ fn crate_at(x: f32, y: f32) -> (RigidBox, BodyContacts, Transform) {
 struct Seen(Vec<(Entity, Entity, bool)>);
 
 #[test]
-fn a_contact_is_told_once_when_it_begins_and_once_when_it_ends() {
+fn a_contact_is_reported_once_when_it_begins_and_once_when_it_ends() {
     let mut app = app();
     app.init_resource::<Seen>();
     let world = app.world_mut();
@@ -48,7 +48,7 @@ fn a_contact_is_told_once_when_it_begins_and_once_when_it_ends() {
 }
 
 #[test]
-fn a_sensor_tells_who_passes_through() {
+fn a_sensor_reports_a_ball_that_passes_through() {
     let mut app = app();
     app.init_resource::<Seen>();
     let world = app.world_mut();
@@ -93,7 +93,7 @@ fn rays_overlaps_and_the_nearest_particle_name_entities() {
 }
 
 #[test]
-fn bodies_that_lie_still_sleep_and_wake_when_they_are_pushed_or_the_floor_goes() {
+fn resting_bodies_sleep_and_wake_when_they_are_pushed_or_the_floor_is_gone() {
     let mut app = app();
     let world = app.world_mut();
     let ground = world.spawn(floor()).id();
@@ -104,7 +104,7 @@ fn bodies_that_lie_still_sleep_and_wake_when_they_are_pushed_or_the_floor_goes()
     assert!(asleep(&app, body) && asleep(&app, other));
     app.world_mut().commands().entity(body).apply_impulse(Vec3::X * 2.0);
     tick(&mut app, 2);
-    assert!(!asleep(&app, body) && asleep(&app, other), "only who was pushed");
+    assert!(!asleep(&app, body) && asleep(&app, other), "only the pushed body");
     tick(&mut app, 200);
     assert!(asleep(&app, body));
     app.world_mut().despawn(ground);
@@ -115,7 +115,7 @@ fn bodies_that_lie_still_sleep_and_wake_when_they_are_pushed_or_the_floor_goes()
 }
 
 #[test]
-fn what_sleeps_is_not_written() {
+fn components_of_sleeping_bodies_are_not_written() {
     let mut app = app();
     let world = app.world_mut();
     world.spawn(floor());
@@ -140,11 +140,11 @@ fn what_sleeps_is_not_written() {
     let all = |app: &App| crates.iter().map(|&body| written(app, body)).collect::<Vec<_>>();
     let before = all(&app);
     tick(&mut app, 10);
-    assert_eq!(all(&app), before, "nothing of a sleeper is written");
+    assert_eq!(all(&app), before, "no component of a sleeping body is written");
 }
 
 #[test]
-fn the_transform_of_a_sleeper_follows_what_a_game_writes_to_its_particles() {
+fn the_transform_of_a_sleeping_body_follows_its_particles() {
     let mut app = app();
     let world = app.world_mut();
     world.spawn(floor());
@@ -169,7 +169,7 @@ fn the_transform_of_a_sleeper_follows_what_a_game_writes_to_its_particles() {
 /// Regression: bodies that are not solved have no contacts that the solver could report, so a body that fell asleep ended its contacts with what it lay on, and
 /// started them again when it woke.
 #[test]
-fn who_falls_asleep_goes_on_touching_what_it_lies_on() {
+fn falling_asleep_and_waking_end_and_start_no_contact() {
     let mut app = app();
     app.init_resource::<Seen>();
     let world = app.world_mut();

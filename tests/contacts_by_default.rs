@@ -17,7 +17,7 @@ fn crate_at(x: f32, y: f32) -> (RigidBox, Transform) {
 }
 
 #[test]
-fn what_a_game_spawns_with_a_recipe_is_not_overridden_by_it() {
+fn components_spawned_with_a_recipe_are_not_overridden_by_it() {
     let mut app = app();
     let world = app.world_mut();
     let alone = BodyContacts { with_bodies: false, ..default() };
@@ -54,7 +54,7 @@ fn one_component_takes_a_body_a_ball_or_a_collider_out_of_all_contacts_and_back(
     assert!(height(&app, ghost) < -5.0 && position(&app, ball).y < -5.0);
     let pelvis = app.world().get::<WorldCenterOfMass>(figure).unwrap().position.y;
     assert!(pelvis < -5.0, "a whole figure: {pelvis}");
-    assert!((height(&app, body) - 0.2).abs() < 0.01, "past the shelf and the ghost");
+    assert!((height(&app, body) - 0.2).abs() < 0.01, "through the shelf and the ghost");
     let sinew = app.world().resource::<SinewWorld>();
     let down = Ray3d::new(Vec3::new(2.0, 3.0, 0.0), Dir3::NEG_Y);
     let hit = sinew.cast_ray(down, 10.0, &QueryFilter::default()).map(|hit| hit.entity);
@@ -82,7 +82,7 @@ fn layers_keep_bodies_apart_from_bodies_alone() {
 }
 
 #[test]
-fn parts_that_are_joined_do_not_meet_and_do_when_the_joint_goes() {
+fn jointed_bodies_collide_only_after_the_joint_is_removed() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
     let world = app.world_mut();
@@ -104,11 +104,11 @@ fn parts_that_are_joined_do_not_meet_and_do_when_the_joint_goes() {
     assert!((gap(&app) - joined).abs() < 2e-3, "{} after {joined}", gap(&app));
     app.world_mut().despawn(joint);
     tick(&mut app, 120);
-    assert!(gap(&app) > 0.38, "pressed apart: {}", gap(&app));
+    assert!(gap(&app) > 0.38, "pushed apart: {}", gap(&app));
 }
 
 #[test]
-fn a_weight_tied_to_a_rope_and_a_rope_pinned_to_a_post_hang_in_peace() {
+fn a_weight_tied_to_a_rope_that_is_pinned_to_a_post_hangs_still() {
     let mut app = app();
     let world = app.world_mut();
     let post = (Collider::capsule(0.1, 1.0), Transform::from_xyz(0.0, 3.0, 0.0));
@@ -135,7 +135,7 @@ fn a_weight_tied_to_a_rope_and_a_rope_pinned_to_a_post_hang_in_peace() {
 }
 
 #[test]
-fn cloth_meets_itself_only_where_it_asks_for_that() {
+fn cloth_collides_with_itself_only_when_that_is_enabled() {
     let itself = |app: &App, body: usize| {
         app.world().resource::<SinewWorld>().simulation().contacts[body].with_itself
     };
@@ -148,7 +148,7 @@ fn cloth_meets_itself_only_where_it_asks_for_that() {
 }
 
 #[test]
-fn what_of_a_body_meets_others_is_what_lets_nothing_through() {
+fn automatic_contact_shapes_let_nothing_through() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
     let world = app.world_mut();
@@ -193,7 +193,7 @@ fn what_of_a_body_meets_others_is_what_lets_nothing_through() {
 }
 
 #[test]
-fn meeting_costs_no_bit_where_nobody_comes_near() {
+fn contacts_with_bodies_change_no_bit_where_no_body_is_near() {
     let run = |alone: bool| {
         let mut app = app();
         let world = app.world_mut();

@@ -53,7 +53,7 @@ fn asleep(app: &mut App) -> usize {
 }
 
 #[test]
-fn contacts_put_back_lead_to_the_same_bits_while_bodies_hit_each_other_and_when_they_sleep() {
+fn restored_contacts_lead_to_the_same_bits_during_hits_and_in_sleep() {
     let mut app = app();
     colliding_scene(&mut app);
     let mut slept = Vec::new();
@@ -81,7 +81,7 @@ fn a_rollback_by_seven_ticks_in_every_tick_changes_nothing_about_contacts() {
 }
 
 #[test]
-fn a_fresh_app_that_is_given_bodies_in_contact_goes_on_as_the_old_one_did() {
+fn a_fresh_app_with_restored_bodies_in_contact_goes_on_bit_for_bit() {
     let mut old = app();
     colliding_scene(&mut old);
     tick(&mut old, 60);
@@ -106,7 +106,7 @@ fn stack(app: &mut App) -> Vec<Entity> {
 }
 
 #[test]
-fn a_stack_on_a_slope_stays_and_its_memory_goes_with_those_who_have_it() {
+fn a_stack_on_a_slope_stays_and_cached_contacts_go_with_their_bodies() {
     let mut app = app();
     let plates = stack(&mut app);
     tick(&mut app, 120);
@@ -128,7 +128,7 @@ fn a_stack_on_a_slope_stays_and_its_memory_goes_with_those_who_have_it() {
 }
 
 #[test]
-fn what_a_stack_remembers_is_part_of_a_rollback_and_of_nobody_else() {
+fn the_contact_cache_of_a_stack_is_rolled_back_and_independent_of_other_bodies() {
     let (mut alone, mut among) = (app(), app());
     stack(&mut alone);
     stack(&mut among);

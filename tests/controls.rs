@@ -112,7 +112,7 @@ fn a_control_is_steered_while_time_runs_and_acts_on_particles_too() {
 }
 
 #[test]
-fn controls_are_named_and_stand_in_the_order_of_their_creation() {
+fn controls_have_names_and_are_in_the_order_of_creation() {
     let mut app = space();
     let body = app.world_mut().spawn(brick()).id();
     // Different archetypes, which a query visits one after the other.
@@ -167,7 +167,7 @@ fn a_bad_control_is_refused_once_and_the_rest_goes_on_bit_for_bit() {
 }
 
 #[test]
-fn a_control_whose_body_is_despawned_says_so_once_and_one_that_goes_with_it_does_not() {
+fn a_control_whose_body_is_despawned_is_refused_once_unless_it_goes_with_it() {
     let mut app = space();
     let body = app.world_mut().spawn(brick()).id();
     let left = app.world_mut().spawn(ControlForce::new(Vec3::X).on(body)).id();

@@ -48,7 +48,7 @@ fn steps_of_any_length_one_after_the_other_fall_along_the_parabola() {
 }
 
 #[test]
-fn steps_of_any_length_leave_what_lies_where_it_is() {
+fn steps_of_any_length_leave_a_resting_box_in_place() {
     let mut app = stepped();
     app.world_mut().spawn(Ground);
     let body = (RigidBox::default(), Transform::from_xyz(0.0, 0.5, 0.0));
@@ -66,7 +66,7 @@ fn steps_of_any_length_leave_what_lies_where_it_is() {
 /// The step changes by up to a fifth from one frame to the next. With larger changes ropes whip: what a long step stretched, a short one draws in at once
 /// (CHANGELOG, "Not yet").
 #[test]
-fn steps_that_jitter_leave_what_hangs_where_it_is() {
+fn jittering_steps_leave_a_hanging_rope_in_place() {
     let mut app = stepped();
     let rope = (Rope::default(), Transform::from_xyz(3.0, 3.0, 0.0));
     let rope = app.world_mut().spawn(rope).id();
@@ -167,14 +167,14 @@ fn the_plugin_alone_simulates_the_same_bits_as_the_group() {
 
 /// Regression: where no system of a game ran between phases, all substeps were taken at once and the conditions were never evaluated.
 #[test]
-fn a_condition_on_the_set_of_a_phase_is_asked_in_every_substep() {
+fn a_run_condition_of_a_phase_is_evaluated_in_every_substep() {
     let mut app = app();
     app.insert_resource(AirDrag(0.0));
     app.configure_sets(
         SubstepSchedule,
-        PhaseSystems::AccumulateForces.run_if(|mut asked: Local<u32>| {
-            *asked += 1;
-            *asked > 100
+        PhaseSystems::AccumulateForces.run_if(|mut evaluated: Local<u32>| {
+            *evaluated += 1;
+            *evaluated > 100
         }),
     );
     let stone = app.world_mut().spawn(Particle::at(Vec3::ZERO)).id();
@@ -210,7 +210,7 @@ fn a_wind_whose_phase_does_not_run_does_not_blow() {
 }
 
 #[test]
-fn a_box_slides_on_a_ground_with_a_drag_as_the_lectures_have_it() {
+fn ground_drag_slows_a_sliding_box_by_its_share_each_second() {
     for along in [0.2_f32, 0.5, 0.9] {
         let mut app = app();
         app.insert_resource(AirDrag(0.0));

@@ -49,7 +49,7 @@ fn every_scene_comes_back_from_both_formats_and_goes_on_as_it_did() {
 /// Regression: the record of what the rope was built from named entities of the app that saved it, so the rope was built anew: it hung straight again and went
 /// on differently.
 #[test]
-fn a_rope_between_two_things_is_not_built_anew_when_it_is_loaded() {
+fn a_rope_between_two_bodies_is_not_rebuilt_when_it_is_loaded() {
     for (format, write, read) in FORMATS {
         let mut old = game();
         // So that entity ids differ from those in the app that loads them.
@@ -70,7 +70,7 @@ fn a_rope_between_two_things_is_not_built_anew_when_it_is_loaded() {
 }
 
 #[test]
-fn floats_at_the_ends_of_what_there_is_come_back_bit_for_bit() {
+fn extreme_floats_come_back_bit_for_bit() {
     let floats = [-0.0, 0.0, 1e-45, -1e-45, f32::MIN_POSITIVE, f32::MAX, f32::MIN, 0.1, 1.0 / 3.0];
     let mut app = game();
     let spawned: Vec<Entity> = floats
@@ -129,7 +129,7 @@ fn a_file_that_is_cut_off_is_refused() {
 }
 
 #[test]
-fn a_file_with_a_byte_that_is_not_what_was_written_is_refused() {
+fn a_file_with_a_changed_byte_is_refused() {
     let (app, file) = file_of(FORMATS[1].1);
     let before = whole(&app);
     for place in (0..file.len()).step_by(1 + file.len() / 500) {
@@ -152,7 +152,7 @@ fn a_file_with_a_byte_that_is_not_what_was_written_is_refused() {
 }
 
 #[test]
-fn what_is_foreign_of_another_version_or_not_registered_is_refused_by_name() {
+fn foreign_files_other_versions_and_unregistered_types_are_refused_by_name() {
     let (app, file) = file_of(FORMATS[0].1);
     let text = String::from_utf8(file).unwrap();
     let read = |text: &str| SinewSnapshot::from_ron(text, app.world()).unwrap_err();
@@ -203,7 +203,7 @@ impl Equation for Nothing {
 }
 
 #[test]
-fn what_cannot_be_written_is_refused_by_name() {
+fn constraints_that_cannot_be_written_are_refused_by_name() {
     let mut app = game();
     app.register_particle_constraint::<Unseen>();
     busy_scene(&mut app);

@@ -91,7 +91,7 @@ fn middle(app: &App, body: Entity) -> Vec3 {
 }
 
 #[test]
-fn whatever_a_recipe_builds_lies_on_a_box_on_a_collider_and_on_a_ground() {
+fn bodies_of_every_recipe_rest_on_a_box_on_a_collider_and_on_a_ground() {
     for (name, spawn, height, margin) in every_recipe() {
         for (on, top) in [("a ground", 0.0), ("a collider", 0.5), ("a box", 1.0)] {
             let mut app = app();
@@ -193,7 +193,7 @@ fn sizes_are_full_sizes_as_of_bevys_primitives() {
 }
 
 #[test]
-fn the_mouse_is_no_part_of_the_plugins_and_substeps_are_taken_at_once() {
+fn the_mouse_is_not_in_the_plugin_group_and_substeps_are_taken_at_once() {
     let app = app();
     let world = app.world();
     assert!(world.get_resource::<bevy_sinew::MouseDrag>().is_none());

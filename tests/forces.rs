@@ -58,7 +58,7 @@ fn a_wind_in_a_region_blows_inside_it_alone_and_where_it_fades_by_its_share() {
 }
 
 #[test]
-fn each_shape_of_a_region_is_turned_with_its_entity_and_rides_on_its_parents() {
+fn each_shape_of_a_region_turns_with_its_entity_and_follows_its_parents() {
     // Along the world's x axis when the entity is turned by a quarter about z, and 5 m up with its parent.
     let shapes = [
         Region::boxed(Vec3::new(1.0, 6.0, 1.0)),
@@ -127,7 +127,7 @@ fn draft(body: RigidBox, floats: Floats, flatland: bool) -> f32 {
 }
 
 #[test]
-fn a_box_of_each_kind_floats_as_deep_as_its_density_asks_for() {
+fn a_box_of_each_kind_floats_at_the_draft_of_its_density() {
     let corners = RigidBox::default();
     let solid = RigidBox { particles: BoxParticles::Equimomental, ..default() };
     let faces =
@@ -179,7 +179,7 @@ fn without_its_hull_a_body_sinks_and_a_surface_may_lose_its_corners() {
     tick(&mut app, 2);
     assert_eq!(hulls(&app), 1, "the rest of the skin floats");
     let of_hulls = |(_, reason): &(Entity, Refusal)| matches!(reason, Refusal::Hull(_));
-    assert!(!heard(&app).iter().any(of_hulls), "and nobody complains of it");
+    assert!(!heard(&app).iter().any(of_hulls), "without a refusal");
     app.world_mut().entity_mut(body).remove::<Floats>();
     tick(&mut app, 120);
     assert_eq!(hulls(&app), 0);
@@ -254,7 +254,7 @@ fn a_world_in_2d_stays_in_its_plane_and_falls_in_it() {
 }
 
 #[test]
-fn without_gravity_of_their_own_bodies_and_particles_hang_and_with_twice_of_it_fall_twice_as_far() {
+fn the_gravity_scale_of_bodies_and_particles_scales_their_fall() {
     let mut app = vacuum();
     let mut body = |x: f32, scale: f32| {
         let place = Transform::from_xyz(x, 0.0, 0.0);
@@ -281,7 +281,7 @@ fn without_gravity_of_their_own_bodies_and_particles_hang_and_with_twice_of_it_f
 }
 
 #[test]
-fn a_drag_along_the_ground_takes_its_share_of_a_sliding_block_each_second() {
+fn a_drag_along_the_ground_slows_a_sliding_block_by_its_share_each_second() {
     let mut app = bare_app();
     app.insert_resource(AirDrag(0.0));
     let drag = GroundDrag { along: 0.6, ..default() };

@@ -164,7 +164,7 @@ fn as_if(
 }
 
 #[test]
-fn a_broken_number_is_refused_once_and_all_goes_on_as_if_its_owner_were_not_there() {
+fn a_broken_number_is_refused_once_and_acts_as_if_its_entity_were_not_there() {
     const BAD: f32 = f32::NAN;
     type Break = fn(&mut App, &Cast) -> Entity;
     fn put(app: &mut App, bundle: impl Bundle) -> Entity {
@@ -213,7 +213,7 @@ fn a_broken_number_is_refused_once_and_all_goes_on_as_if_its_owner_were_not_ther
 }
 
 #[test]
-fn a_broken_weight_or_hull_is_refused_once_and_the_body_goes_on_without() {
+fn a_broken_gravity_scale_or_hull_is_refused_once_and_the_body_goes_on_without_it() {
     as_if(
         "weight of a body",
         |app, cast| {
@@ -295,7 +295,7 @@ fn a_broken_resource_is_refused_once_by_its_entity_and_does_nothing() {
 }
 
 #[test]
-fn what_is_mended_acts_again_and_is_named_again_when_it_breaks_again() {
+fn a_repaired_attractor_acts_again_and_is_named_again_when_it_breaks_again() {
     let (mut app, cast) = played(3);
     for strength in [f32::NAN, 3.0, f32::NAN] {
         edit::<Attractor>(&mut app, cast.sun, |sun| sun.strength = strength);

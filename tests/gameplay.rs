@@ -18,11 +18,12 @@ fn listen(app: &mut App) {
 }
 
 /// Mean contact force between two entities over some ticks, N, from the impulses reported to the first.
-fn force(app: &mut App, asks: Entity, other: Entity, ticks: u64) -> f32 {
+fn force(app: &mut App, entity: Entity, other: Entity, ticks: u64) -> f32 {
     app.world_mut().resource_mut::<Got>().0.clear();
     tick(app, ticks);
     let got = &app.world().resource::<Got>().0;
-    let sum: f32 = got.iter().filter(|one| (one.0, one.1) == (asks, other)).map(|one| one.2).sum();
+    let sum: f32 =
+        got.iter().filter(|one| (one.0, one.1) == (entity, other)).map(|one| one.2).sum();
     sum / (ticks as f32 * TICK.as_secs_f32())
 }
 
@@ -31,7 +32,7 @@ fn floor(top: f32) -> (Collider, Transform) {
 }
 
 #[test]
-fn who_asks_for_every_contact_hears_what_presses_on_it() {
+fn contact_impulses_of_every_tick_add_up_to_the_weight_on_a_collider() {
     for (mass, substeps) in [(0.2, 10), (12.0, 4), (12.0, 10), (300.0, 40)] {
         let mut app = app();
         listen(&mut app);
@@ -49,7 +50,7 @@ fn who_asks_for_every_contact_hears_what_presses_on_it() {
             "{mass} kg, {substeps}: {weight} {expected}"
         );
         let got = &app.world().resource::<Got>().0;
-        assert_eq!(got.len(), 30, "in every tick, and to nobody who did not ask");
+        assert_eq!(got.len(), 30, "one in every tick, and none for the other entity");
         assert_eq!(heard(&app), []);
     }
 }
@@ -77,7 +78,7 @@ fn player_at(app: &mut App, at: Vec3) -> Entity {
 }
 
 #[test]
-fn a_player_on_a_plank_weighs_what_it_weighs() {
+fn a_player_presses_on_a_plank_with_its_weight() {
     for (plank_mass, mass) in [(5.0, 80.0), (20.0, 40.0)] {
         let mut app = app();
         listen(&mut app);
@@ -106,7 +107,7 @@ fn a_player_on_a_plank_weighs_what_it_weighs() {
 }
 
 #[test]
-fn a_seesaw_tips_to_the_side_of_who_weighs_and_to_no_other() {
+fn a_seesaw_tips_to_the_side_of_a_player_with_a_weight() {
     let tilt = |side: f32, weighs: bool| {
         let mut app = app();
         let world = app.world_mut();
@@ -142,12 +143,12 @@ fn a_weight_with_a_broken_number_is_refused_once_and_presses_on_nothing() {
         assert!(app.world().get::<Transform>(body).unwrap().is_finite());
         app.world_mut().entity_mut(foot).insert(Weighs::default());
         tick(&mut app, 20);
-        assert_eq!(heard(&app).len(), 1, "mended");
+        assert_eq!(heard(&app).len(), 1, "repaired");
     }
 }
 
 #[test]
-fn a_shape_on_its_way_names_what_it_meets() {
+fn a_shape_cast_names_the_entity_that_it_hits() {
     #[derive(Resource, Default)]
     struct Met(Vec<Option<(Entity, f32)>>);
     let mut app = app();

@@ -48,7 +48,7 @@ fn height(app: &App, thing: Entity) -> f32 {
 }
 
 #[test]
-fn layers_say_who_falls_through_and_who_does_not() {
+fn layers_decide_which_things_fall_through() {
     for room in [false, true] {
         for substeps in [2, 10] {
             let (mut app, floor) = with(room);
@@ -102,7 +102,7 @@ fn bounce(room: bool, floor: SurfaceMaterial, ball: SurfaceMaterial, rigid: bool
 }
 
 #[test]
-fn what_bounces_follows_from_the_materials_of_both() {
+fn restitution_follows_from_the_materials_of_both() {
     let lively = SurfaceMaterial::default().with_restitution(0.8);
     let most = lively.with_rules(Combine::Average, Combine::Max);
     for room in [false, true] {
@@ -175,7 +175,7 @@ fn place(app: &App, thing: Entity) -> Vec3 {
 }
 
 #[test]
-fn friction_is_made_of_both_surfaces_by_their_rules() {
+fn friction_combines_both_materials_by_their_rules() {
     let rule = |friction: f32, rule| SurfaceMaterial::new(friction).with_rules(rule, rule);
     for kind in [0, 1, 2] {
         for (friction, thing, mu) in [
@@ -218,7 +218,7 @@ fn listen(app: &mut App) {
 }
 
 #[test]
-fn a_floor_that_asks_hears_who_lands_on_it_and_what_that_weighs() {
+fn a_floor_with_contact_events_reports_what_lands_on_it_and_its_weight() {
     for room in [false, true] {
         let (mut app, floor) = with(room);
         listen(&mut app);
@@ -249,7 +249,7 @@ fn a_floor_that_asks_hears_who_lands_on_it_and_what_that_weighs() {
 }
 
 #[test]
-fn a_floor_that_is_a_sensor_lets_through_and_notices() {
+fn a_floor_that_is_a_sensor_lets_through_and_reports() {
     for room in [false, true] {
         let (mut app, floor) = with(room);
         listen(&mut app);
@@ -259,13 +259,13 @@ fn a_floor_that_is_a_sensor_lets_through_and_notices() {
         for (name, thing) in things {
             assert!(height(&app, thing) < -1.0, "room {room}: {name} falls through");
             let heard = app.world().resource::<Heard>();
-            assert!(heard.0.contains(&(floor, thing, true)), "room {room}: {name} was noticed");
+            assert!(heard.0.contains(&(floor, thing, true)), "room {room}: {name} was reported");
         }
     }
 }
 
 #[test]
-fn a_floor_that_is_disabled_or_gone_holds_nothing_and_comes_back() {
+fn a_disabled_floor_holds_nothing_until_it_is_enabled_again() {
     for room in [false, true] {
         let (mut app, floor) = with(room);
         app.world_mut().entity_mut(floor).insert(ContactsDisabled);
@@ -284,7 +284,7 @@ fn a_floor_that_is_disabled_or_gone_holds_nothing_and_comes_back() {
 }
 
 #[test]
-fn questions_meet_grounds_and_walls() {
+fn spatial_queries_hit_grounds_and_walls() {
     let mut app = app();
     let world = app.world_mut();
     let tilted = Transform::from_xyz(0.0, -1.0, 0.0)
@@ -298,7 +298,7 @@ fn questions_meet_grounds_and_walls() {
     let world = app.world_mut().resource::<SinewWorld>();
     let all = QueryFilter::default();
     let down = Ray3d::new(Vec3::ZERO, Dir3::NEG_Y);
-    let hit = world.cast_ray(down, 100.0, &all).expect("the ground is below");
+    let hit = world.cast_ray(down, 100.0, &all).expect("it hits the ground");
     assert_eq!((hit.entity, hit.particle), (ground, None));
     assert!((hit.distance - 1.0).abs() < 1e-4, "{hit:?}");
     assert!(hit.normal.dot(Vec3::Y) < 0.9 && hit.normal.dot(Vec3::Y) > 0.8);
@@ -323,7 +323,7 @@ fn questions_meet_grounds_and_walls() {
         assert!((hit.normal + *direction).length() < 1e-5);
         let ball = Collider::sphere(0.5);
         let hit = world.cast_shape(&ball, Isometry3d::IDENTITY, direction, 100.0, &inside);
-        let hit = hit.expect("a ball comes to a wall");
+        let hit = hit.expect("it hits a wall");
         assert!((hit.distance - far + 0.5).abs() < 1e-3, "{direction:?} {hit:?}");
         let at = Isometry3d::from_translation(*direction * (far - 0.4));
         assert_eq!(world.overlapping(&ball, at, &inside), [room]);
@@ -334,7 +334,7 @@ fn questions_meet_grounds_and_walls() {
 }
 
 #[test]
-fn a_floor_that_the_game_moves_carries_what_lies_on_it() {
+fn a_floor_that_the_game_moves_carries_the_things_on_it() {
     for room in [false, true] {
         let (mut app, floor) = with(room);
         let things = things(&mut app, ());
@@ -373,7 +373,7 @@ fn a_room_may_be_turned_and_scaled() {
 }
 
 #[test]
-fn what_sleeps_on_a_floor_wakes_where_the_floor_changes() {
+fn a_sleeping_body_wakes_when_its_floor_changes() {
     let changes: [(&str, fn(EntityWorldMut)); 5] = [
         ("friction", |mut floor| {
             floor.insert(SurfaceMaterial::new(0.0));

@@ -39,7 +39,7 @@ fn assert_near(found: &[Vec3], expected: &[Vec3]) {
 }
 
 #[test]
-fn every_recipe_is_built_where_its_parents_put_it_and_as_large() {
+fn every_recipe_is_built_at_the_place_and_scale_of_its_parents() {
     let own = Transform::from_xyz(0.2, -0.4, 0.6).with_rotation(Quat::from_rotation_y(0.3));
     let spawns: [fn(&mut World) -> Entity; 5] = [
         |w| w.spawn(RigidBox::new(Vec3::new(1.0, 0.5, 0.25))).id(),
@@ -67,7 +67,7 @@ fn every_recipe_is_built_where_its_parents_put_it_and_as_large() {
 }
 
 #[test]
-fn colliders_and_regions_stand_where_their_parents_put_them() {
+fn colliders_and_regions_are_where_their_parents_put_them() {
     let mut app = app();
     let world = app.world_mut();
     let up = world.spawn(Transform::from_xyz(5.0, 2.0, 0.0).with_scale(Vec3::splat(2.0))).id();
@@ -88,7 +88,7 @@ fn colliders_and_regions_stand_where_their_parents_put_them() {
 }
 
 #[test]
-fn what_a_parent_would_shear_is_refused_by_name_and_comes_back_when_that_is_mended() {
+fn sheared_children_are_refused_by_name_and_come_back_when_that_is_repaired() {
     let mut app = space();
     let world = app.world_mut();
     let long = world.spawn(Transform::from_scale(Vec3::new(1.0, 3.0, 1.0))).id();
@@ -102,11 +102,11 @@ fn what_a_parent_would_shear_is_refused_by_name_and_comes_back_when_that_is_mend
     let quarter = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_2));
     let flag = world.spawn((Cloth::grid(1.0, 1.0, 2, 2), quarter, ChildOf(long))).id();
     tick(&mut app, 3);
-    let mut said = heard(&app);
-    said.sort_by_key(|(entity, _)| *entity);
+    let mut refusals = heard(&app);
+    refusals.sort_by_key(|(entity, _)| *entity);
     let mut expected = [body, cloth, wall, wind].map(|entity| (entity, Refusal::Sheared));
     expected.sort_by_key(|(entity, _)| *entity);
-    assert_eq!(said, expected);
+    assert_eq!(refusals, expected);
     assert_eq!(particles_of(&app, body), []);
     let wide = all_positions(&app, flag).into_iter().fold(0.0_f32, |y, p| y.max(p.y.abs()));
     assert!((wide - 1.5).abs() < 1e-4, "its width is along the parent's height: {wide}");
@@ -118,7 +118,7 @@ fn what_a_parent_would_shear_is_refused_by_name_and_comes_back_when_that_is_mend
 }
 
 #[test]
-fn a_parent_that_moves_carries_its_bodies_along_and_they_move_as_they_would_besides() {
+fn a_moving_parent_carries_its_bodies_without_changing_their_own_motion() {
     let fall = |speed: Vec3| {
         let mut app = app();
         let world = app.world_mut();
@@ -165,7 +165,7 @@ fn a_teleport_is_in_the_frame_of_the_parents() {
 }
 
 #[test]
-fn a_body_that_is_scaled_is_built_in_its_new_size_and_one_whose_parent_is_scaled_too() {
+fn scaling_a_body_or_its_parent_rebuilds_it_in_the_new_size() {
     let mut app = space();
     let world = app.world_mut();
     let parent = world.spawn(Transform::default()).id();
@@ -193,7 +193,7 @@ fn a_body_that_is_scaled_is_built_in_its_new_size_and_one_whose_parent_is_scaled
 struct Ended(Vec<(Entity, Entity)>);
 
 #[test]
-fn a_body_that_is_reparented_scaled_or_despawned_in_contact_ends_its_contacts_with_an_event() {
+fn reparenting_scaling_or_despawning_a_body_ends_its_contacts_with_an_event() {
     let changes: [(&str, fn(&mut World, Entity)); 3] = [
         ("a new parent", |world, body| {
             let high = world.spawn(Transform::from_xyz(0.0, 5.0, 0.0)).id();
@@ -225,7 +225,7 @@ fn a_body_that_is_reparented_scaled_or_despawned_in_contact_ends_its_contacts_wi
 }
 
 #[test]
-fn bodies_are_eased_whenever_they_are_told_to_be() {
+fn interpolation_may_be_switched_on_and_off_at_any_time() {
     use bevy_sinew::Interpolate;
     let mut app = space();
     // Frames of a third of a tick.
@@ -261,7 +261,7 @@ fn bodies_are_eased_whenever_they_are_told_to_be() {
 /// No component of the body is written when it loses its parent: whether any body may have moved is decided by change ticks of whole tables, so the loss itself
 /// has to be noticed.
 #[test]
-fn a_body_that_loses_its_parent_is_where_its_transform_says_without_one() {
+fn a_body_that_loses_its_parent_moves_to_its_transform_without_one() {
     for scale in [1.0, 2.0] {
         let mut app = space();
         let outer = Transform::from_xyz(4.0, 1.0, -2.0).with_scale(Vec3::splat(scale));

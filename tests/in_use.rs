@@ -34,7 +34,7 @@ struct Doomed {
     mesh: Entity,
 }
 
-fn strike(world: &mut World) {
+fn despawn_doomed(world: &mut World) {
     if world.resource::<SinewClock>().tick != 10 {
         return;
     }
@@ -71,7 +71,7 @@ fn lose(what: Option<Victim>, place: impl FnOnce(&mut App)) -> (usize, u64) {
     place(&mut app);
     tick(&mut app, 30);
     assert_finite(&mut app);
-    assert!(!app.world().contains_resource::<Doomed>(), "it struck");
+    assert!(!app.world().contains_resource::<Doomed>(), "it was despawned");
     (heard(&app).len(), hash_of(&app, &others))
 }
 
@@ -85,7 +85,7 @@ fn most_messages(what: Victim) -> usize {
 }
 
 #[test]
-fn a_loss_before_or_after_any_set_harms_nobody_else() {
+fn a_loss_before_or_after_any_set_harms_no_other_body() {
     let calm = lose(None, |_| ()).1;
     let sets = [
         SinewSystems::Build,
@@ -97,36 +97,38 @@ fn a_loss_before_or_after_any_set_harms_nobody_else() {
     for what in VICTIMS {
         for set in sets {
             let places: [(&str, ScheduleConfigs<ScheduleSystem>); 2] =
-                [("before", strike.before(set)), ("after", strike.after(set))];
+                [("before", despawn_doomed.before(set)), ("after", despawn_doomed.after(set))];
             for (when, place) in places {
-                let (said, others) = lose(Some(what), |app| {
+                let (count, others) = lose(Some(what), |app| {
                     app.add_systems(SinewTick, place);
                 });
                 assert_eq!(others, calm, "{what:?} {when} {set:?}");
                 let most = most_messages(what);
-                assert!(said <= most, "{what:?} {when} {set:?}: {said} messages, at most {most}");
+                assert!(count <= most, "{what:?} {when} {set:?}: {count} messages, at most {most}");
             }
         }
     }
 }
 
 #[test]
-fn a_loss_within_a_substep_or_between_frames_harms_nobody_else() {
+fn a_loss_within_a_substep_or_between_frames_harms_no_other_body() {
     let calm = lose(None, |_| ()).1;
     for what in VICTIMS {
         let (_, others) = lose(Some(what), |app| {
             app.add_systems(
                 SubstepSchedule,
-                strike.after(PhaseSystems::Integrate).before(PhaseSystems::SolveConstraints),
+                despawn_doomed
+                    .after(PhaseSystems::Integrate)
+                    .before(PhaseSystems::SolveConstraints),
             );
         });
         assert_eq!(others, calm, "{what:?} within a substep");
         for label in [0, 1] {
             let (_, others) = lose(Some(what), |app| {
                 if label == 0 {
-                    app.add_systems(Update, strike);
+                    app.add_systems(Update, despawn_doomed);
                 } else {
-                    app.add_systems(PostUpdate, strike);
+                    app.add_systems(PostUpdate, despawn_doomed);
                 }
             });
             assert_eq!(others, calm, "{what:?} between frames");
@@ -135,7 +137,7 @@ fn a_loss_within_a_substep_or_between_frames_harms_nobody_else() {
 }
 
 #[test]
-fn a_body_whose_observer_despawns_it_while_it_is_built_harms_nobody() {
+fn a_body_that_an_observer_despawns_while_it_is_built_harms_no_other_body() {
     fn check(name: &str, watch: impl FnOnce(&mut App)) {
         let mut app = app();
         let others =
@@ -223,7 +225,7 @@ fn bodies_that_are_despawned_in_the_tick_that_they_were_spawned_in_leave_nothing
 }
 
 #[test]
-fn components_taken_off_and_put_on_again_do_no_harm() {
+fn components_that_are_removed_and_inserted_again_do_no_harm() {
     let mut app = app();
     let bodies = busy_scene(&mut app);
     tick(&mut app, 5);

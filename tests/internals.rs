@@ -36,7 +36,7 @@ fn blueprint() -> Blueprint {
     let [o, x, y, z] = places;
     let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     let soft = Softness::frequency(3.0, 0.5);
-    let laws = [
+    let kinds = [
         (3, ConstraintKind::Angle(Angle::between(0.1, 0.2).with_softness(soft))),
         (4, ConstraintKind::Hinge(Hinge::between(0.1, 0.2).with_softness(soft))),
         (4, ConstraintKind::Cone(Cone::about(o, x, y, z, 0.3).unwrap().with_softness(soft))),
@@ -67,18 +67,18 @@ fn blueprint() -> Blueprint {
     Blueprint {
         particles: places.map(ParticleSeed::at).to_vec(),
         distances: vec![Distance::new(0, 1, 1.0)],
-        constraints: laws.map(|(count, kind)| Constraint::new(0..count, kind)).to_vec(),
+        constraints: kinds.map(|(count, kind)| Constraint::new(0..count, kind)).to_vec(),
         ..Default::default()
     }
 }
 
-fn the_law_of<T: ParticleConstraint>(world: &mut World) -> Option<(Vec<Entity>, ConstraintKind)> {
+fn the_only<T: ParticleConstraint>(world: &mut World) -> Option<(Vec<Entity>, ConstraintKind)> {
     let found = world.query::<&T>().single(world).ok()?;
     Some((found.particles().to_vec(), found.kind()))
 }
 
 #[test]
-fn each_law_becomes_its_component_and_says_what_it_said() {
+fn each_constraint_kind_becomes_a_component_with_the_same_kind() {
     let mut world = World::new();
     let body = world.spawn(ParticleBody).id();
     let particles: Vec<Entity> = (0..4).map(|_| world.spawn_empty().id()).collect();
@@ -87,18 +87,18 @@ fn each_law_becomes_its_component_and_says_what_it_said() {
     let all = blueprint.distances.len() + blueprint.constraints.len();
     assert_eq!(bind(&mut world, body, &blueprint, &particles).len(), all);
     let found = [
-        the_law_of::<AngleConstraint>(&mut world),
-        the_law_of::<HingeConstraint>(&mut world),
-        the_law_of::<ConeConstraint>(&mut world),
-        the_law_of::<AreaConstraint>(&mut world),
-        the_law_of::<PatchConstraint>(&mut world),
-        the_law_of::<TetrahedronConstraint>(&mut world),
-        the_law_of::<VolumeConstraint>(&mut world),
-        the_law_of::<BendConstraint>(&mut world),
-        the_law_of::<CoplanarConstraint>(&mut world),
-        the_law_of::<CollinearConstraint>(&mut world),
-        the_law_of::<RigidConstraint>(&mut world),
-        the_law_of::<AnyConstraint>(&mut world),
+        the_only::<AngleConstraint>(&mut world),
+        the_only::<HingeConstraint>(&mut world),
+        the_only::<ConeConstraint>(&mut world),
+        the_only::<AreaConstraint>(&mut world),
+        the_only::<PatchConstraint>(&mut world),
+        the_only::<TetrahedronConstraint>(&mut world),
+        the_only::<VolumeConstraint>(&mut world),
+        the_only::<BendConstraint>(&mut world),
+        the_only::<CoplanarConstraint>(&mut world),
+        the_only::<CollinearConstraint>(&mut world),
+        the_only::<RigidConstraint>(&mut world),
+        the_only::<AnyConstraint>(&mut world),
     ];
     for (found, meant) in found.into_iter().zip(&blueprint.constraints) {
         let named = particles[..meant.rows.len()].to_vec();
@@ -110,7 +110,7 @@ fn each_law_becomes_its_component_and_says_what_it_said() {
 }
 
 #[test]
-fn it_stops_where_an_observer_despawned_the_body() {
+fn binding_stops_when_an_observer_despawns_the_body() {
     let mut world = World::new();
     let body = world.spawn(ParticleBody).id();
     world.add_observer(move |_: OnAdd<AreaConstraint>, mut commands: Commands| {
@@ -123,7 +123,7 @@ fn it_stops_where_an_observer_despawned_the_body() {
 }
 
 #[test]
-fn a_law_with_the_wrong_number_of_particles_stays_a_law() {
+fn a_constraint_with_the_wrong_number_of_particles_becomes_an_any_constraint() {
     let mut world = World::new();
     let body = world.spawn(ParticleBody).id();
     let kind = ConstraintKind::Angle(Angle::between(0.0, 1.0));
@@ -131,7 +131,7 @@ fn a_law_with_the_wrong_number_of_particles_stays_a_law() {
     let blueprint = Blueprint { constraints, ..Default::default() };
     let particle = world.spawn_empty().id();
     bind(&mut world, body, &blueprint, &[particle]);
-    let found = the_law_of::<AnyConstraint>(&mut world);
+    let found = the_only::<AnyConstraint>(&mut world);
     assert_eq!(found, Some((vec![particle, Entity::PLACEHOLDER], kind)));
 }
 
@@ -140,7 +140,7 @@ fn turned(angle: f32) -> Transform {
 }
 
 #[test]
-fn what_a_parent_does_not_shear_is_where_bevy_puts_it() {
+fn transforms_without_shear_compose_as_in_bevy() {
     let even = turned(0.7).with_scale(Vec3::splat(2.0));
     let long = turned(0.3).with_scale(Vec3::new(1.0, 4.0, 0.5));
     let mirrored = turned(0.3).with_scale(Vec3::new(-1.0, 4.0, 0.5));
@@ -157,7 +157,7 @@ fn what_a_parent_does_not_shear_is_where_bevy_puts_it() {
 }
 
 #[test]
-fn what_is_turned_in_a_parent_that_is_scaled_unevenly_has_no_place() {
+fn a_rotation_in_an_unevenly_scaled_parent_does_not_compose() {
     let long = Transform::from_scale(Vec3::new(1.0, 2.0, 1.0));
     assert_eq!(compose(&long, &turned(0.5)), None);
     let flat = Transform::from_scale(Vec3::new(1.0, 0.0, 1.0));

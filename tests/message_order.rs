@@ -54,11 +54,11 @@ fn heard_of(spoil: impl Fn(&mut World, usize)) -> Vec<(&'static str, usize, usiz
     tick(&mut app, 60);
     let name = |entity: Entity| names.iter().position(|&one| one == entity).unwrap();
     let log = core::mem::take(&mut app.world_mut().resource_mut::<Log>().0);
-    log.into_iter().map(|(what, asks, other)| (what, name(asks), name(other))).collect()
+    log.into_iter().map(|(what, entity, other)| (what, name(entity), name(other))).collect()
 }
 
 #[test]
-fn contacts_are_told_in_the_order_of_creation() {
+fn contacts_are_reported_in_the_order_of_creation() {
     let plain = heard_of(|_, _| {});
     for what in ["started", "ended", "impulse"] {
         assert!(plain.iter().filter(|one| one.0 == what).count() > 12, "{what}");

@@ -12,7 +12,7 @@ use crate::support::{app, assert_finite, heard, mesh_of, particles_of, position,
 
 fn model(name: &str) -> Option<PathBuf> {
     // Read when the test runs: clones may share a target folder.
-    let package = std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo says where it is");
+    let package = std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it");
     let path = PathBuf::from(package).join("../../shared/models").join(name);
     if path.exists() {
         return Some(path);

@@ -36,7 +36,7 @@ fn assert_close(found: Vec3, expected: Vec3, what: &str) {
 }
 
 #[test]
-fn velocities_that_are_spawned_with_a_body_of_any_kind_are_its_first_motion() {
+fn velocities_spawned_with_a_body_of_any_kind_are_its_initial_velocities() {
     let (along, about) = (Vec3::new(1.0, 2.0, -0.5), Vec3::new(0.0, 1.5, 0.0));
     let spawns: [fn(&mut World) -> Entity; 5] = [
         |w| w.spawn(boxed()).id(),
@@ -62,7 +62,7 @@ fn velocities_that_are_spawned_with_a_body_of_any_kind_are_its_first_motion() {
 }
 
 #[test]
-fn a_velocity_that_a_game_changes_is_the_bodys_and_leaves_the_other_alone() {
+fn a_velocity_written_by_a_game_is_followed_and_leaves_the_other_one_unchanged() {
     let mut app = space();
     let body = app.world_mut().spawn((boxed(), AngularVelocity(Vec3::Y * 2.0))).id();
     tick(&mut app, 5);
@@ -84,7 +84,7 @@ fn a_velocity_that_a_game_changes_is_the_bodys_and_leaves_the_other_alone() {
 
 /// Regression: the component was silently ignored on a single particle, where a new user threw a ball with it.
 #[test]
-fn a_single_particle_that_has_a_linear_velocity_follows_it_too() {
+fn a_single_particle_follows_its_linear_velocity_too() {
     let mut app = app();
     app.insert_resource(AirDrag(0.0));
     let thrown = LinearVelocity(Vec3::new(2.0, 5.0, 0.0));
@@ -117,19 +117,19 @@ fn a_single_particle_that_has_a_linear_velocity_follows_it_too() {
 }
 
 #[test]
-fn a_velocity_that_is_no_number_is_refused_and_the_body_goes_on() {
+fn a_velocity_that_is_not_finite_is_refused_and_the_body_goes_on() {
     let mut app = space();
     let body = app.world_mut().spawn((boxed(), LinearVelocity(Vec3::X))).id();
     tick(&mut app, 5);
     app.world_mut().get_mut::<LinearVelocity>(body).unwrap().0.y = f32::NAN;
     tick(&mut app, 5);
     assert_close(velocity(&app, body), Vec3::X, "as before");
-    let said = heard(&app);
-    assert!(matches!(said[..], [(entity, Refusal::Edit(_))] if entity == body), "{said:?}");
+    let refusals = heard(&app);
+    assert!(matches!(refusals[..], [(entity, Refusal::Edit(_))] if entity == body), "{refusals:?}");
 }
 
 #[test]
-fn nothing_that_is_only_read_changes_a_bit() {
+fn velocities_marked_as_changed_but_equal_change_no_bit() {
     let run = |touched: bool| {
         let mut app = app();
         app.world_mut().spawn(Ground);
@@ -147,7 +147,7 @@ fn nothing_that_is_only_read_changes_a_bit() {
 }
 
 #[test]
-fn forces_torques_and_impulses_do_to_a_box_what_newton_and_euler_say() {
+fn forces_torques_and_impulses_on_a_box_follow_newton_and_euler() {
     let mut app = space();
     let world = app.world_mut();
     let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
@@ -177,7 +177,7 @@ fn forces_torques_and_impulses_do_to_a_box_what_newton_and_euler_say() {
 }
 
 #[test]
-fn commands_push_for_one_tick_and_add_up() {
+fn force_commands_act_for_one_tick_and_add_up() {
     let mut app = space();
     let body = app.world_mut().spawn(boxed()).id();
     tick(&mut app, 2);
@@ -207,15 +207,15 @@ fn a_limb_and_a_loose_particle_are_pushed_as_a_body_is() {
     let limb = app.world().get::<bevy_sinew::BodyParts>(figure).unwrap().iter().next().unwrap();
     app.world_mut().entity_mut(limb).insert(ExternalImpulse::new(Vec3::Z * 75.0));
     tick(&mut app, 1);
-    assert_close(velocity(&app, figure), Vec3::Z, "the whole has the momentum");
+    assert_close(velocity(&app, figure), Vec3::Z, "the figure has the momentum");
     assert_eq!(heard(&app), []);
 }
 
 #[test]
-fn what_a_body_says_of_itself_is_shared_out_onto_its_particles() {
+fn properties_of_a_body_are_shared_out_onto_its_particles() {
     let mut app = space();
-    let said = (Mass(8.0), Radius(0.03), Charge(2.0), Drag(0.25));
-    let body = app.world_mut().spawn((boxed(), said)).id();
+    let properties = (Mass(8.0), Radius(0.03), Charge(2.0), Drag(0.25));
+    let body = app.world_mut().spawn((boxed(), properties)).id();
     tick(&mut app, 1);
     let sums = |app: &App| {
         let own = particles_of(app, body);
@@ -258,13 +258,13 @@ fn what_a_body_says_of_itself_is_shared_out_onto_its_particles() {
 }
 
 #[test]
-fn a_body_that_is_put_back_is_not_pushed_again() {
+fn a_restored_body_is_not_pushed_again() {
     let run = |restores: bool| {
         let mut app = app();
         app.world_mut().spawn(Ground);
-        let said = (Mass(4.0), LinearVelocity(Vec3::X), ExternalImpulse::new(Vec3::Y));
+        let properties = (Mass(4.0), LinearVelocity(Vec3::X), ExternalImpulse::new(Vec3::Y));
         let at = Transform::from_xyz(0.0, 1.0, 0.0);
-        let body = app.world_mut().spawn((boxed(), at, said)).id();
+        let body = app.world_mut().spawn((boxed(), at, properties)).id();
         let mut seen = Vec::new();
         for _ in 0..20 {
             tick(&mut app, 1);

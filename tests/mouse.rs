@@ -44,7 +44,7 @@ fn count(app: &mut App) -> usize {
 }
 
 #[test]
-fn a_click_into_the_middle_of_a_face_catches_the_crate_there() {
+fn a_click_on_a_face_grabs_the_crate_at_that_point() {
     let mut app = app();
     app.world_mut().spawn(RigidBox::new(Vec3::splat(2.0)).with_mass(20.0));
     run(&mut app, 2);
@@ -67,7 +67,7 @@ fn a_click_into_the_middle_of_a_face_catches_the_crate_there() {
 }
 
 #[test]
-fn a_press_while_time_stands_still_holds_nothing_and_changes_no_state() {
+fn a_press_in_a_pause_holds_nothing_and_changes_no_state() {
     let mut app = app();
     app.world_mut().spawn(RigidBox::new(Vec3::splat(2.0)));
     run(&mut app, 2);
@@ -90,7 +90,7 @@ fn a_press_while_time_stands_still_holds_nothing_and_changes_no_state() {
 }
 
 #[test]
-fn every_body_is_caught_by_what_is_seen_of_it() {
+fn every_kind_of_body_is_grabbed_at_its_visible_surface() {
     let spawns: [(&str, fn(&mut World) -> Entity); 5] = [
         ("a box", |w| w.spawn(RigidBox::default()).id()),
         ("a cloth", |w| w.spawn(Cloth::grid(1.0, 1.0, 3, 3)).id()),
@@ -114,7 +114,7 @@ fn every_body_is_caught_by_what_is_seen_of_it() {
 }
 
 #[test]
-fn a_rope_is_caught_beside_the_pointer_and_nothing_behind_a_wall_is() {
+fn a_rope_is_grabbed_near_the_pointer_but_not_behind_a_wall() {
     let mut app = app();
     app.world_mut().spawn(Rope { pin_end: true, ..Rope::between(-Vec3::X, Vec3::X) });
     run(&mut app, 2);
@@ -131,7 +131,7 @@ fn a_rope_is_caught_beside_the_pointer_and_nothing_behind_a_wall_is() {
 }
 
 #[test]
-fn a_press_on_something_above_is_not_for_the_world() {
+fn a_press_on_an_entity_in_front_grabs_nothing() {
     let mut app = app();
     app.world_mut().spawn(RigidBox::default());
     let button = app.world_mut().spawn_empty().id();
@@ -154,7 +154,7 @@ fn a_press_on_something_above_is_not_for_the_world() {
 /// Found by driving the gallery's window: a click on a rope grabbed a lantern elsewhere, by a ray of the camera that egui draws with, which is a kilometre
 /// away, so that anything within forty metres of its ray was near enough.
 #[test]
-fn a_camera_that_sees_nothing_catches_nothing() {
+fn a_camera_without_render_layers_grabs_nothing() {
     let mut app = app();
     let body = app.world_mut().spawn(RigidBox::default()).id();
     app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(20.0, 0.0, 0.0)));
@@ -179,7 +179,7 @@ fn a_camera_that_sees_nothing_catches_nothing() {
 }
 
 #[test]
-fn another_backend_may_tell_of_the_body_first() {
+fn a_hit_of_another_backend_on_the_bodys_mesh_does_not_block_a_grab() {
     let mut app = app();
     let body = app.world_mut().spawn(RigidBox::default()).id();
     // Its mesh, a child of the body that is nearer than the shape.
@@ -197,7 +197,7 @@ fn another_backend_may_tell_of_the_body_first() {
 }
 
 #[test]
-fn another_button_or_none_catches_nothing() {
+fn another_button_or_none_grabs_nothing() {
     let mut app = app();
     app.world_mut().spawn(RigidBox::default());
     run(&mut app, 2);
@@ -208,7 +208,7 @@ fn another_button_or_none_catches_nothing() {
 }
 
 #[test]
-fn light_and_heavy_bodies_follow_as_eagerly() {
+fn light_and_heavy_bodies_follow_equally_fast() {
     let way = |mass: f32| {
         let mut app = app();
         let body = app.world_mut().spawn(RigidBox::default().with_mass(mass)).id();
@@ -224,7 +224,7 @@ fn light_and_heavy_bodies_follow_as_eagerly() {
 }
 
 #[test]
-fn a_crate_hangs_at_the_hand_and_one_at_rest_is_not_turned_by_being_caught() {
+fn a_grabbed_crate_hangs_from_the_pointer_and_is_not_turned_by_the_grab() {
     let mut app = app();
     let body = app.world_mut().spawn(RigidBox::default().with_mass(20.0)).id();
     run(&mut app, 2);
@@ -245,7 +245,7 @@ fn a_crate_hangs_at_the_hand_and_one_at_rest_is_not_turned_by_being_caught() {
 }
 
 #[test]
-fn what_is_held_may_go_and_the_hand_is_empty() {
+fn a_grab_ends_when_its_body_is_despawned() {
     let mut app = app();
     let body = app.world_mut().spawn(RigidBox::default()).id();
     run(&mut app, 2);
@@ -279,7 +279,7 @@ fn taken_of(balls: &[(Vec3, f32)], wall: Option<f32>) -> Option<usize> {
 }
 
 #[test]
-fn the_pointer_takes_what_is_under_it_and_the_nearer_of_two() {
+fn the_pointer_grabs_the_nearest_particle_under_it() {
     let near = (Vec3::new(0.01, 0.0, -2.0), 0.0);
     let far = (Vec3::new(0.0, 0.0, -6.0), 0.0);
     let behind = (Vec3::Z, 0.9);

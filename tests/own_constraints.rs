@@ -89,7 +89,7 @@ impl ParticleConstraint for OnOther {
 }
 
 #[test]
-fn a_particle_stays_on_the_surface_that_a_game_invented() {
+fn a_particle_stays_on_the_surface_of_a_games_own_constraint() {
     let mut app = app();
     app.init_resource::<Hooked>().register_particle_constraint::<OnBall>();
     let bead = Particle::at(Vec3::Y).with_velocity(Vec3::X);
@@ -114,7 +114,7 @@ fn a_particle_stays_on_the_surface_that_a_game_invented() {
 }
 
 #[test]
-fn what_a_game_finds_wrong_is_refused_like_the_rest() {
+fn a_fault_reported_by_a_games_constraint_is_refused() {
     let mut app = app();
     app.register_particle_constraint::<OnBall>();
     let bead = app.world_mut().spawn(Particle::at(Vec3::Y)).id();
@@ -125,7 +125,7 @@ fn what_a_game_finds_wrong_is_refused_like_the_rest() {
 }
 
 #[test]
-fn registering_early_late_or_twice_comes_to_the_same() {
+fn registering_early_late_or_twice_has_the_same_effect() {
     let run = |place: usize| {
         let mut app = App::new();
         let register = |app: &mut App, when| {
@@ -158,7 +158,7 @@ fn registering_early_late_or_twice_comes_to_the_same() {
 }
 
 /// How often the kind of any `Counted` was queried.
-static ASKED: AtomicUsize = AtomicUsize::new(0);
+static QUERIES: AtomicUsize = AtomicUsize::new(0);
 
 #[derive(Component, Clone)]
 struct Counted(OnBall);
@@ -169,25 +169,25 @@ impl ParticleConstraint for Counted {
     }
 
     fn kind(&self) -> ConstraintKind {
-        ASKED.fetch_add(1, Ordering::Relaxed);
+        QUERIES.fetch_add(1, Ordering::Relaxed);
         self.0.kind()
     }
 }
 
 #[test]
-fn a_law_is_asked_for_when_something_changed_and_not_in_a_warm_tick() {
+fn the_kind_of_a_constraint_is_queried_after_a_change_and_not_in_a_warm_tick() {
     let mut app = app();
     app.register_particle_constraint::<Counted>();
     busy_scene(&mut app);
     let bead = app.world_mut().spawn(Particle::at(Vec3::Y)).id();
     let on = app.world_mut().spawn(Counted(on_ball(bead))).id();
     tick(&mut app, 2);
-    let asked = ASKED.load(Ordering::Relaxed);
+    let queries = QUERIES.load(Ordering::Relaxed);
     tick(&mut app, 50);
-    assert_eq!(ASKED.load(Ordering::Relaxed), asked);
+    assert_eq!(QUERIES.load(Ordering::Relaxed), queries);
     app.world_mut().get_mut::<Counted>(on).unwrap().0.radius = 1.1;
     tick(&mut app, 2);
-    assert_eq!(ASKED.load(Ordering::Relaxed), asked + 1);
+    assert_eq!(QUERIES.load(Ordering::Relaxed), queries + 1);
 }
 
 /// Moves an entity into a table of its own.
@@ -196,7 +196,7 @@ struct Mark<const N: usize>;
 
 /// Two types of constraints, taking turns, pull one particle onto surfaces that exclude each other: the last one wins. `marks` shuffles their tables, `turned`
 /// reverses their order of creation. Returns a hash of the final positions.
-fn quarrel(marks: bool, turned: bool) -> u64 {
+fn opposed(marks: bool, turned: bool) -> u64 {
     let mut app = app();
     app.register_particle_constraint::<OnBall>().register_particle_constraint::<OnOther>();
     let world = app.world_mut();
@@ -237,9 +237,9 @@ fn quarrel(marks: bool, turned: bool) -> u64 {
 
 #[test]
 fn the_order_of_creation_decides_across_types_and_tables() {
-    assert_eq!(quarrel(false, false), quarrel(true, false), "not the order of the tables");
-    assert_eq!(quarrel(false, true), quarrel(true, true));
-    assert_ne!(quarrel(false, false), quarrel(false, true), "and it does matter");
+    assert_eq!(opposed(false, false), opposed(true, false), "not the order of the tables");
+    assert_eq!(opposed(false, true), opposed(true, true));
+    assert_ne!(opposed(false, false), opposed(false, true), "and it does matter");
 }
 
 /// One constraint of each kind, each on particles that hang from the first one; some are soft.
@@ -279,12 +279,12 @@ fn one_of_each(world: &mut World) {
     world.spawn(CollinearConstraint::new(three(9)).with_softness(soft));
     let rest = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p * 0.4);
     world.spawn(RigidConstraint::new(four(10), rest));
-    let law = ConstraintKind::custom(Ball { centre: Vec3::new(0.0, 4.0, -3.0), radius: 2.0 });
-    world.spawn(AnyConstraint::new([five(11)[4]], law));
+    let kind = ConstraintKind::custom(Ball { centre: Vec3::new(0.0, 4.0, -3.0), radius: 2.0 });
+    world.spawn(AnyConstraint::new([five(11)[4]], kind));
 }
 
 #[test]
-fn constraints_cloned_and_put_back_go_on_bit_for_bit() {
+fn restored_constraints_go_on_bit_for_bit() {
     let mut app = app();
     app.world_mut().spawn(Ground);
     one_of_each(app.world_mut());

@@ -146,7 +146,7 @@ fn each_phase_does_its_own_work_in_its_own_set_and_no_other() {
 
 /// With and without measuring: a cape in a wind, which takes its substeps one by one anyway, and a rope without wind, which takes them all at once.
 #[test]
-fn phases_are_measured_where_that_is_asked_for_and_nothing_else_changes() {
+fn measuring_the_phases_changes_nothing_else() {
     let run = |by_phase: bool| {
         let mut app = bare_app();
         app.world_mut().resource_mut::<TickTime>().by_phase = by_phase;
@@ -158,11 +158,11 @@ fn phases_are_measured_where_that_is_asked_for_and_nothing_else_changes() {
         let took = *app.world().resource::<TickTime>();
         (took, SinewSnapshot::capture(app.world_mut()).hash())
     };
-    let ((usual, hash), (asked, same)) = (run(false), run(true));
+    let ((usual, hash), (measured, same)) = (run(false), run(true));
     assert_eq!(hash, same);
     assert_eq!(usual.phases, [Duration::ZERO; 6]);
-    assert!(asked.phases.iter().all(|phase| !phase.is_zero()), "{asked:?}");
-    assert!(asked.phases.iter().sum::<Duration>() <= asked.substeps, "{asked:?}");
+    assert!(measured.phases.iter().all(|phase| !phase.is_zero()), "{measured:?}");
+    assert!(measured.phases.iter().sum::<Duration>() <= measured.substeps, "{measured:?}");
     assert!(!usual.gather.is_zero() && !usual.substeps.is_zero() && !usual.scatter.is_zero());
 }
 
@@ -203,7 +203,7 @@ fn columns(app: &App) -> (Vec<Vec3>, Vec<Vec3>) {
 }
 
 #[test]
-fn half_steps_show_each_phase_of_a_tick_that_is_the_same_as_one_taken_at_once() {
+fn half_steps_show_each_phase_of_a_tick_and_end_in_the_same_bits() {
     let [mut whole, mut halves] = [busy(), busy()];
     for app in [&mut whole, &mut halves] {
         app.world_mut().resource_mut::<SinewControl>().pause();
@@ -242,7 +242,7 @@ fn half_steps_show_each_phase_of_a_tick_that_is_the_same_as_one_taken_at_once() 
 }
 
 #[test]
-fn what_goes_on_or_back_in_the_middle_of_half_steps_finds_a_whole_tick() {
+fn steps_restores_and_spawns_between_half_steps_start_from_a_whole_tick() {
     let mut app = busy();
     app.world_mut().resource_mut::<SinewControl>().pause();
     tick(&mut app, 1);
@@ -291,7 +291,7 @@ fn what_goes_on_or_back_in_the_middle_of_half_steps_finds_a_whole_tick() {
 }
 
 #[test]
-fn the_renderer_is_told_where_a_body_is_in_the_phase_that_is_shown() {
+fn global_transforms_are_those_of_the_phase_that_is_shown() {
     let mut app = app_with(());
     let body = (RigidBox::new(Vec3::ONE), Transform::from_xyz(0.0, 5.0, 0.0));
     let body = app.world_mut().spawn(body).id();
@@ -299,7 +299,8 @@ fn the_renderer_is_told_where_a_body_is_in_the_phase_that_is_shown() {
     tick(&mut app, 10);
     app.world_mut().resource_mut::<SinewControl>().pause();
     tick(&mut app, 2);
-    let seen = |app: &App, who| app.world().get::<GlobalTransform>(who).unwrap().translation().y;
+    let seen =
+        |app: &App, entity| app.world().get::<GlobalTransform>(entity).unwrap().translation().y;
     let own = |app: &App| app.world().get::<Transform>(body).unwrap().translation.y;
     let before = own(&app);
     assert_eq!(seen(&app, body), before);
@@ -318,7 +319,7 @@ fn the_renderer_is_told_where_a_body_is_in_the_phase_that_is_shown() {
 }
 
 #[test]
-fn a_games_system_between_phases_runs_once_for_all_that_half_steps_show_of_it() {
+fn a_games_system_between_phases_runs_once_per_substep_under_half_steps() {
     let mut app = busy();
     app.init_resource::<Log>()
         .add_systems(SubstepSchedule, note("wind").in_set(PhaseSystems::Wind));
@@ -371,7 +372,7 @@ fn a_games_own_force_acts_in_a_set_and_between_any_two() {
 /// Regression: in a world that took its substeps at once a system that was added later never ran, because the schedule counted its systems only when it ran,
 /// and ran only if it had counted any.
 #[test]
-fn a_games_own_system_that_comes_later_is_run_whatever_the_world_did_before() {
+fn a_games_own_system_that_is_added_later_runs() {
     for falls in [true, false] {
         let mut app = bare_app();
         let world = app.world_mut();
@@ -391,7 +392,7 @@ fn a_games_own_system_that_comes_later_is_run_whatever_the_world_did_before() {
 }
 
 #[test]
-fn a_games_own_constraint_between_integrate_and_solve_is_obeyed() {
+fn a_games_own_projection_between_integrate_and_solve_holds() {
     let mut app = bare_app();
     let ceiling = |mut world: ResMut<SinewWorld>| {
         for i in 0..world.particles().len() {

@@ -67,7 +67,7 @@ fn a_scaled_mesh_becomes_a_cloth_of_the_scaled_size() {
 }
 
 #[test]
-fn normals_are_unit_vectors_and_stand_on_a_flat_cloth() {
+fn normals_are_unit_vectors_perpendicular_to_a_flat_cloth() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
     let turn = Quat::from_rotation_y(1.0);
@@ -135,7 +135,7 @@ fn a_tube_stays_at_its_radius_and_faces_outwards() {
 }
 
 #[test]
-fn points_on_top_of_each_other_leave_a_tube_finite_and_one_alone_shows_nothing() {
+fn coincident_points_leave_a_tube_finite_and_a_single_point_shows_nothing() {
     let mesh = tube(&[Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::ZERO], 0.1, 5);
     assert_eq!(vertices(&mesh).len(), 4 * 6);
     assert!(vertices(&mesh).iter().all(|place| place.is_finite()));
@@ -166,7 +166,7 @@ fn the_first_mesh_of_a_rope_has_vertices() {
 }
 
 #[test]
-fn a_cloth_that_is_spawned_while_time_stands_still_is_drawn_where_it_is() {
+fn a_cloth_that_is_spawned_in_a_pause_is_drawn_where_it_is() {
     let mut app = app();
     app.insert_resource(SinewControl { paused: true, ..default() });
     let cloth = app.world_mut().spawn((Cloth::default(), Transform::from_xyz(1.0, 2.0, 3.0))).id();
@@ -177,7 +177,7 @@ fn a_cloth_that_is_spawned_while_time_stands_still_is_drawn_where_it_is() {
 }
 
 #[test]
-fn what_is_eased_is_drawn_between_the_last_two_ticks() {
+fn an_interpolated_cloth_is_drawn_between_the_last_two_ticks() {
     let mut app = app();
     let fall = |eased: bool, app: &mut App| {
         // Both in the same place.
@@ -215,7 +215,7 @@ fn what_is_eased_is_drawn_between_the_last_two_ticks() {
 }
 
 #[test]
-fn the_transform_of_an_eased_box_glides_and_the_simulation_does_not_notice() {
+fn interpolating_the_transform_of_a_box_does_not_change_the_simulation() {
     let run = |eased: bool| {
         let mut app = app();
         let mut body =
@@ -255,7 +255,7 @@ fn a_loose_ball_is_drawn_where_its_particle_is() {
 }
 
 #[test]
-fn normals_stand_on_the_drawn_surface_in_a_stretched_or_mirrored_frame() {
+fn normals_are_perpendicular_to_the_surface_in_a_stretched_or_mirrored_frame() {
     for scale in
         [Vec3::ONE, Vec3::new(1.0, 1.0, 4.0), Vec3::new(0.5, 3.0, 1.0), Vec3::new(-1.0, 1.0, 1.0)]
     {

@@ -66,14 +66,14 @@ fn ends(count: usize) -> impl Iterator<Item = Vec3> {
 }
 
 /// Asserts that nothing is thrown: what falls by half a metre at the most, or is pushed apart at 2 m/s, is no faster than about twice that.
-fn assert_peace(name: &str, app: &App, worst: Worst, kinetic: f64, reach: f32) {
-    let peace = worst.speed < 4.5 && worst.kinetic < kinetic && worst.far < reach;
-    assert!(peace && worst.reported == 0, "{name}: {worst:?}");
+fn assert_calm(name: &str, app: &App, worst: Worst, kinetic: f64, reach: f32) {
+    let calm = worst.speed < 4.5 && worst.kinetic < kinetic && worst.far < reach;
+    assert!(calm && worst.reported == 0, "{name}: {worst:?}");
     assert_eq!(heard(app), [], "{name}");
 }
 
 #[test]
-fn ropes_that_are_held_at_one_point_hang_in_peace() {
+fn ropes_that_are_pinned_at_one_point_hang_calmly() {
     for substeps in [1, 4, 10, 40] {
         for (count, reversed) in [(2, false), (2, true), (3, false), (5, true)] {
             let mut app = world(substeps);
@@ -84,20 +84,20 @@ fn ropes_that_are_held_at_one_point_hang_in_peace() {
             let worst = watch(&mut app, 90);
             let name = format!("{count} ropes, reversed {reversed}, {substeps} substeps");
             // Each of them falls by some 7 cm.
-            assert_peace(&name, &app, worst, 0.1 * count as f64, 1.2);
+            assert_calm(&name, &app, worst, 0.1 * count as f64, 1.2);
         }
     }
 }
 
 #[test]
-fn ropes_one_in_the_other_and_of_all_kinds_at_one_point_are_pressed_apart_no_faster_than_may_be() {
+fn overlapping_ropes_are_pushed_apart_at_limited_speed() {
     let mut app = world(10);
     // Two in the same place, from end to end.
     for _ in 0..2 {
         app.world_mut().spawn(rope(Vec3::ZERO, Vec3::X));
     }
     let worst = watch(&mut app, 90);
-    assert_peace("twins", &app, worst, 0.1, 1.1);
+    assert_calm("twins", &app, worst, 0.1, 1.1);
 
     let mut app = world(10);
     for (i, end) in ends(5).enumerate() {
@@ -118,11 +118,11 @@ fn ropes_one_in_the_other_and_of_all_kinds_at_one_point_are_pressed_apart_no_fas
     app.world_mut().spawn(rope(Vec3::X * -0.6, Vec3::X * 0.6));
     app.world_mut().spawn(rope(Vec3::Y * -0.19, Vec3::new(0.0, -0.3, 0.9)));
     let worst = watch(&mut app, 90);
-    assert_peace("in the middle", &app, worst, 0.3, 1.2);
+    assert_calm("in the middle", &app, worst, 0.3, 1.2);
 }
 
 #[test]
-fn a_rope_that_is_held_inside_of_anything_hangs_in_peace() {
+fn a_rope_that_is_pinned_inside_any_collider_hangs_calmly() {
     let cube = || {
         let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
         let corners: Vec<Vec3> = (0..8).map(|i| (corner(i) - 0.5) * 0.12).collect();
@@ -152,14 +152,14 @@ fn a_rope_that_is_held_inside_of_anything_hangs_in_peace() {
                 app.world_mut().spawn(rope(Vec3::new(1.0, -0.3, 0.5), start));
                 let worst = watch(&mut app, 60);
                 let name = format!("shape {i}, {depth} m, {substeps} substeps");
-                assert_peace(&name, &app, worst, 0.4, 1.5);
+                assert_calm(&name, &app, worst, 0.4, 1.5);
             }
         }
     }
 }
 
 #[test]
-fn a_rope_that_something_on_its_way_leads_through_a_wall_is_not_thrown() {
+fn a_rope_that_a_moving_pin_pulls_into_a_wall_is_not_thrown() {
     let mut app = world(10);
     app.world_mut().spawn(Collider::cuboid(Vec3::new(0.3, 2.0, 2.0)));
     let hand = app.world_mut().spawn(Transform::from_xyz(-0.5, 0.0, 0.0)).id();
@@ -190,7 +190,7 @@ fn a_rope_that_something_on_its_way_leads_through_a_wall_is_not_thrown() {
 }
 
 #[test]
-fn boxes_that_hang_by_corners_inside_of_something_are_not_flung() {
+fn boxes_with_corners_pinned_inside_a_collider_are_not_thrown() {
     for substeps in [4, 10, 40] {
         for pins in [&[0][..], &[0, 1], &[0, 7], &[0, 3, 5]] {
             for deep in [0.0, 0.05, 0.2] {

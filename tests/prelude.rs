@@ -36,7 +36,7 @@ fn exported() -> Vec<&'static str> {
 }
 
 #[test]
-fn the_prelude_has_some_fifty_names_and_stands_beside_that_of_bevy() {
+fn the_prelude_has_about_fifty_names_and_shares_none_with_bevys() {
     let types = types![
         AirDrag,
         AngularVelocity,

@@ -56,7 +56,7 @@ fn every_recipe_builds_itself_where_its_transform_is() {
 }
 
 #[test]
-fn a_box_turns_and_falls_and_its_transform_and_velocities_say_so() {
+fn the_transform_and_velocities_of_a_box_follow_its_particles() {
     let mut app = app();
     app.insert_resource(AirDrag(0.0)).insert_resource(Gravity(Vec3::ZERO));
     let body = app
@@ -130,7 +130,7 @@ fn changing_a_recipe_builds_the_body_anew_and_leaves_nothing_of_the_old_one() {
 }
 
 #[test]
-fn cloth_from_a_mesh_that_is_built_anew_starts_from_the_mesh_and_not_from_its_folds() {
+fn rebuilt_cloth_starts_from_its_mesh_and_not_from_its_folds() {
     let mut app = app();
     app.world_mut().spawn((Ground, Transform::from_xyz(0.0, -1.0, 0.0)));
     let sphere = Sphere::new(0.5).mesh().ico(3).unwrap();
@@ -156,7 +156,7 @@ fn cloth_from_a_mesh_that_is_built_anew_starts_from_the_mesh_and_not_from_its_fo
 }
 
 #[test]
-fn a_transform_moved_by_somebody_else_teleports_the_body_and_keeps_its_motion() {
+fn a_transform_moved_by_the_game_teleports_the_body_and_keeps_its_motion() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0));
     let world = app.world_mut();
@@ -197,7 +197,7 @@ fn a_transform_moved_by_somebody_else_teleports_the_body_and_keeps_its_motion() 
 }
 
 #[test]
-fn a_cloth_is_not_teleported_by_ticks_that_nobody_else_touches() {
+fn a_cloth_is_not_teleported_by_a_transform_that_is_marked_but_equal() {
     let mut app = app();
     let body = app.world_mut().spawn((Cloth::default(), Transform::from_xyz(1.0, 2.0, 3.0))).id();
     tick(&mut app, 1);
@@ -213,7 +213,7 @@ fn a_cloth_is_not_teleported_by_ticks_that_nobody_else_touches() {
 }
 
 #[test]
-fn a_transform_set_to_nan_moves_nothing_and_is_mended() {
+fn a_transform_set_to_nan_moves_nothing_and_is_repaired() {
     let mut app = app();
     let body =
         app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(0.0, 9.0, 0.0))).id();
@@ -297,7 +297,7 @@ fn the_pinned_vertices_of_a_mesh_are_held_however_its_particles_are_numbered() {
 /// Regression: meshes and tubes, which run once a frame, took a change of rows for one of the latest tick only, and so missed it where another tick followed
 /// before the frame was drawn.
 #[test]
-fn what_is_drawn_after_several_ticks_follows_the_rows_that_moved_in_the_first() {
+fn meshes_drawn_after_several_ticks_follow_rows_that_moved_in_the_first() {
     let drawn = |ticks: u32| {
         let mut app = app();
         let gone = app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(9.0, 0.0, 0.0)));

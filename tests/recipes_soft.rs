@@ -18,7 +18,7 @@ fn mesh(app: &mut App, mesh: impl Into<Mesh>) -> Mesh3d {
 }
 
 #[test]
-fn a_solid_weighs_and_turns_as_its_mesh_filled_with_its_density() {
+fn a_solid_has_the_mass_and_inertia_of_its_filled_mesh() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
     let skin = mesh(&mut app, Cuboid::new(1.0, 2.0, 3.0));
@@ -53,7 +53,7 @@ fn a_solid_weighs_and_turns_as_its_mesh_filled_with_its_density() {
 }
 
 #[test]
-fn what_is_round_weighs_as_that_and_rolls_down_a_slope_as_its_inertia_has_it() {
+fn round_solids_have_their_exact_mass_and_roll_down_a_slope_by_their_inertia() {
     // The hull of a sphere's mesh has corners and does not roll freely, so the round shapes are used.
     let (radius, height, angle) = (0.5, 1.2, 0.35_f32);
     let volume = core::f32::consts::PI * radius * radius;
@@ -128,7 +128,7 @@ fn a_solid_cone_that_is_thrown_keeps_its_spin() {
 }
 
 #[test]
-fn solids_that_cannot_be_are_refused_once_and_have_no_particles() {
+fn impossible_solids_are_refused_once_and_have_no_particles() {
     let mut app = app();
     let skin = mesh(&mut app, Cuboid::new(1.0, 1.0, 1.0));
     // A sheet has no inside, and no hull either.
@@ -145,9 +145,9 @@ fn solids_that_cannot_be_are_refused_once_and_have_no_particles() {
         world.spawn(RigidMesh::default()).id(),
     ];
     tick(&mut app, 10);
-    let said = heard(&app);
-    assert_eq!(said.iter().map(|(entity, _)| *entity).collect::<Vec<_>>(), bad);
-    for (body, reason) in said {
+    let refusals = heard(&app);
+    assert_eq!(refusals.iter().map(|(entity, _)| *entity).collect::<Vec<_>>(), bad);
+    for (body, reason) in refusals {
         assert!(matches!(reason, Refusal::Recipe(_) | Refusal::NoMesh), "{reason}");
         assert_eq!(particles_of(&app, body), []);
     }
@@ -186,7 +186,7 @@ fn a_soft_ball_from_a_mesh_keeps_its_volume_on_the_ground_and_deforms_a_mesh_of_
 }
 
 #[test]
-fn soft_boxes_and_balls_make_their_own_mesh_and_stand_up_again() {
+fn soft_boxes_and_balls_make_their_own_mesh_and_regain_their_height() {
     let mut app = app();
     app.world_mut().spawn(Ground);
     let cells = UVec3::new(3, 3, 3);
@@ -216,7 +216,7 @@ fn soft_boxes_and_balls_make_their_own_mesh_and_stand_up_again() {
 }
 
 #[test]
-fn a_soft_body_that_is_changed_is_built_anew_from_the_mesh_that_it_was_made_from() {
+fn a_changed_soft_body_is_rebuilt_from_its_original_mesh() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
     let skin = mesh(&mut app, Sphere::new(0.5).mesh().ico(2).unwrap());
@@ -265,7 +265,7 @@ fn an_articulated_body_has_a_named_part_for_each_bone_and_its_joints_keep_their_
 }
 
 #[test]
-fn soft_and_articulated_bodies_that_cannot_be_are_refused_once_and_have_no_particles() {
+fn impossible_soft_and_articulated_bodies_are_refused_once_and_have_no_particles() {
     let mut app = app();
     let sheet = mesh(&mut app, Plane3d::default().mesh().size(1.0, 1.0));
     let world = app.world_mut();
@@ -288,14 +288,14 @@ fn soft_and_articulated_bodies_that_cannot_be_are_refused_once_and_have_no_parti
         world.spawn(Articulated { drag: 2.0, ..Articulated::new([Bone::default()]) }).id(),
     ];
     tick(&mut app, 10);
-    let mut said = heard(&app);
-    said.sort_by_key(|(entity, _)| *entity);
+    let mut refusals = heard(&app);
+    refusals.sort_by_key(|(entity, _)| *entity);
     let mut all = bad.to_vec();
     all.sort();
-    assert_eq!(said.iter().map(|(entity, _)| *entity).collect::<Vec<_>>(), all);
-    for (body, reason) in said {
-        let told = matches!(reason, Refusal::Recipe(_) | Refusal::NoMesh);
-        assert!(told, "{reason}");
+    assert_eq!(refusals.iter().map(|(entity, _)| *entity).collect::<Vec<_>>(), all);
+    for (body, reason) in refusals {
+        let expected = matches!(reason, Refusal::Recipe(_) | Refusal::NoMesh);
+        assert!(expected, "{reason}");
         assert_eq!(particles_of(&app, body), []);
     }
 }

@@ -38,7 +38,7 @@ fn whole(app: &App, body: Entity) -> (Vec3, Quat, Vec3, Vec3) {
 }
 
 #[test]
-fn changing_the_representation_swaps_at_once_and_changes_nothing_that_can_be_seen() {
+fn changing_the_representation_takes_effect_at_once_and_keeps_the_motion() {
     let (mut plain, reference) = tumbling(Representation::Particles);
     let (mut swapped, body) = tumbling(Representation::Particles);
     tick(&mut plain, 30);
@@ -105,7 +105,7 @@ fn a_rope_pulls_a_rigid_box_off_the_ground_and_lets_it_down() {
 }
 
 #[test]
-fn what_has_no_pose_is_refused_once_and_goes_on_as_particles() {
+fn a_body_without_a_pose_is_refused_once_and_goes_on_as_particles() {
     let mut app = bare_app();
     let rope = app.world_mut().spawn((Rope::default(), RIGID)).id();
     tick(&mut app, 5);
@@ -188,7 +188,7 @@ fn a_rigid_state_restored_from_a_snapshot_goes_on_bit_for_bit() {
 }
 
 #[test]
-fn a_change_to_one_rigid_state_and_back_is_taken_at_once() {
+fn a_change_to_one_rigid_state_and_back_takes_effect_at_once() {
     let (mut app, body) = tumbling(Representation::Particles);
     app.world_mut().entity_mut(body).insert(BodyReport::default());
     let sweeps = |app: &App| app.world().get::<BodyReport>(body).unwrap().sweeps;

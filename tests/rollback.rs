@@ -76,7 +76,7 @@ fn a_thousand_frames_rolled_back_by_two_and_by_seven_are_the_same_each_time() {
 }
 
 #[test]
-fn state_that_is_not_registered_is_found_and_once_it_is_registered_all_is_well() {
+fn unregistered_state_is_detected_and_registered_state_is_rolled_back() {
     for registered in [false, true] {
         let mut app = session(3);
         if registered {

@@ -51,7 +51,7 @@ fn a_spring_pulls_while_it_is_there() {
 }
 
 #[test]
-fn a_particle_is_pinned_led_and_let_go_while_time_runs() {
+fn a_particle_is_pinned_moved_and_released_while_time_runs() {
     let mut app = app();
     let stone = app.world_mut().spawn(Particle::at(Vec3::ZERO)).id();
     app.world_mut().entity_mut(stone).insert(Pinned::HERE);
@@ -167,7 +167,7 @@ fn spawning_and_despawning_a_hundred_bodies_leaves_nothing_behind() {
 }
 
 #[test]
-fn a_pause_stands_still_single_steps_count_down_and_time_goes_on_as_if_nothing_was() {
+fn a_pause_and_single_steps_change_no_bit_of_what_follows() {
     let run = |paused: bool| {
         let mut app = app();
         crate::support::busy_scene(&mut app);
@@ -194,7 +194,7 @@ fn a_pause_stands_still_single_steps_count_down_and_time_goes_on_as_if_nothing_w
 }
 
 #[test]
-fn what_is_spawned_despawned_and_changed_during_a_pause_counts_when_it_ends() {
+fn spawns_and_despawns_during_a_pause_take_effect_when_it_ends() {
     let mut app = app();
     let old = app.world_mut().spawn((Cloth::default(), Transform::from_xyz(3.0, 0.0, 0.0))).id();
     tick(&mut app, 5);

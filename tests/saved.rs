@@ -48,19 +48,19 @@ impl Equation for Ball {
 
 /// A pin or a platform that the game moves, by the clock of the simulation, around this place.
 #[derive(Component, Reflect, Clone, Debug)]
-struct Led(Vec3);
+struct Driven(Vec3);
 
-fn lead(
+fn drive(
     clock: Res<SinewClock>,
-    mut pins: Query<(&Led, &mut Pinned)>,
-    mut platforms: Query<(&Led, &mut Transform), Without<Pinned>>,
+    mut pins: Query<(&Driven, &mut Pinned)>,
+    mut platforms: Query<(&Driven, &mut Transform), Without<Pinned>>,
 ) {
     let turn = Quat::from_rotation_y(clock.tick as f32 * 0.02) * Vec3::X * 0.4;
-    for (led, mut pin) in &mut pins {
-        pin.target = Some(led.0 + turn);
+    for (driven, mut pin) in &mut pins {
+        pin.target = Some(driven.0 + turn);
     }
-    for (led, mut transform) in &mut platforms {
-        transform.translation = led.0 + turn;
+    for (driven, mut transform) in &mut platforms {
+        transform.translation = driven.0 + turn;
     }
 }
 
@@ -69,8 +69,8 @@ pub(crate) fn game() -> App {
     let mut app = app();
     app.register_particle_constraint::<OnBall>()
         .register_state::<OnBall>()
-        .register_state::<Led>()
-        .add_systems(FixedUpdate, lead);
+        .register_state::<Driven>()
+        .add_systems(FixedUpdate, drive);
     app
 }
 
@@ -89,7 +89,8 @@ fn cloth_in_gusts(world: &mut World) {
 
 fn rope_on_a_platform(world: &mut World) {
     floor(world);
-    let platform = world.spawn((Led(Vec3::Y * 2.0), at(0.0, 2.0, 0.0), Name::new("platform"))).id();
+    let platform =
+        world.spawn((Driven(Vec3::Y * 2.0), at(0.0, 2.0, 0.0), Name::new("platform"))).id();
     let hook = world.spawn((at(0.0, -0.2, 0.0), ChildOf(platform))).id();
     let first = world.spawn((Particle::at(Vec3::Y * 2.0), Radius(0.03))).id();
     world.entity_mut(first).insert(PinnedTo { entity: hook, offset: Vec3::X * 0.1 });
@@ -134,7 +135,7 @@ fn rigid(world: &mut World) {
 }
 
 fn own_constraints(world: &mut World) {
-    let centre = world.spawn((Particle::at(Vec3::Y), Pinned::HERE, Led(Vec3::Y))).id();
+    let centre = world.spawn((Particle::at(Vec3::Y), Pinned::HERE, Driven(Vec3::Y))).id();
     for i in 0..3 {
         let place = Vec3::new(1.0, 1.0 + 0.1 * i as f32, 0.2 * i as f32);
         let bead = world.spawn((Particle::at(place).with_velocity(Vec3::Z), Mass(0.3))).id();
@@ -161,13 +162,13 @@ fn torn_cloth(world: &mut World) {
 #[derive(Component)]
 struct Torn;
 
-fn led_pins(world: &mut World) {
+fn driven_pins(world: &mut World) {
     let mut last: Option<Entity> = None;
     for i in 0..9 {
         let place = Vec3::new(0.2 * i as f32, 1.0, 0.0);
         let mut bead = world.spawn((Particle::at(place), Mass(0.2), Charge(1e-6)));
         if i == 0 || i == 8 {
-            bead.insert((Pinned::HERE, Led(place)));
+            bead.insert((Pinned::HERE, Driven(place)));
         }
         let bead = bead.id();
         if let Some(last) = last {
@@ -211,7 +212,7 @@ pub(crate) const SCENES: [(&str, fn(&mut World), u64); 11] = [
     ("own constraints", own_constraints, 30),
     ("sleepers", sleepers, 90),
     ("torn cloth", torn_cloth, 40),
-    ("led pins", led_pins, 30),
+    ("driven pins", driven_pins, 30),
     ("odd shapes", odd_shapes, 50),
     ("not built yet", heap, 0),
 ];
@@ -260,7 +261,7 @@ fn every_scene_goes_on_as_it_did_in_place_and_in_a_fresh_app() {
 
         let mut new = game();
         // Other things were here before, so that ids and the order of archetypes differ; and a body is simulated that the restore has to remove.
-        new.world_mut().spawn_batch((0..50).map(|i| (Name::new(format!("{i}")), Led(Vec3::X))));
+        new.world_mut().spawn_batch((0..50).map(|i| (Name::new(format!("{i}")), Driven(Vec3::X))));
         new.world_mut().spawn((Cloth::grid(0.3, 0.3, 3, 3), at(9.0, 9.0, 9.0)));
         tick(&mut new, 3);
         saved.restore(new.world_mut()).unwrap();
@@ -274,7 +275,7 @@ fn every_scene_goes_on_as_it_did_in_place_and_in_a_fresh_app() {
 /// Regressions: the pins of a door on a post counted as awake while the door slept on, so the door was reported awake; and once any body slept, the step itself
 /// woke rigid bodies, so they never slept. Neither happened in the first tick after a restore.
 #[test]
-fn every_scene_may_be_put_back_to_any_of_its_ticks() {
+fn every_scene_may_be_restored_to_any_of_its_ticks() {
     for (name, scene, ticks) in SCENES {
         let (mut old, mut other) = (played(scene, ticks), played(scene, 1));
         for number in 0..150 {
@@ -288,7 +289,7 @@ fn every_scene_may_be_put_back_to_any_of_its_ticks() {
 }
 
 #[test]
-fn what_another_history_despawned_and_spawned_is_undone_in_place() {
+fn restoring_in_place_undoes_spawns_and_despawns() {
     for (name, scene, ticks) in SCENES {
         let mut app = played(scene, ticks);
         let saved = SinewSnapshot::capture(app.world());
@@ -307,7 +308,7 @@ fn what_another_history_despawned_and_spawned_is_undone_in_place() {
         forget(&mut app);
 
         let map = saved.restore(app.world_mut()).unwrap();
-        assert!(app.world().get_entity(late).is_err(), "{name}: what came is gone");
+        assert!(app.world().get_entity(late).is_err(), "{name}: the new body is gone");
         assert_eq!(map.len(), saved.entities().len(), "{name}");
         assert_eq!(whole(&app), saved.hash(), "{name}: put back");
         assert_eq!(future(&mut app, 60), expected, "{name}");
@@ -376,7 +377,7 @@ fn what_is_not_registered_is_refused_and_nothing_changes() {
     let before = whole(&strange);
     let fault = saved.restore(strange.world_mut()).unwrap_err();
     assert!(
-        matches!(&fault, RestoreFault::Unregistered(name) if name.contains("OnBall") || name.contains("Led")),
+        matches!(&fault, RestoreFault::Unregistered(name) if name.contains("OnBall") || name.contains("Driven")),
         "{fault}"
     );
     assert_eq!(whole(&strange), before);
@@ -387,7 +388,7 @@ fn what_is_not_registered_is_refused_and_nothing_changes() {
 }
 
 #[test]
-fn the_hash_sees_every_bit_of_what_is_state() {
+fn the_hash_depends_on_every_bit_of_the_state() {
     type Change = fn(&mut World, Entity);
     let changes: [(&str, Change); 9] = [
         ("a place", |w, b| w.get_mut::<Particle>(b).unwrap().position.x = 0.1_f32.next_up()),
@@ -424,38 +425,46 @@ fn the_hash_sees_every_bit_of_what_is_state() {
 
 /// Every contact event: whether it started, and its entity.
 #[derive(Resource, Default)]
-struct Told(Vec<(bool, Entity)>);
+struct ContactLog(Vec<(bool, Entity)>);
 
 #[test]
-fn contacts_that_go_on_are_not_told_again_and_those_of_an_undone_future_not_at_all() {
+fn a_restore_reports_neither_lasting_contacts_nor_those_of_the_undone_future() {
     let mut app = app();
-    app.init_resource::<Told>()
-        .add_observer(|start: On<bevy_sinew::ContactStarted>, mut told: ResMut<Told>| {
-            told.0.push((true, start.entity));
+    app.init_resource::<ContactLog>()
+        .add_observer(|start: On<bevy_sinew::ContactStarted>, mut log: ResMut<ContactLog>| {
+            log.0.push((true, start.entity));
         })
-        .add_observer(|end: On<bevy_sinew::ContactEnded>, mut told: ResMut<Told>| {
-            told.0.push((false, end.entity));
+        .add_observer(|end: On<bevy_sinew::ContactEnded>, mut log: ResMut<ContactLog>| {
+            log.0.push((false, end.entity));
         });
     floor(app.world_mut());
     let lying = (RigidBox::new(Vec3::splat(0.3)), ContactEvents::default(), at(0.0, 0.15, 0.0));
     let lying = app.world_mut().spawn(lying).id();
     tick(&mut app, 30);
-    assert_eq!(app.world().resource::<Told>().0, [(true, lying)]);
+    assert_eq!(app.world().resource::<ContactLog>().0, [(true, lying)]);
     let saved = SinewSnapshot::capture(app.world());
     let late = (RigidBox::new(Vec3::splat(0.3)), ContactEvents::default(), at(3.0, 0.15, 0.0));
     app.world_mut().spawn(late);
     app.world_mut().entity_mut(lying).insert(LinearVelocity(Vec3::Y * 5.0));
     tick(&mut app, 20);
-    let told = app.world().resource::<Told>().0.len();
-    assert_eq!(told, 3, "one came down, one flew off");
+    let count = app.world().resource::<ContactLog>().0.len();
+    assert_eq!(count, 3, "one came down, one flew off");
     saved.restore(app.world_mut()).unwrap();
-    assert_eq!(app.world().resource::<Told>().0.len(), told, "what is undone does not end");
+    assert_eq!(
+        app.world().resource::<ContactLog>().0.len(),
+        count,
+        "an undone contact does not end"
+    );
     tick(&mut app, 10);
-    assert_eq!(app.world().resource::<Told>().0.len(), told, "what went on does not begin");
+    assert_eq!(
+        app.world().resource::<ContactLog>().0.len(),
+        count,
+        "a lasting contact does not begin"
+    );
 }
 
 #[test]
-fn what_is_drawn_between_ticks_is_no_state() {
+fn interpolation_between_ticks_is_not_state() {
     let run = |eased: bool| {
         let mut app = app();
         // Three frames in every two ticks.

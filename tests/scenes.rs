@@ -73,7 +73,7 @@ fn crates_land_turned_and_come_to_rest() {
 }
 
 #[test]
-fn scenes_follow_each_other_in_one_app_without_a_trace() {
+fn scenes_follow_each_other_in_one_app_without_leftovers() {
     let mut app = app_with(ScenesPlugin);
     let particles = |app: &mut App| app.world_mut().query::<&Particle>().iter(app.world()).count();
     for name in ["jelly", "crate", "pendulums", "square", "ragdoll", "crate"] {
@@ -90,7 +90,7 @@ fn scenes_follow_each_other_in_one_app_without_a_trace() {
 }
 
 #[test]
-fn what_was_played_before_changes_no_bit_of_any_scene() {
+fn scenes_played_before_change_no_bit_of_any_scene() {
     // Buffers that are kept from step to step to avoid allocations still hold data of other bodies, of other shapes and in other numbers.
     let mut used = app_with(ScenesPlugin);
     let play = |app: &mut App, scene| -> Vec<u64> {
@@ -139,7 +139,7 @@ fn lowest(app: &App, body: Entity) -> f32 {
 }
 
 #[test]
-fn bricks_flip_every_four_seconds_and_the_one_corrected_to_the_nearest_point_slows_down() {
+fn bricks_flip_every_four_seconds_and_the_one_with_current_gradients_slows_down() {
     let mut app = playing("bricks");
     tick(&mut app, 1);
     let bricks = named(&mut app, "brick");
@@ -190,7 +190,7 @@ fn hulls_float_at_their_draft_the_tall_box_turns_over_and_all_drift_with_the_cur
 }
 
 #[test]
-fn what_swaps_every_second_keeps_up_with_what_never_does() {
+fn a_box_that_swaps_every_second_keeps_up_with_one_that_never_does() {
     let mut app = playing("swap");
     tick(&mut app, 1);
     let boxes = named(&mut app, "box");
@@ -349,7 +349,7 @@ fn the_sheet_that_catches_a_crate_is_never_inside_of_it() {
 }
 
 #[test]
-fn sheets_sink_at_the_speed_that_their_weight_asks_for_and_a_fan_blows_one_away() {
+fn sheets_sink_at_their_terminal_speed_and_a_fan_blows_one_away() {
     let mut app = playing("feathers");
     tick(&mut app, 1);
     let sheets = named(&mut app, "sheet");
@@ -370,7 +370,7 @@ fn sheets_sink_at_the_speed_that_their_weight_asks_for_and_a_fan_blows_one_away(
 }
 
 #[test]
-fn planets_come_back_to_where_they_began_after_their_years() {
+fn planets_follow_their_orbits_and_return_after_a_year() {
     let mut app = playing("orbits");
     tick(&mut app, 1);
     let planets = named(&mut app, "planet");
@@ -417,7 +417,7 @@ fn nothing_leaves_flatland_and_squares_turn_in_its_plane_alone() {
 }
 
 #[test]
-fn the_sheet_of_triangles_keeps_all_marbles_and_the_one_of_particles_next_to_none() {
+fn the_sheet_that_collides_by_triangles_keeps_all_marbles_and_the_other_loses_many() {
     let mut app = playing("net");
     tick(&mut app, 240);
     let marbles = named(&mut app, "marble");
@@ -432,8 +432,7 @@ fn the_sheet_of_triangles_keeps_all_marbles_and_the_one_of_particles_next_to_non
 }
 
 #[test]
-fn stacks_on_slopes_stay_to_a_tenth_of_a_millimetre_where_friction_holds_them_and_slide_where_not()
-{
+fn stacks_on_slopes_creep_less_than_a_tenth_of_a_millimetre_or_slide() {
     let mut app = playing("slopes");
     tick(&mut app, 150);
     let plates = named(&mut app, "plate");
@@ -481,7 +480,7 @@ fn supply_models(app: &mut App) {
     let handles: Vec<Handle<Mesh>> = drawn.iter(world).map(|drawn| drawn.0.clone()).collect();
     for handle in handles {
         let Some(path) = handle.path() else { continue };
-        let package = std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo says where it is");
+        let package = std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it");
         let file = std::path::PathBuf::from(package).join("../assets").join(path.path());
         let (positions, indices) = read_gltf(&file);
         let model = mesh_from(&positions, indices);
@@ -525,8 +524,9 @@ fn wrong_numbers(first: usize) -> Vec<String> {
             let [measured, expected] = reading(scene, &values);
             if !lesson.agrees(measured, expected) {
                 let name = scene.name;
-                wrong
-                    .push(format!("{name} with {values:?}: {measured}, by the formula {expected}"));
+                wrong.push(format!(
+                    "{name} with {values:?}: measured {measured}, formula {expected}"
+                ));
             }
         }
     }
@@ -536,20 +536,20 @@ fn wrong_numbers(first: usize) -> Vec<String> {
 // Two tests, so that they run on two cores.
 
 #[test]
-fn the_number_of_each_lesson_is_the_one_of_its_formula_wherever_its_sliders_stand() {
+fn readings_of_every_second_scene_agree_with_their_formulas() {
     let wrong = wrong_numbers(0);
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
-fn and_so_are_the_numbers_of_the_other_half_of_the_scenes() {
+fn readings_of_the_other_scenes_agree_with_their_formulas() {
     let wrong = wrong_numbers(1);
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 /// Regression: a crate that had landed was reported to spin at 2.4 rad/s, against 2.7 by the formula of flight.
 #[test]
-fn a_formula_of_flight_is_compared_until_it_lands_and_no_longer() {
+fn a_formula_of_flight_is_compared_only_until_the_landing() {
     for name in ["crate", "jelly", "square", "ragdoll"] {
         let mut app = app_with(ScenesPlugin);
         let scene = sinew_scenes::find(name).unwrap();
@@ -557,7 +557,7 @@ fn a_formula_of_flight_is_compared_until_it_lands_and_no_longer() {
         (0..240).for_each(|_| tick(&mut app, 1));
         let [measured, expected] = app.world().resource::<OnStage>().reading.unwrap();
         let agrees = scene.lesson.unwrap().agrees(measured, expected);
-        assert!(agrees, "{name} after four seconds: {measured}, by the formula {expected}");
+        assert!(agrees, "{name} after four seconds: measured {measured}, formula {expected}");
     }
 }
 
@@ -582,26 +582,26 @@ fn values_of_sliders_stay_within_their_ranges() {
 }
 
 #[test]
-fn the_guide_lists_every_scene_under_a_topic_and_none_that_is_not_there() {
+fn the_guide_lists_every_scene_and_no_others() {
     let chapter = include_str!("../crates/bevy_sinew/src/guide/gallery.md");
     let rows = chapter.lines().filter(|line| line.starts_with("| ") && line.contains('`'));
     let mut listed: Vec<&str> = rows.flat_map(|row| row.split('`').skip(1).step_by(2)).collect();
     assert!(listed.len() > 47, "{listed:?}");
     for name in &listed {
-        assert!(sinew_scenes::find(name).is_some(), "the guide lists {name}, which is no scene");
+        assert!(sinew_scenes::find(name).is_some(), "the guide lists {name}, which is not a scene");
     }
     listed.sort_unstable();
     for scene in sinew_scenes::ALL {
         let found = listed.binary_search(&scene.name);
         assert!(found.is_ok(), "the guide lists {} under no topic", scene.name);
     }
-    let said = [include_str!("../README.md"), include_str!("../CHANGELOG.md")];
-    let say_so = said
+    let texts = [include_str!("../README.md"), include_str!("../CHANGELOG.md")];
+    let all_agree = texts
         .iter()
         .all(|text| text.contains("sixty-one scenes") || text.contains("sixty-one named scenes"));
     assert!(
-        say_so && sinew_scenes::ALL.len() == 61,
-        "README.md and CHANGELOG.md say how many scenes there are, and this test: {}",
+        all_agree && sinew_scenes::ALL.len() == 61,
+        "README.md, CHANGELOG.md and this test name the number of scenes: {}",
         sinew_scenes::ALL.len()
     );
 }
@@ -609,7 +609,7 @@ fn the_guide_lists_every_scene_under_a_topic_and_none_that_is_not_there() {
 /// The panel's button Back promises this of each scene. Regression (`ropes`): the lantern's rotation differed in its last digits, because during a pause its
 /// pose was extracted again and again, each time starting from the one before.
 #[test]
-fn each_scene_that_is_put_back_and_rests_there_goes_on_as_it_did() {
+fn each_scene_that_is_restored_and_paused_goes_on_bit_for_bit() {
     for scene in sinew_scenes::ALL.iter().filter(|scene| scene.name != "million") {
         let mut app = playing(scene.name);
         tick(&mut app, 12);

@@ -54,7 +54,7 @@ fn thrust(mut world: ResMut<SinewWorld>) {
 }
 
 #[test]
-fn a_force_added_as_the_documentation_shows_is_no_ambiguity_either() {
+fn a_force_added_as_the_documentation_shows_is_not_ambiguous() {
     let mut app = app();
     app.add_systems(SubstepSchedule, thrust.in_set(PhaseSystems::AccumulateForces));
     assert_unambiguous(&mut app, SubstepSchedule);
@@ -99,7 +99,7 @@ fn the_plugin_runs_in_a_schedule_of_the_games_choice() {
 }
 
 #[test]
-fn minimal_plugins_alone_will_do() {
+fn minimal_plugins_are_enough() {
     let mut app = bare_app();
     app.world_mut().spawn(Ground);
     let body =

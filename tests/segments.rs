@@ -27,16 +27,16 @@ fn top(app: &App, body: Entity) -> f32 {
 }
 
 /// The number of rods with a contact cache, and the rods whose cache is not empty.
-fn remembering(app: &mut App) -> (usize, Vec<Entity>) {
+fn caches(app: &mut App) -> (usize, Vec<Entity>) {
     let world = app.world_mut();
     let mut rods = world.query_filtered::<(Entity, &ContactCache), With<DistanceConstraint>>();
     let all: Vec<_> = rods.iter(world).collect();
-    let holding = all.iter().filter(|(_, memory)| !memory.is_empty()).map(|&(rod, _)| rod);
+    let holding = all.iter().filter(|(_, cache)| !cache.is_empty()).map(|&(rod, _)| rod);
     (all.len(), holding.collect())
 }
 
 #[test]
-fn a_coarse_rope_hangs_over_a_post_by_its_segments_alone_and_what_has_none_says_so_once() {
+fn a_coarse_rope_hangs_over_a_post_by_its_segments_and_bodies_without_are_refused_once() {
     let run = |shape: ContactShape| {
         let mut app = app();
         let rope = over_a_post(&mut app, shape);
@@ -46,7 +46,7 @@ fn a_coarse_rope_hangs_over_a_post_by_its_segments_alone_and_what_has_none_says_
     };
     assert!(run(ContactShape::Segments).abs() < 0.05);
     assert!(run(ContactShape::Particles) < -5.0);
-    assert!(run(ContactShape::Auto).abs() < 0.05, "and so it does by itself");
+    assert!(run(ContactShape::Auto).abs() < 0.05, "the default for this rope");
 
     let mut app = app();
     let shaped = BodyContacts::default().shaped(ContactShape::Segments);
@@ -57,23 +57,23 @@ fn a_coarse_rope_hangs_over_a_post_by_its_segments_alone_and_what_has_none_says_
         app.world_mut().spawn((Particle::at(Vec3::X * x), Radius(0.1), ParticleOf(heap)));
     }
     tick(&mut app, 5);
-    let mut told = heard(&app);
-    told.sort_unstable_by_key(|&(body, _)| body);
+    let mut refusals = heard(&app);
+    refusals.sort_unstable_by_key(|&(body, _)| body);
     let mut expected = [(thread, Refusal::NoSegments), (heap, Refusal::NoSegments)];
     expected.sort_unstable_by_key(|&(body, _)| body);
-    assert_eq!(told, expected, "one that is not built waits: {late}");
+    assert_eq!(refusals, expected, "a body that is not built yet is not refused: {late}");
 }
 
 #[test]
-fn segments_that_come_and_go_while_it_runs_hold_and_let_go() {
+fn segments_switched_on_and_off_while_time_runs_hold_and_release() {
     let mut app = app();
     let rope = over_a_post(&mut app, ContactShape::Particles);
     tick(&mut app, 3);
-    assert_eq!(remembering(&mut app), (0, Vec::new()));
+    assert_eq!(caches(&mut app), (0, Vec::new()));
     app.world_mut().get_mut::<BodyContacts>(rope).unwrap().shape = ContactShape::Segments;
     tick(&mut app, 120);
     assert!(top(&app, rope).abs() < 0.05, "it was caught: {}", top(&app, rope));
-    let (count, holding) = remembering(&mut app);
+    let (count, holding) = caches(&mut app);
     assert_eq!((count, holding.is_empty()), (11, false));
     // The segments that lie on the post are torn, and their capsules go with them.
     for rod in holding {
@@ -90,7 +90,7 @@ fn segments_that_come_and_go_while_it_runs_hold_and_let_go() {
     app.world_mut().get_mut::<BodyContacts>(rope).unwrap().shape = ContactShape::Particles;
     tick(&mut app, 120);
     assert!(top(&app, rope) < -5.0, "it was let go: {}", top(&app, rope));
-    assert_eq!(remembering(&mut app), (0, Vec::new()));
+    assert_eq!(caches(&mut app), (0, Vec::new()));
 }
 
 #[test]
@@ -98,26 +98,26 @@ fn a_rod_that_becomes_a_strut_or_loses_its_thickness_is_no_segment_until_it_is_o
     let mut app = app();
     let rope = over_a_post(&mut app, ContactShape::Segments);
     tick(&mut app, 2);
-    assert_eq!(remembering(&mut app).0, 11);
+    assert_eq!(caches(&mut app).0, 11);
     let end = particles_of(&app, rope)[0];
     app.world_mut().get_mut::<Radius>(end).unwrap().0 = 0.0;
     tick(&mut app, 2);
-    assert_eq!(remembering(&mut app).0, 10);
+    assert_eq!(caches(&mut app).0, 10);
     app.world_mut().get_mut::<Radius>(end).unwrap().0 = 0.005;
     let world = app.world_mut();
     let rods = world.query_filtered::<Entity, With<DistanceConstraint>>();
     let rod = { rods }.iter(world).next().unwrap();
     world.get_mut::<DistanceConstraint>(rod).unwrap().bound = Bound::AtLeast;
     tick(&mut app, 2);
-    assert_eq!(remembering(&mut app).0, 10);
+    assert_eq!(caches(&mut app).0, 10);
     app.world_mut().get_mut::<DistanceConstraint>(rod).unwrap().bound = Bound::AtMost;
     tick(&mut app, 2);
-    assert_eq!(remembering(&mut app).0, 11);
+    assert_eq!(caches(&mut app).0, 11);
     assert_eq!(heard(&app), []);
 }
 
 #[test]
-fn what_segments_remember_is_part_of_a_rollback_and_of_nobody_else() {
+fn the_contact_caches_of_segments_are_rolled_back_and_independent_of_other_bodies() {
     let (mut alone, mut among) = (app(), app());
     over_a_post(&mut alone, ContactShape::Segments);
     over_a_post(&mut among, ContactShape::Segments);
@@ -134,7 +134,7 @@ fn what_segments_remember_is_part_of_a_rollback_and_of_nobody_else() {
 }
 
 #[test]
-fn the_ropes_of_the_scene_hang_on_rail_and_line_by_their_segments_and_not_by_their_particles() {
+fn the_ropes_of_the_scene_hang_by_their_segments_and_not_by_their_particles() {
     let mut app = app_with(ScenesPlugin);
     sinew_scenes::load(app.world_mut(), sinew_scenes::find("rails").unwrap());
     tick(&mut app, 300);

@@ -18,7 +18,7 @@ fn spin_left(config: SolverConfig, own: BodySolver) -> f32 {
 }
 
 #[test]
-fn a_body_keeps_its_spin_unless_the_lectures_loop_is_asked_for() {
+fn a_body_keeps_its_spin_unless_keep_spin_is_off_with_current_gradients() {
     let plain = SolverConfig { keep_spin: false, ..default() };
     let nearest = BodySolver { gradient_at: Some(GradientAt::Current), ..default() };
     let start = BodySolver { gradient_at: Some(GradientAt::StepStart), ..default() };
@@ -31,7 +31,7 @@ fn a_body_keeps_its_spin_unless_the_lectures_loop_is_asked_for() {
 }
 
 #[test]
-fn a_body_that_asks_for_more_gets_it_and_its_report_says_so() {
+fn a_body_with_more_sweeps_has_a_smaller_error_in_its_report() {
     let mut app = bare_app();
     // The test is about sweeps; as long-range chains ropes would need none.
     let config = SolverConfig { max_sweeps: 1, timed: true, long_range: false, ..default() };
@@ -69,7 +69,7 @@ fn the_integrator_is_the_worlds_and_explicit_euler_gains_energy_on_a_spring() {
 }
 
 #[test]
-fn statics_walks_a_slack_rope_to_its_catenary() {
+fn statics_brings_a_slack_rope_to_its_catenary() {
     let mut app = bare_app();
     app.insert_resource(SolverConfig {
         statics: true,
@@ -90,7 +90,7 @@ fn statics_walks_a_slack_rope_to_its_catenary() {
 }
 
 #[test]
-fn five_kilometres_away_everything_happens_bit_for_bit_as_at_home() {
+fn a_world_five_kilometres_away_has_the_same_bits_as_one_at_the_origin() {
     // The same start to the bit: rounded to a grid that f32 can represent at that distance.
     let turn = Quat::from_xyzw(0.1, 0.2, 0.3, 0.927_361_85);
     let corner = |i: u32| {

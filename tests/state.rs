@@ -29,7 +29,7 @@ fn two_runs_are_equal_bit_for_bit_and_not_because_nothing_happens() {
 }
 
 #[test]
-fn components_cloned_at_tick_100_and_put_back_at_200_lead_to_the_same_tick_200() {
+fn components_cloned_at_tick_100_and_restored_at_200_lead_to_the_same_tick_200() {
     let mut app = app();
     busy_scene(&mut app);
     tick(&mut app, 100);
@@ -44,7 +44,7 @@ fn components_cloned_at_tick_100_and_put_back_at_200_lead_to_the_same_tick_200()
 }
 
 #[test]
-fn the_comparison_notices_a_single_bit() {
+fn the_comparison_detects_a_single_bit() {
     let mut app = app();
     let bodies = busy_scene(&mut app);
     tick(&mut app, 100);
@@ -58,7 +58,7 @@ fn the_comparison_notices_a_single_bit() {
 }
 
 #[test]
-fn what_was_torn_spawned_and_despawned_meanwhile_is_undone_by_restoring_under_new_ids() {
+fn restoring_under_new_ids_undoes_spawns_and_despawns() {
     let mut app = app();
     let bodies = busy_scene(&mut app);
     tick(&mut app, 100);
@@ -80,7 +80,7 @@ fn what_was_torn_spawned_and_despawned_meanwhile_is_undone_by_restoring_under_ne
 }
 
 #[test]
-fn a_fresh_app_that_is_given_the_components_goes_on_as_the_old_one_did() {
+fn a_fresh_app_with_the_restored_components_goes_on_bit_for_bit() {
     let mut old = app();
     busy_scene(&mut old);
     tick(&mut old, 100);

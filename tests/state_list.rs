@@ -75,7 +75,7 @@ fn declared(folder: &Path, found: &mut BTreeSet<String>) {
 }
 
 #[test]
-fn every_component_and_resource_in_the_source_is_state_or_named_as_none() {
+fn every_component_and_resource_in_the_source_is_listed_as_state_or_not() {
     let app = app();
     let types = app.world().resource::<StateTypes>();
     let listed: BTreeSet<String> = types.iter().map(|of| short(of.name).to_string()).collect();
@@ -98,7 +98,7 @@ fn every_component_and_resource_in_the_source_is_state_or_named_as_none() {
 }
 
 #[test]
-fn the_list_has_each_type_once_under_a_name_of_its_own_and_all_of_ours_are_reflected() {
+fn each_type_of_state_is_listed_once_and_reflected() {
     let app = app();
     let types: Vec<_> = app.world().resource::<StateTypes>().iter().collect();
     let names: BTreeSet<_> = types.iter().map(|of| of.name).collect();

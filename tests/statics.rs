@@ -111,11 +111,11 @@ fn the_world_comes_to_rest_at_once() {
 }
 
 #[test]
-fn what_is_asked_of_nothing_or_with_broken_numbers_is_refused_and_changes_nothing() {
+fn relaxing_no_body_or_with_broken_numbers_is_refused_and_changes_nothing() {
     let mut app = app();
-    let nobody = app.world_mut().spawn(Relax::default()).id();
+    let empty = app.world_mut().spawn(Relax::default()).id();
     tick(&mut app, 1);
-    assert_eq!(heard(&app), [(nobody, Refusal::Edit(EditFault::NoParticles))]);
+    assert_eq!(heard(&app), [(empty, Refusal::Edit(EditFault::NoParticles))]);
     let rope = app.world_mut().spawn(slack(20)).id();
     tick(&mut app, 3);
     for step in [0.0, -1.0, f32::NAN, f32::INFINITY] {

@@ -21,19 +21,19 @@ const STRIDE: u64 = 20;
 #[derive(Debug)]
 struct Own {
     pool: TaskPool,
-    asked: AtomicUsize,
+    runs: AtomicUsize,
 }
 
 impl Own {
     fn of(threads: usize) -> Arc<Self> {
         let pool = TaskPoolBuilder::new().num_threads(threads).build();
-        Arc::new(Self { pool, asked: AtomicUsize::new(0) })
+        Arc::new(Self { pool, runs: AtomicUsize::new(0) })
     }
 }
 
 impl Workers for Own {
     fn run(&self, work: &(dyn Fn() + Sync)) {
-        self.asked.fetch_add(1, Ordering::Relaxed);
+        self.runs.fetch_add(1, Ordering::Relaxed);
         self.pool.scope(|scope| {
             (0..self.pool.thread_num()).for_each(|_| scope.spawn(async move { work() }));
         });
@@ -78,7 +78,7 @@ fn any_number_of_threads_gives_the_same_bits() {
             app.insert_resource(SinewWorkers(Some(lent)));
         });
         assert_eq!(found, alone, "{threads} threads");
-        assert!(own.asked.load(Ordering::Relaxed) > 0, "{threads} threads were asked");
+        assert!(own.runs.load(Ordering::Relaxed) > 0, "{threads} threads were used");
     }
 }
 
@@ -90,11 +90,11 @@ fn threads_are_switched_off_and_on_while_time_runs() {
     let lent: Arc<dyn Workers> = own.clone();
     app.insert_resource(SinewWorkers(Some(lent)));
     tick(&mut app, 1);
-    let asked = own.asked.load(Ordering::Relaxed);
+    let runs = own.runs.load(Ordering::Relaxed);
     app.world_mut().resource_mut::<SolverConfig>().threads = false;
     tick(&mut app, 2);
-    assert_eq!(own.asked.load(Ordering::Relaxed), asked, "nobody is asked");
+    assert_eq!(own.runs.load(Ordering::Relaxed), runs, "the pool is not used");
     app.world_mut().resource_mut::<SolverConfig>().threads = true;
     tick(&mut app, 2);
-    assert!(own.asked.load(Ordering::Relaxed) > asked, "and asked again");
+    assert!(own.runs.load(Ordering::Relaxed) > runs, "and used again");
 }

@@ -48,24 +48,24 @@ fn fray(app: &mut App, cloth: Entity, n: usize) {
 }
 
 /// Marks all distance constraints as changed: too many for an incremental update.
-fn touch_all(app: &mut App) {
+fn mark_all_changed(app: &mut App) {
     let world = app.world_mut();
     let mut all = world.query::<&mut DistanceConstraint>();
     all.iter_mut(world).for_each(|mut rod| rod.set_changed());
 }
 
 #[test]
-fn a_hundred_ticks_of_tears_leave_the_bits_of_compiling_everything_each_time() {
-    let ((mut mended, cloth), (mut afresh, same)) = (hung(), hung());
+fn incremental_updates_have_the_bits_of_compiling_everything_each_time() {
+    let ((mut incremental, cloth), (mut afresh, same)) = (hung(), hung());
     for n in 0..100 {
-        fray(&mut mended, cloth, n);
+        fray(&mut incremental, cloth, n);
         fray(&mut afresh, same, n);
-        touch_all(&mut afresh);
-        tick(&mut mended, 1);
+        mark_all_changed(&mut afresh);
+        tick(&mut incremental, 1);
         tick(&mut afresh, 1);
-        assert_eq!(hash(&mut mended), hash(&mut afresh), "tick {n}");
+        assert_eq!(hash(&mut incremental), hash(&mut afresh), "tick {n}");
     }
-    assert_eq!(heard(&mended), []);
+    assert_eq!(heard(&incremental), []);
 }
 
 /// Spawns and despawns bodies beside the cloth, and changes the cloth, before tick number `n`; `others` are the spawned bodies that still exist.
@@ -106,7 +106,7 @@ fn come_and_go(app: &mut App, cloth: Entity, others: &mut Vec<Entity>, n: usize)
 }
 
 #[test]
-fn what_comes_and_goes_beside_others_leaves_the_bits_of_looking_at_everything_each_time() {
+fn bodies_added_and_removed_have_the_bits_of_revalidating_everything_each_time() {
     let ((mut some, cloth), (mut all, same)) = (hung(), hung());
     // While one constraint cannot act, all are revalidated whenever anything has changed.
     let nail = all.world_mut().spawn((Particle::at(Vec3::Y * 50.0), Pinned::HERE)).id();
@@ -137,7 +137,7 @@ fn what_comes_and_goes_beside_others_leaves_the_bits_of_looking_at_everything_ea
 }
 
 #[test]
-fn what_goes_many_frames_before_a_tick_is_gone_in_that_tick() {
+fn constraints_removed_many_frames_before_a_tick_are_gone_in_that_tick() {
     // Bevy keeps the record of a removed component for two frames; here there is a tick in every eighth or ninth frame.
     let ((mut slow, cloth), (mut fast, same)) = (hung(), hung());
     slow.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_micros(1953)));
@@ -152,15 +152,15 @@ fn what_goes_many_frames_before_a_tick_is_gone_in_that_tick() {
 }
 
 #[test]
-fn one_that_cannot_act_is_set_aside_among_those_that_are_mended_and_told_once() {
+fn an_invalid_constraint_among_updated_ones_is_set_aside_and_named_once() {
     let (mut app, cloth) = hung();
     let particles = particles_of(&app, cloth);
     let rod = DistanceConstraint::new(particles[0], particles[2], f32::NAN);
     let broken = app.world_mut().spawn(rod).id();
     for n in 0..5 {
         tick(&mut app, 1);
-        let told: Vec<Entity> = heard(&app).iter().map(|(entity, _)| *entity).collect();
-        assert_eq!(told, [broken]);
+        let named: Vec<Entity> = heard(&app).iter().map(|(entity, _)| *entity).collect();
+        assert_eq!(named, [broken]);
         fray(&mut app, cloth, n);
     }
     tick(&mut app, 1);

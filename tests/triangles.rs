@@ -9,7 +9,7 @@ use bevy_sinew::{ContactShape, ParticleBody};
 use crate::support::{app, heard, particles_of, position, tick};
 
 #[test]
-fn a_coarse_cloth_holds_a_marble_by_its_triangles_and_what_has_none_says_so_once() {
+fn a_coarse_cloth_holds_a_marble_by_its_triangles_and_bodies_without_are_refused_once() {
     let run = |shape: ContactShape| {
         let mut app = app();
         let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
@@ -25,18 +25,22 @@ fn a_coarse_cloth_holds_a_marble_by_its_triangles_and_what_has_none_says_so_once
     };
     assert!(run(ContactShape::Triangles) > -0.4);
     assert!(run(ContactShape::Particles) < -2.0);
-    assert!(run(ContactShape::Auto) > -0.4, "and so it does by itself");
+    assert!(run(ContactShape::Auto) > -0.4, "the default for this cloth");
 
     let mut app = app();
     let shaped = BodyContacts::default().shaped(ContactShape::Triangles);
     let rope = app.world_mut().spawn((Rope::default(), shaped)).id();
     let late = app.world_mut().spawn((ParticleBody, shaped)).id();
     tick(&mut app, 5);
-    assert_eq!(heard(&app), [(rope, Refusal::NoTriangles)], "one that is not built waits: {late}");
+    assert_eq!(
+        heard(&app),
+        [(rope, Refusal::NoTriangles)],
+        "a body that is not built yet is not refused: {late}"
+    );
 }
 
 #[test]
-fn triangles_that_come_and_go_while_it_runs_hold_and_let_go() {
+fn triangles_switched_on_or_torn_out_while_time_runs_hold_and_release() {
     let mut app = app();
     let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
     let cloth = Cloth { radius: 0.01, ..Cloth::grid(0.8, 0.8, 4, 4) }.pinned(ClothPins::Corners);

@@ -81,7 +81,7 @@ fn bodies_at_rest_and_without_gravity_far_away_do_not_change_a_bit() {
 }
 
 #[test]
-fn bodies_that_work_hard_far_away_do_not_change_a_bit() {
+fn strained_bodies_far_away_do_not_change_a_bit() {
     // The solver stops sweeping when the error is small. A heavy rope far away must not cause more sweeps of this flag.
     let meddled = beside(|app, _, now| {
         if now == 20 {
@@ -98,7 +98,7 @@ fn bodies_that_work_hard_far_away_do_not_change_a_bit() {
 /// Regression: after each substep in which any bodies of the world touched, the velocity of cloth without contacts was computed in another way, which changed
 /// its last digits.
 #[test]
-fn who_touches_each_other_far_away_does_not_change_a_bit_of_cloth() {
+fn contacts_far_away_do_not_change_a_bit_of_cloth() {
     let run = |busy: bool| {
         let mut app = app();
         let cloth = app.world_mut().spawn((
@@ -151,7 +151,7 @@ fn one_light_body_is_the_same_alone_and_beside_a_busy_one() {
 }
 
 #[test]
-fn the_order_in_which_archetypes_came_to_be_does_not_change_a_bit() {
+fn the_order_in_which_archetypes_are_created_does_not_change_a_bit() {
     // The same bodies in the same order, after the archetypes of their particles were created in each of six orders.
     let run = |first: usize| {
         let mut app = app();

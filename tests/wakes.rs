@@ -56,7 +56,7 @@ impl Asleep {
 type Cause = fn(&mut Asleep);
 
 #[test]
-fn what_a_game_does_to_a_sleeper_wakes_it_and_none_far_away() {
+fn a_change_by_the_game_wakes_a_sleeping_body_and_none_far_away() {
     let causes: &[(&str, Cause)] = &[
         ("a velocity of a particle", |all| {
             let corner = all.corner(all.upper);
@@ -90,12 +90,12 @@ fn what_a_game_does_to_a_sleeper_wakes_it_and_none_far_away() {
             let control = ControlForce { on: Some(all.upper), ..ControlForce::new(Vec3::Y * 1e3) };
             all.app.world_mut().spawn(control);
         }),
-        ("a rod to something that stands", |all| {
+        ("a rod to a pinned particle", |all| {
             let (corner, world) = (all.corner(all.upper), all.app.world_mut());
             let nail = world.spawn((Particle::at(Vec3::Y * 2.0), Pinned::HERE)).id();
             world.spawn(DistanceConstraint::new(corner, nail, 0.5));
         }),
-        ("a spring to something that stands", |all| {
+        ("a spring to a pinned particle", |all| {
             let (corner, world) = (all.corner(all.upper), all.app.world_mut());
             let nail = world.spawn((Particle::at(Vec3::Y * 2.0), Pinned::HERE)).id();
             let (rest, stiffness, damping) = (0.1, 1e3, 1.0);
@@ -126,7 +126,7 @@ fn what_a_game_does_to_a_sleeper_wakes_it_and_none_far_away() {
         ("layers that let it fall", |all| {
             all.app.world_mut().entity_mut(all.upper).insert(CollisionLayers::NONE);
         }),
-        ("a collider that asks", |all| {
+        ("contact events of a collider", |all| {
             all.app.world_mut().entity_mut(all.ground).insert(ContactEvents::Every);
         }),
         ("the one below is gone", |all| {
@@ -141,13 +141,13 @@ fn what_a_game_does_to_a_sleeper_wakes_it_and_none_far_away() {
         if all.sleeps(all.upper) {
             asleep_still.push(name);
         }
-        assert!(all.sleeps(all.far), "{name}: what is far away sleeps on");
+        assert!(all.sleeps(all.far), "{name}: the far crate sleeps on");
     }
     assert_eq!(asleep_still, [""; 0]);
 }
 
 #[test]
-fn what_fills_the_world_wakes_all_when_it_comes_changes_and_goes() {
+fn a_change_of_a_global_force_wakes_all_bodies() {
     let causes: &[(&str, Cause)] = &[
         ("gravity", |all| {
             all.app.world_mut().resource_mut::<Gravity>().0 = Vec3::Y;
@@ -194,24 +194,24 @@ fn what_fills_the_world_wakes_all_when_it_comes_changes_and_goes() {
 
 /// While all bodies rest, sleep is gathered only once, until any body's setting changes.
 #[test]
-fn who_is_to_stay_awake_wakes_in_a_world_that_has_rested_and_sleeps_again_when_it_may() {
+fn disabling_sleep_wakes_a_body_and_enabling_it_lets_it_sleep_again() {
     let mut all = asleep();
     tick(&mut all.app, 30);
     all.app.world_mut().entity_mut(all.far).insert(SleepingDisabled);
     tick(&mut all.app, 1);
     assert!(!all.sleeps(all.far) && all.sleeps(all.upper) && all.sleeps(all.lower));
     tick(&mut all.app, 120);
-    assert!(!all.sleeps(all.far), "as long as it is asked to");
+    assert!(!all.sleeps(all.far), "as long as sleep is disabled");
     all.app.world_mut().entity_mut(all.far).remove::<SleepingDisabled>();
     tick(&mut all.app, 240);
     assert!(all.sleeps(all.far));
     all.app.world_mut().entity_mut(all.far).insert(ContactEvents::Every);
     tick(&mut all.app, 2);
-    assert!(!all.sleeps(all.far), "it is to hear of every contact");
+    assert!(!all.sleeps(all.far), "it reports every contact");
 }
 
 #[test]
-fn what_hung_falls_when_what_held_it_goes() {
+fn a_sleeping_hung_body_falls_when_its_support_is_removed() {
     let causes: [(&str, fn(&mut World, Entity, Entity)); 3] = [
         ("the nail is drawn", |world, nail, _| {
             world.entity_mut(nail).remove::<Pinned>();
@@ -266,7 +266,7 @@ fn rods(world: &mut World, particles: &[Entity], nail: Entity) -> Vec<Entity> {
 }
 
 #[test]
-fn the_upper_one_falls_onto_the_floor_when_the_lower_one_is_gone() {
+fn the_upper_crate_falls_onto_the_floor_when_the_lower_one_is_gone() {
     let mut all = asleep();
     all.app.world_mut().despawn(all.lower);
     tick(&mut all.app, 60);
@@ -277,7 +277,7 @@ fn the_upper_one_falls_onto_the_floor_when_the_lower_one_is_gone() {
 
 /// Regression: it fell asleep in a lull, and the next gust found it fixed to the ground.
 #[test]
-fn what_gusts_may_move_does_not_sleep_in_them() {
+fn a_body_that_gusts_may_move_does_not_sleep_in_them() {
     let app_in = |pressure: f32| {
         let mut app = app();
         let world = app.world_mut();
