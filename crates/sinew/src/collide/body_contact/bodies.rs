@@ -1,5 +1,4 @@
-//! Everything that contacts know of what takes part in them: body colliders first, eight by eight, then colliders and planes, which nothing
-//! moves.
+//! The rows that contacts read and write: body colliders first, in groups of eight, then static and kinematic geometry, which contacts do not move.
 
 use core::ops::{Index, IndexMut};
 
@@ -9,30 +8,29 @@ use super::super::frame::Frame;
 use super::turn::{Matrix, Symmetric};
 use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector};
 
-/// The fields of a row. `[x y z w]`: how far contacts have moved it in this substep, metres, and its inverse mass, 1/kg.
+/// Fields of a row. `[x y z w]`: displacement by contacts in this substep, metres, and inverse mass, 1/kg.
 pub(super) const SHIFT: usize = 0;
-/// `[x y z m]`: how far they have turned it, rad about each axis; 1 if some of that came of a deep overlap.
+/// `[x y z m]`: turn by contacts in this substep, rad about each axis; depenetration mark, 1 if a part of it came of a deep overlap.
 pub(super) const TURN: usize = 1;
-// Two fields that only lanes and `loose` ask for: the inverse inertia in world axes, 1/(kg·m²), first xx, yy, zz, then xy, xz, yz.
-/// `[x y z r]`: its centre when the substep began, from its origin, metres; and of what is pinned how far its free particles are from its pin or its axis at
-/// most, metres, 0 of all others.
+// Fields 2 and 3, which only lanes and `loose` read: inverse inertia in world axes, 1/(kg·m²), first xx, yy, zz, then xy, xz, yz.
+/// `[x y z r]`: centre when the substep began, from its origin, metres; of a pinned body collider the greatest distance of its free particles from its pin or
+/// axis, metres, else 0.
 pub(super) const CENTRE: usize = 4;
-/// How far that has gone since, without contacts, metres.
+/// Displacement of the centre since then without contacts, metres.
 pub(super) const STEP: usize = 5;
-/// How far it has turned since, without contacts: `2 tan(φ/2)` about the axis.
+/// Turn since then without contacts: `2 tan(φ/2)` about the axis.
 pub(super) const SPIN: usize = 6;
-/// As predicted: a unit quaternion. The last one, because friction does not ask for it.
+/// Predicted rotation, a unit quaternion. The last field, because friction does not load it.
 pub(super) const ROTATION: usize = 7;
 
-/// A row for each body collider, up to a multiple of eight; then for each collider and each plane; and one for nothing. A contact asks for nearly all
-/// that there is of two bodies that may lie anywhere: so that is in one place, and not in columns.
+/// One row for each body collider, padded to a multiple of eight; then one for each collider and plane; and a null row. A contact needs nearly all fields of
+/// two bodies at arbitrary places, so a row is contiguous (AoS) and not spread over columns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     pub(super) rows: Vec<Record>,
-    /// How far contacts are expected to move each of them in this substep, metres, and to turn it, rad: two entries for each.
+    /// Predicted displacement, metres, and turn, rad, by contacts in this substep: two entries for each row.
     pub(super) predicted: Vec<Vec4>,
-    /// How far each of them has gone farther than contacts believe, metres, and how it has turned further, rad: two entries for each
-    /// (`friction`).
+    /// Constraint residual (`friction`): displacement, metres, and turn, rad, beyond those that contacts assume; two entries for each row.
     pub(super) residual: Vec<Vec4>,
 }
 
@@ -53,7 +51,7 @@ impl IndexMut<usize> for Bodies {
 }
 
 impl Bodies {
-    /// Makes room for so many, none of which moves; some of the first ones stay as they are, by a bit for each, eight rows a number.
+    /// Resizes to `len` rows, all at rest. `kept` has a bit for each row, eight rows a number; rows whose bit is set keep their contents.
     pub(super) fn resize(&mut self, len: usize, kept: &[u32]) {
         let mut fixed = Record([Vec4::ZERO; FIELDS]);
         fixed.0[ROTATION] = Vec4::W;
@@ -69,12 +67,12 @@ impl Bodies {
         self.residual.resize(2 * len, Vec4::ZERO);
     }
 
-    /// A copy of eight rows from one on.
+    /// A copy of the eight rows from `first` on.
     pub(super) fn eight(&self, first: usize) -> [Record; LANES] {
         core::array::from_fn(|lane| self.rows[first + lane])
     }
 
-    /// Puts some of eight rows back to a [copy](Self::eight), by a bit for each.
+    /// Restores from a [copy](Self::eight) the rows whose bit in `lanes` is set.
     pub(super) fn put_back(&mut self, first: usize, lanes: u32, eight: [Record; LANES]) {
         for (lane, row) in eight.into_iter().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 1)
         {
@@ -82,27 +80,27 @@ impl Bodies {
         }
     }
 
-    /// The frame of a body collider whose centre is at `centre` in it: where the substep began, turned as predicted.
+    /// The frame of a body collider with the centre `centre` in its own frame: placed where the substep began, with the predicted rotation.
     pub(super) fn frame(&self, row: usize, centre: Vec3) -> Frame {
         let (at, r) = (self[row][CENTRE].truncate(), rotation(self[row][ROTATION]));
         Frame { translation: at - r * centre, rotation: r }
     }
 
-    /// Places a row that nothing moves: its frame at the end of a substep, and what it was at its start.
+    /// Places a row of static or kinematic geometry: its frame at the start and at the end of a substep.
     pub(super) fn place(&mut self, row: usize, start: &Frame, end: &Frame) {
         let row = &mut self[row];
         row[ROTATION] = quaternion(&end.rotation);
         row[STEP] = (end.translation - start.translation).extend(0.0);
         let (x, y, z) = columns_of(&(end.rotation * start.rotation.transpose()));
         let sine = Vec3::new(y.z - z.y, z.x - x.z, x.y - y.x) * 0.5;
-        // tan ½φ = sinφ / (1 + cosφ); half a turn in a substep is none that anything could follow.
+        // tan ½φ = sinφ / (1 + cosφ). A half turn in a substep is clamped: no contact could follow it.
         let below = (0.5 * (x.x + y.y + z.z + 1.0)).max(1e-3);
         let spin = if start.rotation == end.rotation { Vec3::ZERO } else { sine * (2.0 / below) };
         row[SPIN] = spin.extend(0.0);
     }
 }
 
-/// Eight rows from one on.
+/// The eight row numbers from `first` on.
 #[inline(always)]
 pub(super) fn from_row(first: usize) -> [u32; LANES] {
     let mut rows = [0; LANES];
@@ -112,7 +110,7 @@ pub(super) fn from_row(first: usize) -> [u32; LANES] {
     rows
 }
 
-/// The columns of eight of them.
+/// Eight rows in lanes, as the normal solve reads them.
 pub(super) struct WideBody<L> {
     pub(super) shift: Vector<L>,
     pub(super) turn: Vector<L>,
@@ -121,7 +119,7 @@ pub(super) struct WideBody<L> {
     pub(super) inverse_inertia: Symmetric<L>,
     pub(super) rotation: Matrix<L>,
     pub(super) centre: Vector<L>,
-    /// How far what is pinned reaches; 0 of others.
+    /// Reach of a pinned body collider from its pin or axis; 0 of others.
     pub(super) pin_reach: L,
     pub(super) step: Vector<L>,
     pub(super) spin: Vector<L>,
@@ -150,7 +148,7 @@ impl<L: Lanes> WideBody<L> {
     }
 }
 
-/// The columns of eight of them that friction asks for.
+/// Eight rows in lanes, as the friction solve reads them: without the rotation.
 pub(super) struct WideSlidingBody<L> {
     pub(super) shift: Vector<L>,
     pub(super) turn: Vector<L>,
@@ -180,7 +178,7 @@ impl<L: Lanes> WideSlidingBody<L> {
         }
     }
 
-    /// Displacement since the substep began of what is at `arm` from the centre, metres: `spin × (arm - ½ spin × arm)` is the chord, to third order.
+    /// Displacement since the substep began of the point at `arm` from the centre, metres: `spin × (arm - ½ spin × arm)` is the chord, to third order.
     #[inline(always)]
     pub(super) fn moved(&self, arm: Vector<L>) -> Vector<L> {
         let middle = arm - self.spin.cross(arm) * L::splat(0.5);
@@ -192,7 +190,7 @@ fn columns_of(m: &Mat3) -> (Vec3, Vec3, Vec3) {
     (m.x_axis, m.y_axis, m.z_axis)
 }
 
-/// The unit quaternion of a rotation; by its greatest component, so that nothing is divided by what is nearly zero.
+/// The unit quaternion of a rotation, computed from its greatest component, so that there is no division by a value near zero.
 pub(super) fn quaternion(m: &Mat3) -> Vec4 {
     let (x, y, z) = columns_of(m);
     let trace = x.x + y.y + z.z;
@@ -209,7 +207,7 @@ pub(super) fn quaternion(m: &Mat3) -> Vec4 {
     if length > 0.0 && length.is_finite() { q / length } else { Vec4::W }
 }
 
-/// The rotation of a unit quaternion.
+/// The rotation matrix of a unit quaternion.
 pub(super) fn rotation(q: Vec4) -> Mat3 {
     Mat3::from_quat(glam::Quat::from_xyzw(q.x, q.y, q.z, q.w))
 }

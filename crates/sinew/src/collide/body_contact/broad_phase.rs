@@ -1,15 +1,15 @@
-//! Broad phase of body colliders: where they go in a step, the pairs that may come to touch, and the pairs that were missed.
+//! Broad phase of body colliders: swept bounds of a step, pairs whose bounds overlap, and missed pairs.
 //!
 //! When a step begins, each body collider gets swept bounds, the pairs of bounds that overlap are listed, and the narrow phase compares them.
 //!
 //! # Missed pairs
 //!
-//! What was found for a step holds as long as all go on as they went when it began, give or take what jolts may do. In a heap that tumbles there is
-//! always one that does not: it leaves its swept bounds, and is searched for by itself, from where it is, and what it may come to touch is added to
-//! what was found. What was found before stays: of two that turn or slide on each other others see to that (`narrow_phase`). So nobody minds, to the
-//! last bit, whether something far off has left its swept bounds.
+//! These pairs are complete as long as each body collider goes on as it moved when the step began, within its speculative margin. In a tumbling heap there is
+//! always one that does not: it leaves its swept bounds, is queried by itself from where it is, and the pairs that it gains are added. Pairs that were found
+//! before stay; those that turn or slide on each other are refreshed by `narrow_phase`. So the result of a pair does not depend, to the last bit, on whether
+//! something far away has left its swept bounds.
 //!
-//! Missed manifolds have colours of their own, and are solved after all others.
+//! Missed manifolds have colours of their own and are solved after all others.
 
 use glam::Vec3;
 
@@ -27,11 +27,11 @@ use crate::kept::Kept;
 use crate::lanes::LANES;
 use crate::particles::{NO_BODY, Particles};
 
-/// From so many on that lie elsewhere than in the grid it is filled anew: each of them is compared with each that leaves its swept bounds.
+/// From this number of body colliders outside the grid on, the grid is filled anew: each of them is compared with each that leaves its swept bounds.
 const MANY: usize = 128;
 
 impl BodyContactSolver {
-    /// Finds at the start of a step everything that may come to touch in it.
+    /// Finds at the start of a step all pairs and manifolds that may touch in it, and packs their contacts.
     pub(crate) fn broad_phase(
         &mut self,
         particles: &Particles,
@@ -119,11 +119,11 @@ impl BodyContactSolver {
         self.note_met(0);
     }
 
-    /// Notes who is in a contact, of those from a number on, or may come to touch a single particle.
+    /// Marks the body colliders of the contacts from `first` on, and those with single particles nearby.
     fn note_met(&mut self, first: usize) {
         let Self { contacts, groups, loose, met, .. } = self;
         let mut note = |number: u32| {
-            // What stands has numbers behind those of body colliders.
+            // Static geometry has numbers after those of body colliders.
             if (number as usize) < groups.parts.len() {
                 let place = groups.place(number as usize);
                 met[place / LANES] |= 1 << (place % LANES);
@@ -136,7 +136,7 @@ impl BodyContactSolver {
         loose.bodies().for_each(note);
     }
 
-    /// Notes which body colliders sleep. What else cannot move may be led.
+    /// Marks the body colliders that sleep. Other immovable ones may be kinematic.
     fn note_sleepers(&mut self, world: &World) {
         let Self { groups, asleep, dormant, .. } = self;
         asleep.clear();
@@ -155,7 +155,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// Nothing moves: nothing is looked for, and the cache stays as it is.
+    /// Ends the broad phase of a step in which nothing moves: no pairs are found, and the cache stays as it is.
     fn rest(&mut self) {
         self.dormant.0.forget();
         self.cache.in_order();
@@ -172,7 +172,7 @@ impl BodyContactSolver {
         self.missed.wide_contacts = 0;
     }
 
-    /// Poses and velocities.
+    /// Extracts poses and velocities afresh, from the initial rotations; lanes that have not converged start once more from [`certain`].
     fn extract_poses_afresh(&mut self, particles: &Particles, world: &World) {
         for number in 0..self.groups.groups.len() {
             let kept = self.dormant.0.kept_of(number);
@@ -182,7 +182,7 @@ impl BodyContactSolver {
             let (first, mut asks) = (number * LANES, 0xFF);
             let eight = (kept != 0).then(|| self.bodies.eight(first));
             for _ in 0..2 {
-                // Who was found the first time stays as it was: who is beside it must not matter.
+                // Lanes that converged in the first pass keep their result: it must not depend on the other lanes.
                 let before = (asks != 0xFF).then(|| self.bodies.eight(first));
                 let columns = [&particles.position[..], &particles.velocity];
                 let residual = self.extract_pose(number, columns, None, !0);
@@ -208,7 +208,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// Pairs of body colliders, and of body colliders with static geometry, that are near each other; sorted.
+    /// Lists the pairs of body colliders, and of body colliders with static geometry, whose bounds overlap; sorted.
     fn near_pairs(&mut self, world: &World, pairs: &mut Vec<[u32; 2]>) {
         let Self {
             swept,
@@ -233,13 +233,13 @@ impl BodyContactSolver {
         let way = |i: usize| swept.get(i).map_or(Vec3::ZERO, |one| one.velocity * world.dt);
         clusters.0.pairs(bounds, of_one, way, nearby);
         pairs.clear();
-        // What is between two dormant ones was found before.
+        // Pairs of two dormant body colliders are known from the step before.
         let is_looked_at = |pair: &[u32; 2]| {
             (pair[0] as usize) < swept.len()
                 && !(dormant.is_kept && dormant.have_both(groups, *pair))
         };
         let mut nearby = nearby.iter().copied().filter(is_looked_at).peekable();
-        // What has no end is looked at by everyone; both lists are sorted.
+        // Geometry without end is compared with every body collider. Both lists are sorted and are merged.
         endless.clear();
         endless.extend(
             (0..static_geometry.len() as u32).filter(|&i| static_geometry[i as usize].endless),
@@ -260,7 +260,7 @@ impl BodyContactSolver {
         pairs.extend(nearby);
     }
 
-    /// Puts static geometry where it is from one share of the step to another. What goes nowhere has been put there when the step began.
+    /// Places static geometry from one fraction of the step to another. What does not move was placed when the step began.
     pub(super) fn place_static_geometry(&mut self, world: &World, from: f32, to: f32) {
         let (first, begins) = (self.groups.padded(), to == 0.0);
         let static_geometry = self.static_geometry.iter().enumerate();
@@ -276,22 +276,22 @@ impl BodyContactSolver {
 /// Pairs and manifolds that were found within a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MissedPairs {
-    /// How many manifolds were found, and wide contacts made of them, when the step began: those behind them were missed by the broad phase.
+    /// Numbers of manifolds and of wide contacts that the broad phase found when the step began: those after them are missed ones.
     contacts: usize,
     pub(super) wide_contacts: usize,
     /// [Classes](Contact::class) of the wide contacts of missed manifolds, ascending.
     classes: Vec<usize>,
-    /// For each body collider which colours it has.
+    /// For each body collider the colours in use by missed manifolds, a bit for each.
     used: Vec<u64>,
-    /// The two of each missed manifold as they are in [`Contact`], and which part of them; sorted.
+    /// The two of each missed manifold as in [`Contact`], and the part (triangle) of the manifold; sorted.
     met: Vec<[u32; 3]>,
-    /// Who lies elsewhere than in the grid.
+    /// Body colliders whose bounds are no longer those in the grid.
     moved: Vec<u32>,
     pairs: Vec<[u32; 2]>,
 }
 
 impl MissedPairs {
-    /// A step begins, for which so many manifolds were found.
+    /// Begins a step in which the broad phase found this number of manifolds.
     pub(super) fn begin(&mut self, contacts: usize) {
         self.contacts = contacts;
         self.classes.clear();
@@ -300,7 +300,7 @@ impl MissedPairs {
         self.moved.clear();
     }
 
-    /// Whether a part of two was found.
+    /// Whether a manifold of this pair and part was found in this step.
     pub(super) fn has(
         &self,
         [a, b]: [u32; 2],
@@ -317,7 +317,7 @@ impl MissedPairs {
 }
 
 impl BodyContactSolver {
-    /// Finds the missed pairs of those that have left their swept bounds, from where they were after a share of the step.
+    /// Finds the missed pairs of the body colliders that have left their swept bounds, from where they were after a fraction `share` of the step.
     pub(super) fn find_missed_pairs(
         &mut self,
         particles: &Particles,
@@ -364,7 +364,7 @@ impl BodyContactSolver {
         self.note_met(first);
     }
 
-    /// Reads a line that is asked for in this substep, if it was not, because it was in no contact.
+    /// Extracts the pose of a line that this substep has skipped because it was in no contact.
     fn read_line(&mut self, number: usize, particles: &Particles) {
         let Some(place) = self.groups.parts.get(number).map(|_| self.groups.place(number)) else {
             return;
@@ -383,7 +383,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// Pairs of some body colliders and of whatever may come near them; sorted, each once.
+    /// Lists the pairs of some body colliders with everything whose bounds overlap theirs; sorted, each once.
     fn around(&mut self, these: &[u32], world: &World, share: f32, pairs: &mut Vec<[u32; 2]>) {
         let Self { swept, static_geometry, clusters, bounds, groups, missed, .. } = self;
         pairs.clear();
@@ -411,7 +411,7 @@ impl BodyContactSolver {
         pairs.dedup();
     }
 
-    /// Puts a missed manifold into the first wide contact of its colour that has room.
+    /// Adds a missed manifold to the first wide contact of its colour with a free lane.
     fn pack_missed(&mut self, number: usize) {
         let Self { missed, contacts, wide_contacts, groups, bodies, cache, h, .. } = self;
         let one = &mut contacts[number];
@@ -425,7 +425,7 @@ impl BodyContactSolver {
                 *used |= 1 << one.colour;
             }
         } else {
-            // One by itself.
+            // No colour is free: a colour of its own.
             one.colour = u64::BITS + number as u32;
         }
         let free = |wide: &WideContact| wide.number.iter().position(|number| *number == u32::MAX);

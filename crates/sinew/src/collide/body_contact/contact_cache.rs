@@ -1,25 +1,24 @@
-//! Contact cache: the manifold and the friction anchor of each pair that touches, kept from one step to the next.
+//! Contact cache: the manifold and the friction anchor of each pair in contact, kept from one step to the next.
 //!
 //! # What for
 //!
-//! Friction that holds must know from where: positions alone say how far something slid in a substep, not how far it is from where it stuck, so that
-//! a stack on a slope would creep for ever (see `friction`). And where two touch need not be found again as long as they lie as they lay: in a heap
-//! at rest that is a quarter of the work.
+//! Static friction needs its anchor: positions alone give the slip of a substep, but not the distance from where a contact stuck, so that a stack on a slope
+//! would creep for ever (see `friction`). And manifolds need not be computed again while two bodies lie as they lay: in a heap at rest that is a quarter of
+//! the work.
 //!
-//! # When a manifold still holds
+//! # When a manifold is still valid
 //!
-//! It was found where the two were less than `reach` apart, and has all corners that were so near. Since then no point of the first one has moved by
-//! more than `δ = |Δt| + |Δφ| r` as seen from the second one, with `r` how far out the first one reaches. So it has all that are nearer than `reach -
-//! δ` now; if they may come nearer by `m` in this step, it holds while `δ + m ≤ reach`. Manifolds are looked for with a little more than `m`
-//! ([`SLACK`]), which is what that leaves. And it holds no longer when the two have turned or slid by half of what a manifold is good for within a
-//! step (`wide_contact`).
+//! It was computed where the two were less than `reach` apart, and has all points up to that distance. Since then no point of the first one has moved by more
+//! than `δ = |Δt| + |Δφ| r` in the frame of the second, with `r` the reach of the first. So it has all points that are nearer than `reach - δ` now; if they
+//! may approach by `m` in this step, it is valid while `δ + m ≤ reach`. Manifolds are computed up to a little more than `m` ([`SLACK`]), which leaves that
+//! room. It also becomes invalid when the two have turned or slid by half of what a manifold allows within a step (`wide_contact`).
 //!
-//! # Whose it is
+//! # Saving and restoring
 //!
-//! All of it is live state, to be saved and restored with the particles. Contacts are named by the ids of those that touch
-//! ([`BodyCollider::id`](crate::BodyCollider), [`Collider::id`](crate::Collider)) and not by their places in lists, so that what comes and
-//! goes elsewhere changes nothing. A cache that is lost, or is of something else, counts as empty: friction then begins anew. Vectors are in the axes
-//! of the world, as they are from substep to substep (`friction`).
+//! All of it is live state, to be saved and restored with the particles. Contacts are named by the ids of their participants
+//! ([`BodyCollider::id`](crate::BodyCollider), [`Collider::id`](crate::Collider)) and not by list positions, so that additions and removals elsewhere change
+//! nothing. A cache that is lost or belongs to another world counts as empty: friction then starts anew. Vectors are in world axes, as they are from substep
+//! to substep (`friction`).
 
 use glam::{Mat3, Vec3};
 
@@ -27,83 +26,84 @@ use super::super::frame::Frame;
 use super::super::manifold::Manifold;
 use super::super::words::{Reader, Write};
 
-/// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than
-/// that keep theirs. More would list pairs that never touch.
+/// Distance beyond need up to which manifolds are computed, as a share of the smaller one's size: pairs that have moved against each other by less than that
+/// keep theirs. A greater value would list pairs that never touch.
 pub(super) const SLACK: f32 = 0.03;
-/// How stale a manifold may be when a step begins, as a share of what it may be within a step.
+/// Limit of staleness when a step begins, as a share of the limit within a step.
 const STALE: f32 = 0.5;
-/// Cosine of the angle between the normals of what touched and what touches, from which on that is the same contact.
+/// Cosine of the angle between the old and the new normal, from which on a contact counts as the same.
 const SAME: f32 = 0.9;
 
-/// The angle that two may turn against each other before they are compared again, rad.
+/// Turn of the two against each other up to which a manifold is valid, rad.
 const TURNED: f32 = 0.02;
-/// The same for how far they may slide on each other, as a share of their size.
+/// The same for their slip, as a share of their size.
 const SLID: f32 = 0.03;
-/// How much further what is round may turn: about the centre of the rounding that moves nothing, and its points are no farther from there than it is long.
+/// Factor on the valid turn of round shapes: turning about the centre of the rounding moves no point, and the anchors are no farther from it than the shape
+/// is long.
 const ROUND: f32 = 2.5;
-/// How much faster a manifold becomes stale whose [slope](Manifold::slope) is 1. Its points are points of the two, and as one slides over the rim of
-/// the other it touches with others, that are higher by the slope times the way: so that must be less, and no height is wrong by more than `SLID /
-/// STEEP` of the size, or what it slides in two substeps (`normal_solve`). Without that a box fell half a millimetre deep into a rim that its manifold did not know of, and was thrown out of it, again
-/// and again, for minutes; three times as much finds a tenth more manifolds in a heap of boxes in random poses, for nothing.
+/// Factor on the rate of staleness of a manifold whose [slope](Manifold::slope) is 1. Its points are fixed to the two, and as one slides over the rim of the
+/// other it touches with other points, which are higher by the slope times the slip. With this factor no height is wrong by more than `SLID / STEEP` of the
+/// size, or by the slip of two substeps (`normal_solve`). Without it a box fell half a millimetre deep into a rim that its manifold did not have, and was
+/// thrown out of it, again and again, for minutes; a factor of three times as much computes a tenth more manifolds in a heap of boxes in random poses,
+/// without a gain.
 const STEEP: f32 = 100.0;
 
-/// Contact cache: the manifolds and friction anchors of body colliders that touch. Live state, to be saved and restored with the particles. Empty by
-/// default, and then friction begins anew.
+/// Contact cache: the manifolds and friction anchors of body colliders in contact. Live state, to be saved and restored with the particles. Empty by default;
+/// friction then starts anew.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactCache {
-    /// Ascending by who touches, as long as ids of body colliders and of colliders ascend in their lists.
+    /// Ascending by key, as long as the ids of body colliders and of colliders ascend in their lists.
     pub(super) contacts: Vec<CachedManifold>,
 }
 
-/// A manifold kept from step to step, and the friction anchor of the pair.
+/// A manifold that is kept from step to step, with the friction anchor of the pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CachedManifold {
     pub(super) key: ContactKey,
-    /// Of the two shapes, so that another one is not taken for it.
+    /// Content hashes of the two shapes, to detect a changed shape.
     pub(super) content_hashes: [u64; 2],
     pub(super) manifold: Manifold,
-    /// Where the first one was in the coordinates of the second one when that was found.
+    /// The first one's frame in the coordinates of the second when the manifold was computed.
     pub(super) seen_from: Frame,
-    /// How far apart what was looked for then; negative where one of the two is made of triangles, each with a manifold, which are found in each
-    /// step.
+    /// Distance up to which it has all points, metres; negative for a triangle mesh, which has one manifold for each triangle and computes them in each step.
     pub(super) reach: f32,
     pub(super) friction_anchor: FrictionAnchor,
 }
 
-/// Who touches whom.
+/// The participants of a manifold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct ContactKey {
-    /// The first one's id.
+    /// Id of the first body collider.
     pub(super) a: u64,
     pub(super) other: Other,
-    /// Which triangle of those made of such.
+    /// Triangle of a mesh.
     pub(super) nth: u32,
 }
 
 impl ContactKey {
-    /// Whether it is of the same two.
+    /// Whether it has the same two participants.
     fn is_of(&self, other: &Self) -> bool {
         (self.a, self.other) == (other.a, other.other)
     }
 }
 
-/// The second one: what it is, and its id.
+/// The second participant: its kind and its id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Other {
     BodyCollider(u64),
-    /// A collider, and which of its walls, of one that is made of several.
+    /// A collider, and the number of its half-space if it is made of several.
     Collider(u64, u32),
     Plane(u64),
-    /// A box, and which of its walls.
+    /// A box, and the number of its wall.
     Wall(u64, u32),
 }
 
-/// Friction anchor: the accumulated slip and impulse from which friction starts. Vectors in the axes of the world.
+/// Friction anchor: the accumulated slip and the normal force from which friction starts. Vectors in world axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FrictionAnchor {
-    /// How hard the two press each other, N: as an impulse in positions that is `F h²`.
+    /// Normal force between the two, N. As an impulse in positions it is `F h²`.
     pub(super) force: f32,
-    /// How far what sticks is from where it stuck, metres, and turned, rad.
+    /// Distance of a sticking contact from where it stuck, metres, and its turn, rad.
     pub(super) accumulated_slip: Vec3,
     pub(super) twist: f32,
     pub(super) up: Vec3,
@@ -112,15 +112,14 @@ pub(super) struct FrictionAnchor {
 }
 
 impl ContactCache {
-    /// The manifolds of a body collider with those that come after it, and with static geometry; for an engine that keeps that with the body
-    /// collider.
+    /// The manifolds of a body collider, by id, with body colliders after it and with static geometry; for an engine that stores them with the body collider.
     pub fn of(&self, solid: u64) -> &[CachedManifold] {
         let first = self.contacts.partition_point(|one| one.key.a < solid);
         let own = &self.contacts[first..];
         &own[..own.partition_point(|one| one.key.a == solid)]
     }
 
-    /// The [manifolds](Self::of) of many body colliders, one after the other: of all, in the order of their ids, it goes through the cache once.
+    /// The [manifolds](Self::of) of many body colliders, one slice each. `solids` must be ids in ascending order; the cache is traversed once.
     pub fn each(
         &self,
         solids: impl Iterator<Item = u64>,
@@ -136,29 +135,29 @@ impl ContactCache {
         })
     }
 
-    /// Adds the manifolds of a body collider; to be called for one after the other, in the order of their ids. Those of another one are left out.
+    /// Adds the manifolds of a body collider. Call it for one after the other, in ascending order of their ids. Manifolds of other ids are left out.
     pub fn add(&mut self, solid: u64, contacts: &[CachedManifold]) {
         self.contacts.extend(contacts.iter().filter(|one| one.key.a == solid));
     }
 
-    /// Forgets everything; its memory is kept.
+    /// Removes everything and keeps the memory.
     pub fn clear(&mut self) {
         self.contacts.clear();
     }
 
-    /// How many contacts it holds.
+    /// The number of manifolds in the cache.
     pub fn len(&self) -> usize {
         self.contacts.len()
     }
 
-    /// Whether it holds none.
+    /// Whether the cache is empty.
     pub fn is_empty(&self) -> bool {
         self.contacts.is_empty()
     }
 }
 
 impl CachedManifold {
-    /// All of it as words, for whoever stores what contacts remember. Floats stand by their bits.
+    /// The whole entry as words, for storing it. Floats are stored by their bits.
     pub fn to_words(&self) -> Vec<u32> {
         let Self { key, content_hashes, manifold, seen_from, reach, friction_anchor } = self;
         let mut words = Vec::new();
@@ -187,7 +186,7 @@ impl CachedManifold {
         words
     }
 
-    /// The same from its words. `None` if they are too few, too many, or of nothing that there is.
+    /// The entry from its words. `None` if their number is wrong or they encode no valid entry.
     pub fn from_words(words: &[u32]) -> Option<Self> {
         let mut reader = Reader(words);
         let a = reader.long()?;
@@ -216,9 +215,9 @@ impl CachedManifold {
         reader.all(Self { key, content_hashes, manifold, seen_from, reach, friction_anchor })
     }
 
-    /// How stale the manifold is: how far the two have turned and slid since it was found, as `WideContact` has it; `None` where it holds no longer.
-    /// `here` is where the first one is in the second one's coordinates now, `size` how far it reaches and the smaller one of the two, and `reach`
-    /// how near they may come.
+    /// Staleness of the manifold as in `WideContact`: turn and slip of the two since it was computed, as a share of what is allowed. `None` if it is no
+    /// longer valid. `here` is the first one's present frame in the coordinates of the second, `size` the reach of the first and of the smaller one, and
+    /// `reach` the distance up to which they may touch, metres.
     pub(super) fn staleness(
         &self,
         here: &Frame,
@@ -239,7 +238,7 @@ impl CachedManifold {
         (moved + turned * size + reach <= self.reach && staleness < STALE).then_some(staleness)
     }
 
-    /// Whether a point of the two is nearer than so much, metres.
+    /// Whether a point of the manifold is nearer than `reach`, metres.
     pub(super) fn is_near(&self, here: &Frame, reach: f32) -> bool {
         let Self { manifold, seen_from, .. } = self;
         let reach = reach + manifold.radii[0] + manifold.radii[1];
@@ -249,28 +248,28 @@ impl CachedManifold {
     }
 }
 
-/// The angle that the two of a manifold may turn against each other, rad.
+/// Turn of the two up to which a manifold is valid, rad.
 pub(super) fn may_turn(manifold: &Manifold) -> f32 {
     if manifold.is_round() { ROUND * TURNED } else { TURNED }
 }
 
-/// How far the two of a manifold may slide on each other, metres, of a size; no farther than that.
+/// Slip of the two up to which a manifold is valid, metres; for shapes of a size, and at most that.
 pub(super) fn may_slide(manifold: &Manifold, size: f32) -> f32 {
     manifold.free.min(size).max(SLID * size)
 }
 
-/// How much faster than others a manifold becomes stale.
+/// Factor on the rate at which a manifold becomes stale.
 fn staleness_rate(manifold: &Manifold) -> f32 {
     1.0 + steepness(manifold)
 }
 
-/// By how much faster it does because of its slope.
+/// The part of that factor, beyond 1, that comes of its slope.
 pub(super) fn steepness(manifold: &Manifold) -> f32 {
     STEEP * manifold.slope
 }
 
 impl FrictionAnchor {
-    /// Whether anything is pressed.
+    /// Whether the contact carries a load.
     pub(super) fn is_loaded(&self) -> bool {
         self.force > 0.0
     }
@@ -281,12 +280,12 @@ impl FrictionAnchor {
 pub(super) struct CacheBuilder {
     was: Vec<CachedManifold>,
     pub(super) now: Vec<CachedManifold>,
-    /// The first of those that were which is not yet behind.
+    /// The first manifold of the step before that the search has not passed.
     next: usize,
-    /// How many of those that are now are in order; others came later.
+    /// How many of this step's manifolds are sorted; missed ones follow.
     sorted: usize,
-    /// Who touches whom of those that may be carried over unasked, ascending; whether they are in this step; the first that is not yet; and the first of those
-    /// that were which may be one.
+    /// Keys of the manifolds that may be carried over without a query, ascending; whether this step does so; the first key not yet carried; and the first
+    /// manifold of the step before that may have it.
     dormant: Vec<ContactKey>,
     carries: bool,
     next_dormant: usize,
@@ -294,20 +293,21 @@ pub(super) struct CacheBuilder {
 }
 
 impl CacheBuilder {
-    /// Takes over the cache.
+    /// Takes the manifolds out of the cache.
     pub(super) fn take(&mut self, cache: &mut ContactCache) {
         core::mem::swap(&mut self.now, &mut cache.contacts);
         cache.contacts.clear();
     }
 
-    /// Gives it back.
+    /// Returns the manifolds to the cache.
     pub(super) fn give(&mut self, cache: &mut ContactCache) {
         self.settle();
         core::mem::swap(&mut self.now, &mut cache.contacts);
         self.now.clear();
     }
 
-    /// Begins a step: what is cached is from the step before. Says whether those that were [noted](Self::note_dormant) are carried over unasked in it.
+    /// Begins a step: the present manifolds become those of the step before. With `carries`, the [listed](Self::note_dormant) ones are carried over without a
+    /// query.
     pub(super) fn begin(&mut self, carries: bool) {
         self.carries = carries;
         core::mem::swap(&mut self.was, &mut self.now);
@@ -316,17 +316,17 @@ impl CacheBuilder {
         (self.next_dormant, self.from_dormant) = (0, 0);
     }
 
-    /// Notes that none may be carried over unasked.
+    /// Clears the list of manifolds that are carried over without a query.
     pub(super) fn forget_dormant(&mut self) {
         self.dormant.clear();
     }
 
-    /// Notes those from a place on that may be carried over unasked in the next steps.
+    /// Lists the manifolds from a position on as ones to carry over without a query in the next steps.
     pub(super) fn note_dormant(&mut self, from: usize) {
         self.dormant.extend(self.now[from..].iter().map(|one| one.key));
     }
 
-    /// Carries those over unasked that come before a key; without one, all.
+    /// Carries over the listed manifolds before a key; without one, all.
     fn carry_dormant(&mut self, before: Option<&ContactKey>) {
         let Self { was, now, dormant, carries, next_dormant, from_dormant, .. } = self;
         if !*carries {
@@ -346,32 +346,32 @@ impl CacheBuilder {
         }
     }
 
-    /// Where the first manifold of the step before is that does not come before a key; to be asked in ascending order.
+    /// Position of the first manifold of the step before whose key is not less than `key`. Keys must be passed in ascending order.
     pub(super) fn seek(&mut self, key: &ContactKey) -> usize {
         self.next = self.first_from(self.next, key);
         self.next
     }
 
-    /// The same from a place on.
+    /// Like [`seek`](Self::seek), from a position on.
     fn first_from(&self, from: usize, key: &ContactKey) -> usize {
         let before = self.was[from..].iter().take_while(|one| one.key < *key);
         from + before.count()
     }
 
-    /// The cached manifold at a place, if it has a key.
+    /// The manifold of the step before at a position, if it has the key.
     pub(super) fn cached(&self, at: usize, key: &ContactKey) -> Option<&CachedManifold> {
         self.was.get(at).filter(|one| one.key == *key)
     }
 
-    /// Says that what is added next has a key, and what is carried over unasked before it belongs here.
+    /// Prepares to add manifolds of a key: carries over the listed ones before it.
     pub(super) fn come_to(&mut self, key: &ContactKey) {
         self.carry_dormant(Some(key));
     }
 
-    /// Keeps what is cached at a place, and says where; what friction holds there only if it is near.
+    /// Keeps the manifold of the step before at a position and returns its new one; its friction anchor only if it is near.
     pub(super) fn keep(&mut self, at: usize, near: bool) -> u32 {
         let place = self.now.len();
-        // At once to where it belongs: it has three hundred bytes.
+        // Written in place, because an entry has three hundred bytes.
         self.now.extend_from_slice(&self.was[at..=at]);
         if !near {
             self.now[place].friction_anchor = FrictionAnchor::default();
@@ -379,7 +379,8 @@ impl CacheBuilder {
         place as u32
     }
 
-    /// Adds a manifold. What friction held of the one with its key, from a place on, it holds, if that is the same contact; `axes` are the second one's.
+    /// Adds a manifold. It takes over the friction anchor of the old manifold with its key, searched from a position on, if their normals agree; `axes` are
+    /// those of the second participant.
     pub(super) fn add(&mut self, mut one: CachedManifold, from: usize, axes: &Mat3) {
         let was = self.cached(self.first_from(from, &one.key), &one.key);
         let normal = *axes * one.manifold.normal;
@@ -389,24 +390,24 @@ impl CacheBuilder {
         self.now.push(one);
     }
 
-    /// Carries the manifolds of a pair over as they were, from the first of them on.
+    /// Carries over the manifolds of a pair unchanged, from the position of the first on.
     pub(super) fn carry_over(&mut self, key: &ContactKey, from: usize) {
         let same = self.was[from..].iter().take_while(|one| one.key.is_of(key)).count();
         self.now.extend_from_slice(&self.was[from..from + same]);
     }
 
-    /// Which part of two a manifold is of.
+    /// Part (triangle) that a manifold belongs to.
     pub(super) fn part(&self, cache_index: u32) -> u32 {
         self.now[cache_index as usize].key.nth
     }
 
-    /// Says that all that is cached by now is in order.
+    /// Ends the sorted part: all manifolds that follow are missed ones.
     pub(super) fn in_order(&mut self) {
         self.carry_dormant(None);
         self.sorted = self.now.len();
     }
 
-    /// Inserts a missed manifold, and returns where.
+    /// Inserts a missed manifold and returns its position.
     pub(super) fn insert_missed(&mut self, one: CachedManifold) -> u32 {
         let place = match self.now[..self.sorted].binary_search_by_key(&one.key, |one| one.key) {
             Ok(place) => {
@@ -421,7 +422,7 @@ impl CacheBuilder {
         place as u32
     }
 
-    /// Puts what came later where it belongs.
+    /// Merges the missed manifolds into the sorted ones.
     fn settle(&mut self) {
         let Self { was, now, sorted, .. } = self;
         if now.len() <= *sorted {
@@ -430,7 +431,7 @@ impl CacheBuilder {
         was.clear();
         was.extend(now.drain(*sorted..));
         sort(was);
-        // From behind, so that each is moved once.
+        // From the end, so that each is moved once.
         let (mut from, mut to) = (now.len(), now.len() + was.len());
         now.extend_from_slice(was);
         for missed in was.iter().rev() {
@@ -444,7 +445,7 @@ impl CacheBuilder {
     }
 }
 
-/// Puts them in the order of their keys. Compiled once: sorting is much code, and those that call this are compiled several times.
+/// Sorts manifolds by key. Not inlined: sorting is much code, and its callers are compiled several times.
 #[inline(never)]
 pub(super) fn sort(remembered: &mut [CachedManifold]) {
     remembered.sort_unstable_by_key(|one| one.key);

@@ -1,9 +1,9 @@
-//! How fast particles may leave a substep in which a body collider was deep in something.
+//! Limit of the speed at which particles leave a substep in which a body collider was deep in something.
 //!
-//! What holds it there, pins and limits of joints, gives way meanwhile, by ever more, and when that comes back at once it flings all of them. So the particles of
-//! islands in which a body collider is that deep get no faster than the fastest one was, or than overlap is recovered. An impact of two gives nobody more
-//! than that. What is taken off is given to all that were deep in each other alike, so that their momentum stays; what is deep in something that stands gives it
-//! to that.
+//! Meanwhile the constraints that hold it there, pins and joint limits, yield more and more, and when they return at once they fling all of its particles. So
+//! the particles of islands with so deep a body collider get no faster than the fastest one was, or than overlap is recovered. An impact of two bodies makes
+//! none faster than that. The removed momentum is distributed over all particles of the islands that were deep in each other, so that their momentum is kept;
+//! islands deep in static geometry give it to that.
 
 use glam::Vec3;
 
@@ -12,12 +12,12 @@ use crate::islands::Islands;
 use crate::lanes::LANES;
 use crate::particles::Particles;
 
-/// The islands that are deep in something in a substep. Scratch.
+/// Islands with deep overlaps in a substep. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DeepOverlaps {
-    /// Islands and the set that they are in: those that are deep in each other; sorted by island.
+    /// Islands, and the set of islands deep in each other that each belongs to; sorted by island.
     islands: Vec<(u32, u32)>,
-    /// Two that are deep in each other; no second one where that stands.
+    /// Two islands that are deep in each other; no second one for static geometry.
     pairs: Vec<(u32, Option<u32>)>,
     /// By the number of a set.
     sets: Vec<DeepSet>,
@@ -27,15 +27,15 @@ pub(super) struct DeepOverlaps {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct DeepSet {
-    /// Whether one of it is deep in something that stands.
+    /// Whether an island of the set is deep in static geometry.
     held: bool,
-    /// The speed that none of its particles may exceed, m/s.
+    /// Speed limit of its particles, m/s.
     most: f32,
 }
 
 impl BodyContactSolver {
-    /// Notes the islands in which a body collider was deeper in than so many metres, and how fast their particles may leave the substep: at the speed at which
-    /// overlap is recovered, or by what gravity gives, both m/s, faster than the fastest came.
+    /// Lists the islands with a body collider deeper than `depth` metres, and the speed limit of their particles in this substep: the speed at which overlap
+    /// is recovered, or the fastest particle's speed plus what gravity gives, both m/s.
     pub(super) fn note_deep_overlaps(
         &mut self,
         particles: &Particles,
@@ -65,7 +65,7 @@ impl BodyContactSolver {
                 let most = &mut sets[set as usize].most;
                 *most = most.max(recovery).max(speed + gained);
             }
-            // Rigid states have no particles that could be flung apart.
+            // Rigid states have no separate particles that could be flung apart.
             if !island.one_state {
                 rows.extend(members.iter().map(|&row| (set, row)));
             }
@@ -73,7 +73,7 @@ impl BodyContactSolver {
         rows.sort_unstable();
     }
 
-    /// Takes off what they have become faster by.
+    /// Limits the speeds, and distributes the removed momentum.
     pub(super) fn limit_speeds(&self, particles: &mut Particles) {
         let DeepOverlaps { rows, sets, .. } = &self.deep_overlaps;
         for own in rows.chunk_by(|one, other| one.0 == other.0) {
@@ -123,7 +123,7 @@ impl DeepOverlaps {
         let place = |islands: &[(u32, u32)], island: u32| {
             islands.partition_point(|(other, _)| *other < island)
         };
-        // Few are deep at once, and fewer in a row: a pass for each that hands its number on.
+        // Few are deep at once, and fewer in a chain: one pass for each link that passes its number on.
         let mut changed = true;
         while changed {
             changed = false;

@@ -1,37 +1,38 @@
-//! Body colliders of dormant islands: asleep as in the last step, where nothing has been done to them. What is found of them when a step begins (poses, swept
-//! bounds, manifolds that are carried over) is what was found in the step before, and is kept instead.
+//! Body colliders of dormant islands: asleep as in the last step, with nothing done to them. The poses, swept bounds and carried-over manifolds that the step
+//! before has found of them are kept instead of being computed again.
 //!
-//! The first step of a set of dormant islands finds all of it, with them asleep; from the next one on it is kept. Who is in a contact with somebody awake has its
-//! rows written to: then all is found anew in the next step, which comes to the same.
+//! The first step of a set of dormant islands computes all of it with them asleep; the following ones keep it. Rows of a dormant body collider in a contact
+//! with an awake one are written to: then the next step computes everything again, with the same result.
 
 use super::super::world::World;
 use super::groups::BodyGroups;
 use crate::lanes::LANES;
 
-/// Which body colliders are dormant. Scratch.
+/// The dormant body colliders. Scratch.
 #[derive(Debug, Default)]
 pub(super) struct DormantColliders {
-    /// The number of the dormant islands that it is about; 0 for none.
+    /// Number of the set of dormant islands that this is about; 0 for none.
     number: u64,
-    /// Whether what was found of them in the step before is kept in this one.
+    /// Whether this step keeps what the step before has found of them.
     pub(super) is_kept: bool,
-    /// For each group a bit for each that is dormant.
+    /// For each group a bit for each dormant body collider.
     lanes: Vec<u32>,
-    /// The other ones, and all, ascending.
+    /// All body colliders that are not dormant, and all; ascending.
     others: Vec<u32>,
     all: Vec<u32>,
 }
 
 impl DormantColliders {
-    /// Has everything be found in the next step.
+    /// Makes the next step compute everything again.
     pub(super) fn forget(&mut self) {
         (self.number, self.is_kept) = (0, false);
     }
 
-    /// Begins a step, before which those of `met` were in a contact: a bit for each, by groups. Returns whether others are dormant than in the step before.
+    /// Begins a step. `met` has for each group a bit for each body collider with a contact in the step before. Returns whether the set of dormant islands has
+    /// changed.
     pub(super) fn begin(&mut self, world: &World, groups: &BodyGroups, met: &[u32]) -> bool {
         let islands = world.islands;
-        // Sensors hear of those that lie in them in each step.
+        // Sensors report overlaps with sleeping bodies in each step.
         let waits = world.colliders.iter().any(|collider| collider.sensor);
         let number = if waits { 0 } else { islands.dormant_number };
         let is_new = self.number != number;
@@ -69,28 +70,28 @@ impl DormantColliders {
         }
     }
 
-    /// Those that are looked at in this step, ascending.
+    /// Numbers of the body colliders that this step computes, ascending.
     pub(super) fn looked(&self) -> &[u32] {
         if self.is_kept { &self.others } else { &self.all }
     }
 
-    /// For each group a bit for each that is as it was in the step before.
+    /// For each group a bit for each body collider that is as it was in the step before.
     pub(super) fn kept(&self) -> &[u32] {
         if self.is_kept { &self.lanes } else { &[] }
     }
 
-    /// The same of one group.
+    /// Those of one group.
     pub(super) fn kept_of(&self, group: usize) -> u32 {
         self.kept().get(group).copied().unwrap_or(0)
     }
 
-    /// Whether a body collider is dormant, whether or not anything of it is kept.
+    /// Whether a body collider is dormant, kept or not.
     pub(super) fn has(&self, groups: &BodyGroups, number: usize) -> bool {
         let place = groups.place(number);
         self.number != 0 && self.lanes[place / LANES] >> (place % LANES) & 1 == 1
     }
 
-    /// Whether both of a pair are dormant, or the second one stands: those are all that have numbers behind body colliders.
+    /// Whether both of a pair are dormant, or the second is static or kinematic geometry, which has numbers after those of body colliders.
     pub(super) fn have_both(&self, groups: &BodyGroups, [a, b]: [u32; 2]) -> bool {
         let stands = b as usize >= groups.parts.len();
         self.has(groups, a as usize) && (stands || self.has(groups, b as usize))

@@ -1,38 +1,38 @@
-//! Friction solve of wide contacts, by Coulomb.
+//! Coulomb friction of wide contacts.
 //!
-//! In a heap, pressing tilts a box one way at one contact and back at the next; friction that saw it in between would drag what lies on it, a little
-//! in each substep, for ever. And friction tilts boxes, which must not be the last that is done to them. So all of a heap is held before all of it is
-//! pressed, against what pressed it in the substeps before; and only what has just met, or slides although it is pressed more than that, once more
-//! afterwards. Positions are held against `s`, how far the two surfaces have slid on each other since the substep began, at the centre of the
-//! pressure; and against the turn of one on the other ([`TangentialSlip`]). The impulse is at most `μ Σ λ`, its moment about the normal at most that
-//! times the radius of the patch; of what is a point, a hundredth of its size (`wide_contact::TORSIONAL_RADIUS`), without accumulated slip.
+//! In a heap, the normal solve tilts a box one way at one contact and back at the next; friction in between would drag the bodies on it, a little in each
+//! substep, for ever. And friction tilts boxes, so it must not come last. So the friction of all contacts is solved before all normals, with the normal
+//! impulses of the substeps before as its limit; only contacts that are new, or slide and are pressed more than that, are solved once more afterwards.
+//! Friction acts against the slip `s` of the two surfaces on each other since the substep began, at the centre of pressure, and against the turn of one on
+//! the other ([`TangentialSlip`]). The impulse is at most `μ Σ λ`, its moment about the normal at most that times the radius of the patch; of a point
+//! contact, a hundredth of its size (`wide_contact::TORSIONAL_RADIUS`), without accumulated slip.
 //!
-//! # What is to come
+//! # Predicted impulses
 //!
-//! Before they are pressed, things have fallen by `g h²`, and what is wedged between two slopes has slid on both by nearly that: more than friction
-//! may hold. It would act against the fall with all it has, where the two slopes together let nothing slide, and leave alone what really creeps: a
-//! wedged box crept at a quarter of a millimetre a second for ever, and in a heap of a thousand one or the other fell of it, for minutes. So where
-//! friction would slip, it acts against what will be left when all have pressed as they did in the substeps before (`Bodies::predicted`). Where it
-//! sticks it does not: pressures come and go in a heap, and would shake what lies still (a thousand boxes then go on at 1 mm/s).
+//! Before the normal solve, bodies have fallen by `g h²`, and a body that is wedged between two slopes has slid on both by nearly that: more than friction
+//! can hold. It would act against the fall up to its limit, although the two slopes together let nothing slide, and leave the actual creep alone: a wedged
+//! box crept at a quarter of a millimetre a second for ever, and in a heap of a thousand one or the other fell because of it, for minutes. So where friction
+//! would slip, it acts against the slip that will be left when all contacts have pressed as in the substeps before (`Bodies::predicted`). Where it sticks it
+//! does not: impulses fluctuate in a heap, and would shake resting bodies (a thousand boxes then keep moving at 1 mm/s).
 //!
-//! # Where it stuck
+//! # Friction anchors
 //!
-//! Pressing moves things after they were held, in a heap again and again, and what carries others on a slope is held before they are. What sticks
-//! remembers how far it is from where it stuck (`accumulated_slip`), and is held against that, too: so that it stays there, however small the part
-//! that each substep leaves. What lies still on a slope has accumulated as much slip as it takes for all of a stack to be held. A part of that is
-//! taken back in a substep ([`BACK`]), because what is moved back leaves with speed. What slides forgets ([`FADES`]), or friction would go on pulling
-//! to where it once stuck. All of it goes from step to step (`contact_cache`).
+//! The normal solve moves bodies after the friction solve, in a heap again and again, and friction on a slope is solved for a body before it is for those on
+//! it. A sticking contact keeps its distance from where it stuck (`accumulated_slip`), and friction acts against that, too: so the contact stays there,
+//! however little each substep leaves. On a slope the accumulated slip of a resting stack is as large as it takes to hold all of it. A part of it is taken
+//! back in a substep ([`BACK`]), because a body moved back leaves with that speed. In a sliding contact it fades ([`FADES`]), or friction would keep pulling
+//! to where the contact once stuck. All of it is kept from step to step (`contact_cache`).
 //!
 //! # The constraint residual
 //!
-//! It is what joints take back of what contacts did. Friction that holds a bone must know how far that really went.
+//! It is the part of the contact corrections that joints take back. Friction on a bone needs the displacement that the bone really had.
 //!
-//! A particle that `k` body colliders share is displaced by the `k`-th part of what each of them asks (`groups`). A pelvis, which others hang on by
-//! all of its particles, goes back by half of what it slid, where contacts believe that it went back by all of it. What they do not know of they do
-//! not hold: a ragdoll on the ground crept over it by up to a centimetre a second, for ever.
+//! A particle that `k` body colliders share is displaced by a `k`-th of what each of them requires (`groups`). A pelvis, which shares all of its particles
+//! with others, goes back by half of its slip, while contacts assume that it went back by all of it. The difference would not be held: a ragdoll on the
+//! ground crept over it by up to a centimetre a second, for ever.
 //!
-//! So when the particles were displaced, such body colliders are read once more: how far their centres have gone since the substep began, and how
-//! they have turned, as in `pose`. By what that differs from what contacts believe, they are farther from where they stuck. What slides does not ask.
+//! So once the particles are displaced, the motion of such body colliders is extracted once more: the displacement of their centres since the substep began,
+//! and their turn, as in `pose`. The difference from what contacts assume is added to the accumulated slip of sticking contacts.
 
 use glam::Vec4;
 
@@ -45,29 +45,30 @@ use super::wide_contact::WideContact;
 use crate::lanes::{FIELDS, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
-/// Which part of the accumulated slip is taken back in a substep. With all of it a heap of a thousand boxes never rests (7 mm/s), with half of it at
-/// 1 to 3 mm/s, with a fifth at 0.1; with a twentieth a stack slips on a slope that is nearly too steep, before it is held.
+/// Part of the accumulated slip that is taken back in a substep. With all of it a heap of a thousand boxes never rests (7 mm/s), with half of it at 1 to 3
+/// mm/s, with a fifth at 0.1; with a twentieth a stack slips on a slope that is nearly too steep before it is held.
 const BACK: f32 = 0.2;
-/// What is left of it in a substep in which it slides. A stack on a slope that is nearly too steep slides for a few substeps in the one or other
-/// contact, and must not forget by that (with 0.9 it goes on for ever); what really slides has forgotten after some fifty substeps.
+/// Factor on the accumulated slip in a substep in which the contact slides. A stack on a slope that is nearly too steep slides for a few substeps in some
+/// contacts and must not lose its anchor by that (with 0.9 it slides on for ever); a contact that really slides has lost it after some fifty substeps.
 const FADES: f32 = 0.97;
 
-/// What presses is a mean over some substeps, of which this is the share of the newest one. In a heap contacts press twice as hard in one substep and
-/// not at all in the next; friction that did as they do would let go each time: a thousand boxes poured in any pose then go on at 1 to 8 mm/s for
-/// ever, and with a mean they come to rest. Over time that is as much friction as there was pressure.
+/// Share of the newest substep in the running mean of normal impulses that limits friction. In a heap contacts press twice as hard in one substep and not at
+/// all in the next; with the newest impulse alone friction would let go each time: a thousand boxes poured in any pose then keep moving at 1 to 8 mm/s for
+/// ever, and with a mean they come to rest. Over time the friction limit has the same mean.
 const NEWEST_SHARE: f32 = 0.25;
-/// What moves neither body by more than this in a substep, metres, is none.
+/// Displacement by the normal impulse in a substep, metres, below which a contact counts as unloaded.
 const NOTHING: f32 = 1e-10;
-/// By which part of the mean what slides must be pressed more for friction to act on that at once. What sticks needs no more.
+/// Excess of the present normal impulse over the mean, as a share of that, from which on friction of a sliding contact acts on the excess at once. Sticking
+/// contacts do not need it.
 const MORE: f32 = 0.1;
 
 kernel!(
-    /// Solves friction of wide contacts: before their normals are solved, against what pressed them in the substeps before; and after that, where it is
-    /// needed, against what presses them more.
+    /// Solves friction of wide contacts: before the normal solve, limited by the impulses of the substeps before; and after it, where needed, by the excess
+    /// over these.
     pub(super) fn solve_all_friction<L: Lanes>(
         wide_contacts: &mut [WideContact],
         after: bool,
-        // How far what sticks may be taken back in a substep, metres.
+        // Accumulated slip that may be taken back in a substep, metres.
         max_correction: f32,
         bodies: &mut Bodies,
     ) {
@@ -84,7 +85,7 @@ kernel!(
     }
 );
 
-/// Against what pressed it in the substeps before.
+/// Friction limited by the impulses of the substeps before.
 #[inline(always)]
 fn friction_before<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies) {
     let none = L::zero();
@@ -108,7 +109,7 @@ fn friction_before<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies) {
     friction_limit_used.store(&mut wide.friction_limit_used);
 }
 
-/// Against what pressed it more than that, and what the anchor is to keep.
+/// Friction limited by the excess over that; updates the friction anchor.
 #[inline(always)]
 fn friction_after<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies, max_correction: f32) {
     let none = L::zero();
@@ -116,7 +117,7 @@ fn friction_after<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies, max_cor
     let (sum, mut friction_limit_used) = (L::load(&wide.sum), L::load(&wide.friction_limit_used));
     let more = none.lt(L::load(&wide.friction)).and((sum - friction_limit).max(none));
     if !none.lt(more.max(friction_limit)).any() {
-        // What has let go for a substep takes hold again where it was.
+        // A contact that has let go for a substep sticks again at its old anchor.
         wide.sticking = 0;
         for accumulated_slip in &mut wide.accumulated_slip {
             (L::load(accumulated_slip) * L::splat(FADES)).store(accumulated_slip);
@@ -129,7 +130,7 @@ fn friction_after<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies, max_cor
     let needs = friction_limit_used.lt(friction_limit).select(none, more);
     let needs = (friction_limit * L::splat(MORE)).lt(needs).and(needs);
     if none.lt(needs).any() {
-        // Who was not held before is held against the accumulated slip here.
+        // A contact without a limit before acts against the accumulated slip here.
         let fresh = friction_limit.le(none).and(L::splat(BACK));
         let answer = slip.answer(wide, slip.slid + slip.accumulated_slip * fresh, needs);
         slip.apply(wide, &answer, bodies);
@@ -148,7 +149,7 @@ fn friction_after<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies, max_cor
 }
 
 kernel!(
-    /// Predicts the impulses of wide contacts in the next substep, where nothing has pressed yet: all that was noted before is forgotten.
+    /// Predicts the impulses of wide contacts before the first substep of a step; earlier predictions are dropped.
     pub(super) fn predict_impulses<L: Lanes>(wide_contacts: &[WideContact], bodies: &mut Bodies) {
         bodies.predicted.fill(Vec4::ZERO);
         for wide in wide_contacts {
@@ -163,27 +164,27 @@ kernel!(
 
 /// Response of friction to a slip.
 struct FrictionResponse<L> {
-    /// The displacement and the turn that it gives to the first one, and takes from the second one, if something can.
+    /// Displacement and turn that are added to the first one, and subtracted from the second one, if that can move.
     a: (Vector<L>, Vector<L>),
     b: Option<(Vector<L>, Vector<L>)>,
-    /// Against how much of the pressure it had to act, kg·m.
+    /// Part of the normal impulse whose friction was used, kg·m.
     friction_limit_used: L,
-    /// How far it takes the slip back.
+    /// Slip that it takes back.
     back: Vector<L>,
 }
 
 /// Tangential slip of eight pairs.
 struct TangentialSlip<L> {
     a: WideSlidingBody<L>,
-    /// `None` where it stays where it is.
+    /// `None` for fixed geometry.
     b: Option<WideSlidingBody<L>>,
     n: Vector<L>,
     t: Vector<L>,
     u: Vector<L>,
-    /// Where friction acts, from the centres of both.
+    /// Point of friction, from the centres of both.
     arm: Vector<L>,
     other: Vector<L>,
-    /// Along `t` and `u`, metres, and about `n`, rad: in this substep, and before.
+    /// Along `t` and `u`, metres, and about `n`, rad: in this substep, and accumulated before.
     slid: Vector<L>,
     accumulated_slip: Vector<L>,
 }
@@ -214,7 +215,7 @@ impl<L: Lanes> TangentialSlip<L> {
         Self { a, b, n, t, u, arm, other, slid, accumulated_slip }
     }
 
-    /// How far an impulse moves them apart, 1/kg.
+    /// Inverse effective mass without rotation, 1/kg.
     #[inline(always)]
     fn weight(&self) -> L {
         match &self.b {
@@ -223,7 +224,7 @@ impl<L: Lanes> TangentialSlip<L> {
         }
     }
 
-    /// What holds them against so much slip, as far as a sum `against` of the pressure lets it.
+    /// The response of friction to a slip, limited by the normal impulse `against`.
     #[inline(always)]
     #[allow(clippy::manual_map, reason = "a closure is not made for the processor that it runs on")]
     fn answer(&self, wide: &WideContact, slid: Vector<L>, against: L) -> FrictionResponse<L> {
@@ -261,7 +262,7 @@ impl<L: Lanes> TangentialSlip<L> {
         }
     }
 
-    /// Moves both by it.
+    /// Applies a response to both.
     #[inline(always)]
     fn apply(&self, wide: &WideContact, answer: &FrictionResponse<L>, bodies: &mut Bodies) {
         let Self { a, b, .. } = self;
@@ -275,7 +276,7 @@ impl<L: Lanes> TangentialSlip<L> {
         }
     }
 
-    /// Notes that contacts are expected to press them with such sums, at the centre of the pressure.
+    /// Adds the displacements by normal impulses `sum` at the centre of pressure to the predicted ones.
     #[inline(always)]
     fn predict_impulse(&self, wide: &WideContact, sum: L, bodies: &mut Bodies) {
         let push = self.n * sum;
@@ -285,7 +286,7 @@ impl<L: Lanes> TangentialSlip<L> {
         }
     }
 
-    /// How far all that is expected to press will have them slide on each other.
+    /// Slip that all predicted impulses will cause.
     #[inline(always)]
     fn predicted(&self, wide: &WideContact, bodies: &Bodies) -> Vector<L> {
         let (a, turned) = moved_at::<L>(&bodies.predicted, &wide.a, self.arm);
@@ -297,7 +298,7 @@ impl<L: Lanes> TangentialSlip<L> {
         Vector::new(past.dot(self.t), past.dot(self.u), self.n.dot(twisted))
     }
 
-    /// Remembers what is left of their slip where they stick; where they slide, what was before fades.
+    /// Stores the remaining slip of sticking contacts; that of sliding contacts fades.
     #[inline(always)]
     fn keep(&self, wide: &mut WideContact, left: Vector<L>, sticks: L, most: f32) {
         let Self { accumulated_slip, t, u, .. } = self;
@@ -307,7 +308,7 @@ impl<L: Lanes> TangentialSlip<L> {
         let sticks = sticks.and(size.le(L::splat(most / BACK)));
         wide.sticking = sticks.bits();
         let left = left.or_else(sticks, *accumulated_slip * L::splat(FADES));
-        // A point does not know how it was turned.
+        // A point contact has no defined twist.
         let is_point = L::load(&wide.radius).lt(L::load(&wide.torsional_radius));
         let twist = is_point.select(L::zero(), left.z);
         let along = *t * left.x + *u * left.y;
@@ -317,11 +318,11 @@ impl<L: Lanes> TangentialSlip<L> {
     }
 }
 
-/// What stops sliding `(x, y)` and twisting `z` at once, as far as Coulomb lets it: `limit` along the patch, `limit · radius` about its normal, and
-/// of both together what is within the ellipse of the two. And which part of the limit that is.
+/// The impulse that stops the slip `(x, y)` and the twist `z` at once, within Coulomb's limits: `limit` along the patch, `limit · radius` about its normal,
+/// and for both together their ellipse. Also returns the used share of the limit.
 ///
-/// Where the radius is less than `torsional_radius`, metres, a point holds something. It stops twisting, too, by `limit · torsional_radius` at the
-/// most; but what turns on a point is held in its place as if it did not.
+/// Where the radius is less than `torsional_radius`, metres, it is a point contact. Its twist is stopped, too, by at most `limit · torsional_radius`; but its
+/// slip is solved as if it did not twist.
 #[inline(always)]
 fn solve_friction<L: Lanes>(
     k: &Symmetric<L>,
@@ -332,7 +333,7 @@ fn solve_friction<L: Lanes>(
     let (none, one) = (L::zero(), L::splat(1.0));
     let slides = none.lt(limit).and(none.lt(k.along.x)).and(none.lt(k.along.y));
     let is_point = radius.lt(torsional_radius);
-    // What cannot be turned that way has no twist.
+    // Without compliance to a twist there is none.
     let twists = torsional_radius
         .le(radius)
         .and(none.lt(radius))
@@ -359,7 +360,7 @@ fn solve_friction<L: Lanes>(
     (Vector::new(f.x, f.y, f.z + good.and(twist)), good.and(much.min(one)))
 }
 
-/// Notes that eight bodies are expected to be pushed so, at an arm from their centres.
+/// Adds the displacement of eight bodies by an impulse `push` at an arm from their centres to the predicted ones.
 #[inline(always)]
 fn add_predicted<L: Lanes>(
     body: &WideSlidingBody<L>,
@@ -372,7 +373,7 @@ fn add_predicted<L: Lanes>(
     let turn = body.inverse_inertia.times(arm.cross(push));
     let shift = Vector::of(L::rows(&bodies.predicted, &shifts)).0 + push * body.inverse_mass;
     let turn = Vector::of(L::rows(&bodies.predicted, &turns)).0 + turn;
-    // Nothing that is not a number may get to others.
+    // Non-finite values must not reach other bodies.
     let good = (shift.length_squared() + turn.length_squared()).lt(L::splat(1e30));
     let none = Vector::new(L::zero(), L::zero(), L::zero());
     let (shift, turn) = (shift.or_else(good, none), turn.or_else(good, none));
@@ -380,8 +381,7 @@ fn add_predicted<L: Lanes>(
     L::put_rows(&mut bodies.predicted, &turns, turn.with(L::zero()));
 }
 
-/// Effective mass: how a body gives way to impulses along two directions at an arm, and to a moment about a third: the turn that each of them gives
-/// it.
+/// Response of a body to impulses along two directions at an arm, and to a moment about a third: the turn that each of them causes.
 struct EffectiveMass<L> {
     t: Vector<L>,
     u: Vector<L>,
@@ -389,7 +389,7 @@ struct EffectiveMass<L> {
 }
 
 impl<L: Lanes> EffectiveMass<L> {
-    /// And how far the three move it along each other; its centre stays.
+    /// The response, and the compliance matrix of the three without the displacement of the centre.
     #[inline(always)]
     fn of(
         inverse_inertia: &Symmetric<L>,
@@ -410,7 +410,7 @@ impl<L: Lanes> EffectiveMass<L> {
     }
 }
 
-/// Where [`Bodies::predicted`] and [`Bodies::residual`] have the displacements and the turns of eight bodies.
+/// Positions of the displacements and of the turns of eight bodies in [`Bodies::predicted`] and [`Bodies::residual`].
 #[inline(always)]
 fn pair_of_rows(rows: &[u32; LANES]) -> [[u32; LANES]; 2] {
     let mut pair = [[0; LANES]; 2];
@@ -420,7 +420,7 @@ fn pair_of_rows(rows: &[u32; LANES]) -> [[u32; LANES]; 2] {
     pair
 }
 
-/// How far what is predicted of eight bodies, or their residual, moves points of these, and how it turns them.
+/// Predicted displacement, or residual, of a point of each of eight bodies, and its turn.
 #[inline(always)]
 fn moved_at<L: Lanes>(of: &[Vec4], rows: &[u32; LANES], arm: Vector<L>) -> (Vector<L>, Vector<L>) {
     let [shifts, turns] = pair_of_rows(rows);
@@ -430,12 +430,12 @@ fn moved_at<L: Lanes>(of: &[Vec4], rows: &[u32; LANES], arm: Vector<L>) -> (Vect
 }
 
 impl BodyContactSolver {
-    /// Notes where body colliders did not go as contacts had them, because they share particles with others.
+    /// Measures the residual of body colliders that share particles and stick, and adds it to their accumulated slip.
     pub(super) fn measure_residual(&mut self, particles: &Particles) {
         let Self { groups, origin_offsets, bodies, gathered, wide_contacts, instructions, .. } =
             self;
         let (rigid, sticking) = (&self.rigid, &mut self.sticking);
-        // Who sticks to nothing is not asked for.
+        // Groups without sticking contacts are left out.
         sticking.clear();
         sticking.resize(groups.groups.len(), false);
         for wide in wide_contacts.iter().filter(|wide| wide.sticking != 0) {
@@ -468,7 +468,7 @@ impl BodyContactSolver {
 }
 
 kernel!(
-    /// Compares where a group is with where contacts believe it to be.
+    /// Compares the actual motion of a group with the one that contacts assume.
     fn measure_residual<L: Lanes>(
         group: &BodyGroup,
         source: ParticleSource<'_>,
@@ -477,7 +477,7 @@ kernel!(
         first: usize,
         // Scratch.
         gathered: &mut Vec<Gathered>,
-        // A bit for each that it is about: rigid states are where contacts believe them to be.
+        // A bit for each lane to measure: rigid states have no residual.
         lanes: u32,
     ) {
         let (rows, lanes) = (from_row(first), L::mask(lanes));
@@ -504,7 +504,7 @@ kernel!(
 );
 
 kernel!(
-    /// Adds the residual to the accumulated slip of those that stick.
+    /// Adds the residual to the accumulated slip of sticking contacts.
     fn apply_residual<L: Lanes>(wide_contacts: &mut [WideContact], bodies: &Bodies) {
         for wide in wide_contacts.iter_mut().filter(|wide| wide.sticking != 0) {
             let sticks = L::mask(wide.sticking);
@@ -517,7 +517,7 @@ kernel!(
                 (past, turned) = (past - b, turned - back);
             }
             let twist = n.dot(turned);
-            // Nothing that is not a number is to be remembered.
+            // Non-finite values must not be stored.
             let sound = (past.length_squared() + twist * twist).lt(L::splat(1e30));
             let sticks = sticks.and(sound);
             for (accumulated_slip, by) in

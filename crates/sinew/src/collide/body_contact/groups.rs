@@ -1,23 +1,21 @@
-//! What contacts need to know of each body collider that does not change while it moves: masses, centre, inertia; laid out for eight body colliders
-//! at a time.
+//! Mass properties of body colliders that do not change while they move: masses, centre, inertia; in groups of eight.
 //!
 //! # Particles that belong to several body colliders
 //!
-//! A particle that `k` body colliders share counts in each of them with a `k`-th of its mass, and is displaced by the `k`-th part of what each of
-//! them asks. A body collider whose particles have the shares `m/k` and are to be displaced by `d` brings the momentum `Σ (m/k) d`; what the
-//! particles really get is `Σ m (d/k)`, which is the same. So an elbow goes with the upper arm and the forearm by halves, and nothing is made of
-//! nothing.
+//! A particle that `k` body colliders share counts in each of them with a `k`-th of its mass, and is displaced by a `k`-th of what each of them requires. A
+//! body collider whose particles have the shares `m/k` and are to be displaced by `d` brings the momentum `Σ (m/k) d`; the displacement that the particles
+//! get is `Σ m (d/k)`, which is the same. So an elbow follows the upper arm and the forearm by a half each, and momentum is conserved.
 //!
 //! # Pinned particles
 //!
-//! A body collider with one pinned particle turns about that: the pin is its centre, and its inverse mass is zero. With two it turns about the line
-//! through them: of its inverse inertia is left `e eᵀ / (eᵀ I e)`. With more it is immovable.
+//! A body collider with one pinned particle turns about it: the pin is its centre, and its inverse mass is zero. With two it turns about the line `e` through
+//! them: its inverse inertia is reduced to `e eᵀ / (eᵀ I e)`. With more it is immovable.
 //!
 //! # Body colliders that are lines
 //!
-//! Two particles do not say how a body collider is turned about their line, and no impulse turns it that way: the inverse inertia is the
-//! pseudo-inverse. When the rotation is extracted, the matrix `K` of Newton's step (see `pose/rotation.rs` of the crate) vanishes along the line; a
-//! regularisation `top · e eᵀ` keeps it regular and adds nothing to the step, which is across the line. So the twist stays what it was.
+//! Two particles do not determine the rotation of a body collider about their line, and no impulse turns it about that: its inverse inertia is the
+//! pseudo-inverse. When the rotation is extracted, the matrix `K` of Newton's step (see `pose/rotation.rs` of the crate) is singular along the line; a
+//! regularisation `top · e eᵀ` makes it regular and adds nothing to the step, which is across the line. So the twist stays what it was.
 
 use core::ops::Range;
 
@@ -30,86 +28,86 @@ use crate::lanes::LANES;
 use crate::particles::Particles;
 use crate::pose::symmetric;
 
-/// Moments of inertia below this share of the greatest count as zero: thinner than 1 in 300. What is thinner would show the round-off of its
+/// Moments of inertia below this share of the greatest count as zero: a body thinner than 1 in 300. Anything thinner would show the round-off of its
 /// particles' positions as a trembling about its line.
 const LINE: f64 = 1e-5;
-/// How many times the mass of all others a pinned particle counts when the pose is read. Its constraints keep a body collider in shape, so any number
-/// reads the same pose; a greater one is nearer to the pin while they do not.
+/// Weight of a pinned particle when the pose is extracted, in multiples of the mass of all others. Any value extracts the same pose while constraints keep
+/// the body collider in shape; a greater one stays nearer to the pin while they do not.
 const PIN: f64 = 16.0;
 
-/// No body collider, and no island.
+/// No body collider, or no island.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// One particle of each of eight body colliders.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slot {
     pub(super) rows: [u32; LANES],
-    /// The mass that counts there, kg; 0 beyond the last particle of a body collider.
+    /// Weight of the particle in the extraction, kg (see [`PIN`]); 0 in lanes whose body collider has fewer particles.
     pub(super) pull: LaneArray,
-    /// Which part of the displacement it gets.
+    /// Share of the displacement that the particle gets: one by the number of body colliders that share it; 0 in unused lanes.
     pub(super) share: LaneArray,
     /// Its inverse mass, 1/kg.
     pub(super) inverse_mass: LaneArray,
-    /// Where it rests, from the body collider's centre, metres.
+    /// Rest position, from the body collider's centre, metres.
     pub(super) rest: [LaneArray; 3],
 }
 
-/// Eight body colliders.
+/// A group of eight body colliders.
 #[derive(Clone, Debug)]
 pub(super) struct BodyGroup {
     pub(super) slots: Range<usize>,
-    /// Whether rows occur twice in it, or lanes are empty: then displacements are written one by one.
+    /// Whether rows may occur twice in it, or lanes are empty: displacements are then scattered one by one.
     pub(super) scattered: bool,
     /// Whether one of them shares particles with another body collider.
     pub(super) shares: bool,
     /// Whether one of them has a pinned particle.
     pub(super) pinned: bool,
-    /// Whether all are of two particles: segments of ropes.
+    /// Whether all have two particles: segments of ropes.
     pub(super) lines: bool,
-    /// A bit for each lane with a body collider that takes part.
+    /// A bit for each lane with a valid body collider.
     pub(super) sound: u32,
-    /// What their initial rotation is computed from; `None` where that is not the same for all.
+    /// Reference for their initial rotation; `None` where it cannot be computed in lanes for all eight.
     pub(super) rotation_reference: Option<RotationReference>,
     pub(super) mass: WideMass,
 }
 
-/// What eight body colliders weigh.
+/// Mass properties of eight body colliders.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WideMass {
-    /// One by the sum of what decides where the centre is.
+    /// One by the sum of the weights that determine the centre, 1/kg.
     pub(super) middle: LaneArray,
-    /// Where it is in the body collider's own frame, metres.
+    /// The centre in the body collider's own frame, metres.
     pub(super) centre: [LaneArray; 3],
-    /// 1 where that are the pinned particles alone.
+    /// 1 where the pinned particles alone determine the centre.
     pub(super) held: LaneArray,
     pub(super) inverse_mass: LaneArray,
-    /// xx, yy, zz, xy, xz, yz in the body collider's own axes about its centre, kg·m².
+    /// xx, yy, zz, xy, xz, yz about its centre, in the body collider's own axes, kg·m².
     pub(super) inertia: [LaneArray; 6],
     pub(super) inverse_inertia: [LaneArray; 6],
-    /// The same of all particles, pinned ones too: how it is led.
+    /// Inverse inertia of all particles, pinned ones too: it gives the spin of a body collider that moving pins carry along.
     pub(super) led: [LaneArray; 6],
     pub(super) regularisation: [LaneArray; 6],
-    /// How far the free particles of what is pinned are from its pin or its axis at most, metres; 0 of others.
+    /// Greatest distance of the free particles of a pinned body collider from its pin or axis, metres; 0 of others.
     pub(super) pin_reach: LaneArray,
-    /// 1 where momentum is to be kept to the last bit: nothing is pinned.
+    /// 1 where nothing is pinned, so that momentum is kept to the last bit.
     pub(super) free: LaneArray,
 }
 
 /// A body collider as it was compiled.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CompiledCollider {
-    /// Where its rows are in the list of all.
+    /// Its range in the list of rows.
     pub(super) entries: Range<usize>,
-    /// Whether it takes part at all.
+    /// Whether it is valid and takes part.
     pub(super) sound: bool,
     /// Its centre in its own frame, metres.
     pub(super) centre: Vec3,
-    /// How far its surface is from there at most, metres.
+    /// Greatest distance of its surface from the centre, metres.
     pub(super) reach: f32,
-    /// Two of its particles that say how it is turned: far out, and far from being in line.
+    /// Indices of two of its particles that determine its initial rotation: one far from the first, and one far from the line of the two, if there is any.
     pub(super) far: usize,
     pub(super) side: Option<usize>,
-    /// Nothing can move it.
+    /// Whether nothing can move it.
     pub(super) immovable: bool,
 }
 
@@ -119,25 +117,25 @@ pub(super) struct BodyGroups {
     pub(super) groups: Vec<BodyGroup>,
     pub(super) slots: Vec<Slot>,
     pub(super) parts: Vec<CompiledCollider>,
-    /// The row of each body collider among the bodies: those of as many particles are side by side, so that nobody waits for a torso of five among
-    /// limbs of three, and those of two share their eights with no others.
+    /// The row of each body collider in `bodies`. Body colliders with equal numbers of particles are adjacent, so that lanes of three particles do not wait
+    /// for one of five, and those of two particles have groups of their own.
     places: Vec<u32>,
-    /// The body collider of each of those rows; `NONE` where there is none.
+    /// The body collider in each of those rows; `NONE` in padding.
     order: Vec<u32>,
-    /// Rows of each body collider, one after the other.
+    /// Rows of the particles of each body collider, one after the other.
     pub(super) rows: Vec<u32>,
-    /// How many body colliders share each of those.
+    /// Number of body colliders that share each of these.
     pub(super) sharers: Vec<u32>,
-    /// For each body collider those that it shares some with.
+    /// For each body collider the others that it shares particles with.
     sharing: Vec<Vec<u32>>,
     /// For each row of the simulation whether it belongs to a body collider.
     pub(super) solid: Vec<bool>,
-    /// The inverse masses with which it was weighed.
+    /// Inverse masses from which the mass properties were computed, 1/kg.
     weighed: Vec<f32>,
 }
 
 impl BodyGroups {
-    /// Lays out body colliders. Faulty ones keep their number and take no part.
+    /// Lays out body colliders. Invalid ones keep their number and take no part.
     pub(super) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
         let Self { groups, slots, parts, places, order, rows, sharers, sharing, solid, weighed } =
             self;
@@ -243,7 +241,7 @@ impl BodyGroups {
         }
     }
 
-    /// Weighs those of some body colliders again whose particles have other masses than they had. A function of the present masses alone.
+    /// Recomputes the mass properties of those of `these` whose particles have changed their masses. A function of the present masses alone.
     pub(super) fn weigh(
         &mut self,
         body_colliders: &[BodyCollider],
@@ -303,7 +301,7 @@ impl BodyGroups {
         }
     }
 
-    /// The inverse mass, 1/kg, with which a place of the list of all rows was weighed.
+    /// The inverse mass, 1/kg, from which the mass properties of an entry of [`rows`](Self::rows) were computed.
     pub(super) fn weighed(&self, entry: usize) -> f32 {
         self.weighed[entry]
     }
@@ -314,37 +312,38 @@ impl BodyGroups {
         self.sharing[a].contains(&(b as u32))
     }
 
-    /// Whether no other body collider has any of its particles.
+    /// Whether a body collider shares no particle with others.
     pub(super) fn is_alone(&self, a: usize) -> bool {
         self.sharing[a].is_empty()
     }
 
-    /// The row of a body collider among the bodies: its lane of its group.
+    /// The row of a body collider in `bodies`: its group times eight plus its lane.
     #[inline(always)]
     pub(super) fn place(&self, number: usize) -> usize {
         self.places[number] as usize
     }
 
-    /// The body collider in a lane of a group, if it is sound.
+    /// The body collider in a lane of a group, if it is valid.
     pub(super) fn sound_in(&self, group: usize, lane: usize) -> Option<usize> {
         let number = *self.order.get(group * LANES + lane)? as usize;
         self.parts.get(number).is_some_and(|part| part.sound).then_some(number)
     }
 
-    /// The island of the body collider in a row among the bodies, if it is sound. What stands, and nothing, have the rows behind those of body colliders.
+    /// The island of the body collider in a row of `bodies`, if it is valid. Static geometry and the null row come after the rows of body colliders and have
+    /// none.
     pub(super) fn island_of(&self, row: u32, islands: &Islands) -> Option<u32> {
         let (number, lane) = (row as usize / LANES, row as usize % LANES);
         let solid = self.groups.get(number).and_then(|_| self.sound_in(number, lane))?;
         islands.of.get(self.rows[self.parts[solid].entries.start] as usize).copied()
     }
 
-    /// How many rows bodies need for the body colliders.
+    /// The number of rows in `bodies` for body colliders, padding included.
     pub(super) fn padded(&self) -> usize {
         self.groups.len() * LANES
     }
 }
 
-/// For each body collider those that it has particles in common with.
+/// For each body collider the others that it has particles in common with.
 fn sharing_of(parts: &[CompiledCollider], rows: &[u32], sharers: &[u32]) -> Vec<Vec<u32>> {
     let entries = parts.iter().zip(0..).flat_map(|(part, number)| {
         part.entries.clone().filter(|&i| sharers[i] > 1).map(move |i| (rows[i], number))
@@ -361,7 +360,7 @@ fn sharing_of(parts: &[CompiledCollider], rows: &[u32], sharers: &[u32]) -> Vec<
     sharing
 }
 
-/// The particle that is farthest from the first one, and the one that is farthest from the line through the two.
+/// The index of the particle farthest from the first one, and of the one farthest from the line through these two.
 fn apart(rest: &[Vec3]) -> (usize, Option<usize>) {
     let arm = |i: usize| rest[i].as_dvec3() - rest[0].as_dvec3();
     let mut far = (0, 0.0);
@@ -382,8 +381,8 @@ fn apart(rest: &[Vec3]) -> (usize, Option<usize>) {
     (far.0, side.0)
 }
 
-/// What the initial rotation of eight body colliders is computed from: the rows of their first particles, of those far out, and of those aside; and
-/// the frames that these make at rest.
+/// Reference for the initial rotations of eight body colliders: rows of their first particles, of those far away, and of those off the line; and the frames
+/// that these span at rest.
 #[derive(Clone, Debug)]
 pub(super) struct RotationReference {
     pub(super) rows: [[u32; LANES]; 3],
@@ -391,7 +390,7 @@ pub(super) struct RotationReference {
 }
 
 impl RotationReference {
-    /// Of as many body colliders as there are lanes, whose particles are not in line: each with its rows and where those rest.
+    /// The reference of eight body colliders whose particles are not collinear: each with its rows and rest positions. `None` of fewer.
     pub(super) fn of<'a>(
         eight: impl Iterator<Item = (&'a CompiledCollider, &'a [u32], &'a [Vec3])>,
     ) -> Option<Self> {
@@ -403,7 +402,7 @@ impl RotationReference {
                 to[lane] = rows[from];
             }
             let frame = frame(rest[part.far] - rest[0], rest[side] - rest[0])?;
-            // Transposed.
+            // By rows.
             for (to, from) in
                 rotation_reference.rest.iter_mut().zip(frame.transpose().to_cols_array_2d())
             {
@@ -417,13 +416,13 @@ impl RotationReference {
     }
 }
 
-/// A right-handed frame with its first axis along `a` and `b` in the plane of the first two.
+/// A right-handed frame with its first axis along `a`, and `b` in the plane of its first two.
 pub(super) fn frame(a: Vec3, b: Vec3) -> Option<Mat3> {
     let (x, z) = (a.try_normalize()?, a.cross(b).try_normalize()?);
     Some(Mat3::from_cols(x, z.cross(x), z))
 }
 
-/// What a body collider weighs.
+/// Mass properties of one body collider.
 struct ColliderMass {
     pins: usize,
     /// Mass of the free particles.
@@ -488,7 +487,7 @@ impl ColliderMass {
         Self { centre, middle: 1.0 / sum, pin_reach, inertia, inverse, led, regularisation, ..this }
     }
 
-    /// What a particle counts when the pose is read, kg.
+    /// Weight of a particle in the extraction of the pose, kg.
     fn pull(&self, inverse_mass: f32, sharers: u32) -> f64 {
         if inverse_mass > 0.0 {
             1.0 / (f64::from(inverse_mass) * f64::from(sharers))
@@ -500,7 +499,7 @@ impl ColliderMass {
     }
 }
 
-/// `Σ m (r² 1 - r rᵀ)`.
+/// Inertia of points with masses about zero: `Σ m (r² 1 - r rᵀ)`.
 fn inertia_of(points: impl Iterator<Item = (DVec3, f64)>) -> [[f64; 3]; 3] {
     let mut sum = [[0.0; 3]; 3];
     for (r, m) in points {
@@ -514,7 +513,7 @@ fn inertia_of(points: impl Iterator<Item = (DVec3, f64)>) -> [[f64; 3]; 3] {
     sum
 }
 
-/// The pseudo-inverse of an inertia, and what makes it regular.
+/// The pseudo-inverse of an inertia, and the regularisation that makes it regular.
 fn inverse_and_regularisation(inertia: [[f64; 3]; 3]) -> ([[f64; 3]; 3], [[f64; 3]; 3]) {
     let (mut inverse, mut regularisation) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
     let (values, vectors) = symmetric::eigen(inertia);
@@ -534,7 +533,7 @@ fn inverse_and_regularisation(inertia: [[f64; 3]; 3]) -> ([[f64; 3]; 3], [[f64; 
     (inverse, regularisation)
 }
 
-/// The inverse inertia of what can turn about one axis alone.
+/// The inverse inertia of a body that can turn only about the axis `e`.
 fn about(e: DVec3, inertia: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let e = e.to_array();
     let mut moment = 0.0;

@@ -1,4 +1,4 @@
-//! Body colliders and single particles that belong to none: a sphere of its radius against the shape, two-way.
+//! Contacts of body colliders with single particles that belong to none: the sphere of the particle's radius against the shape, two-way.
 
 use glam::{Mat3, Vec3, Vec4};
 
@@ -19,37 +19,39 @@ use super::{BodyContactSolver, ContactEvent};
 use crate::lanes::Number;
 use crate::particles::{NO_BODY, Particles};
 
-/// Single particles that touch a body collider weigh together up to this share of it, as long as others go along with them ([`PressedCloth::aggregate`]). In the two scenes of
-/// `TURNS` (`body_contact`) by none, 10, 30 and 100 %: 29, 3.6, 3.3 and 3.3 %, in 1.9, 2.7, 2.4 and 2.7 ms; 116, 5.4, 4.2 and 4.3 %, in 2.9, 3.4, 3.4 and 3.7 ms.
+/// Limit of the total mass of the single particles that touch a body collider, as a share of its mass, up to which neighbours are pushed along with them
+/// ([`PressedCloth::aggregate`]). In the two scenes of `TURNS` (`body_contact`) without, and with 10, 30 and 100 %: 29, 3.6, 3.3 and 3.3 %, in 1.9, 2.7, 2.4
+/// and 2.7 ms; 116, 5.4, 4.2 and 4.3 %, in 2.9, 3.4, 3.4 and 3.7 ms.
 const AGGREGATED: f32 = 0.3;
 
-/// How many particles go along follows from how far one is pushed, up to so many times the way of the body collider itself. Cloth that is draped over something is pulled onto it by its own
-/// tension: there the body does not move, and each particle is pushed alone. A sheet that falls on nine crates moves by 146, 29 and 26 mm/s in the third to the fifth second if all of each push
-/// counts, and by 8, 3 and 3 with this, root mean square, from tick to tick.
+/// The number of particles that are pushed along follows from the displacement of the pushed one, up to this multiple of the body collider's own approach. A
+/// cloth that is draped over a body is pulled onto it by its own tension: there the body does not move, and each particle is pushed alone. A sheet that falls
+/// on nine crates moves by 146, 29 and 26 mm/s in the third to the fifth second if all of each push counts, and by 8, 3 and 3 with this limit, root mean
+/// square, from tick to tick.
 const BODY_APPROACH: f32 = 8.0;
 
-/// Particles near body colliders. Scratch.
+/// Contacts of body colliders with single particles. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loose {
     pairs: Vec<LooseContact>,
     /// The same, as numbers of body colliders and of rows.
     near: Vec<(u32, u32)>,
-    /// Rows that were moved when they were last parted; some more than once.
+    /// Rows that the last pass has moved; some more than once.
     pressed: Vec<u32>,
-    /// What each body collider presses with.
+    /// The load of each body collider on single particles.
     presses: Vec<Pressing>,
-    /// Particles and body colliders by where they begin along x.
+    /// Particles and body colliders by their lower bound along x.
     rows: Vec<(f32, u32)>,
     body_colliders: Vec<(f32, u32)>,
     open: Vec<u32>,
 }
 
-/// What a body collider presses with in a substep, when it begins to be parted from particles.
+/// Load of a body collider on single particles in a substep, taken at its first pass.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pressing {
-    /// How far it falls freely in the substep, less how far other contacts have moved it, metres: what those that it lies on have to carry.
+    /// Free fall in the substep, less the displacement by other contacts, metres: the particles below have to carry that.
     fall: Vec3,
-    /// How many particles that are lighter it touches.
+    /// Number of lighter particles that it touches.
     touching: u32,
 }
 
@@ -61,16 +63,16 @@ struct LooseContact {
     combined_material: CombinedMaterial,
     reports_events: bool,
     participants: [ContactParticipant; 2],
-    /// Of the substep: where it pressed, if it did; speed before, m/s.
+    /// In this substep: accumulated normal impulse, kg·m, its normal and lever, and the normal speed before, m/s.
     force: f32,
     normal: Vec3,
     arm: Vec3,
     approach: f32,
-    /// How others were pushed along with it, if they were.
+    /// How neighbours were pushed along, if they were.
     push: Option<Push>,
-    /// Where the particle was left when the two were last parted.
+    /// Position of the particle after the last pass over this contact.
     left: Vec4,
-    /// Of the step, kg·m.
+    /// Sum of the impulses in this step, kg·m.
     total: f32,
     point: Vec3,
 }
@@ -84,22 +86,22 @@ impl Loose {
         self.pairs.is_empty()
     }
 
-    /// Whether there is none in all of this step's world that could touch a body collider.
+    /// Whether no single particle of this step's world can touch a body collider.
     pub(super) fn none_collide(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// The body colliders that they may come to touch, each as often as it may.
+    /// The body colliders near single particles, once for each pair.
     pub(super) fn bodies(&self) -> impl Iterator<Item = u32> {
         self.pairs.iter().map(|near| near.solid)
     }
 
-    /// The rows of those, each as often as there are such body colliders.
+    /// The rows of those particles, once for each pair.
     pub(super) fn rows(&self) -> impl Iterator<Item = u32> {
         self.pairs.iter().map(|near| near.row)
     }
 
-    /// Finds which particles may come to touch which body colliders.
+    /// Lists the pairs of single particles and body colliders whose bounds overlap in this step.
     pub(super) fn broad_phase(
         &mut self,
         swept: &[SweptBounds],
@@ -138,7 +140,7 @@ impl Loose {
         let order = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
         rows.sort_unstable_by(order);
         body_colliders.sort_unstable_by(order);
-        // A particle is wide, too: body colliders open where it ends, and close where it begins.
+        // A particle has a width, too: body colliders open where it ends, and close where it begins.
         let mut next = 0;
         let widest = rows.iter().map(|&(_, row)| reach(row as usize)).fold(0.0, f32::max) * 2.0;
         for &(low, row) in rows.iter() {
@@ -188,18 +190,19 @@ impl Loose {
         }));
     }
 
-    /// Rows that were moved when they were last [parted](Self::project), body collider by body collider; some more than once.
+    /// Rows that the last [pass](Self::project) has moved, body collider by body collider; some more than once.
     pub(super) fn pressed(&mut self) -> &mut Vec<u32> {
         &mut self.pressed
     }
 
-    /// Rows that were pressed on in this substep.
+    /// Rows of particles with an impulse in this substep.
     pub(super) fn pressed_in_substep(&self) -> impl Iterator<Item = u32> {
         self.pairs.iter().filter(|near| near.force > 0.0).map(|near| near.row)
     }
 
-    /// Parts those that have met, one after the other; in later turns of a substep those whose particle has moved since. Of what is pinned no more is recovered of an
-    /// overlap than moves any of it by `recover`, metres (`normal_solve`, "Near a pin"): as much as may turn into speed, for nothing here takes that off again.
+    /// Solves the contacts one after the other; in later passes of a substep those whose particle has moved since. Of a pinned body collider the recovered
+    /// overlap moves no point by more than `recover`, metres (`normal_solve`, "Near a pin"): as much as may turn into speed, because no later stage takes
+    /// that off.
     pub(super) fn project(
         &mut self,
         particles: &mut Particles,
@@ -216,7 +219,7 @@ impl Loose {
         pressed.clear();
         let mut frame = None;
         let count = pairs.len();
-        // Those that others have gone along with have two passes: they have pushed each other, too.
+        // Contacts with an aggregate have two passes, since aggregates overlap and push each other's particles.
         for number in 0..2 * count {
             let again = number >= count;
             let near = &mut pairs[number % count];
@@ -251,12 +254,12 @@ impl Loose {
             let Some(touch) = touch else { continue };
             let n = frame.rotation * touch.normal;
             let n = n + body.turn.cross(n);
-            // Moments about where the substep began, which is what Verlet keeps.
+            // Moments are about where the substep began, which is what Verlet keeps.
             let lever = p.truncate() + lift - body.centre;
             let body_approach = (q - p).truncate().dot(n) - way.dot(n);
             let distance = touch.depth.min(BODY_APPROACH * body_approach);
             let push = presses[s].push((inverse_mass, w), (n, distance));
-            // An old overlap is recovered alone, at a bounded speed: each of several that go along with each other would recover it once more.
+            // An old overlap is recovered by the particle alone, at a bounded speed: overlapping aggregates would each recover it again.
             let approach = touch.normal.dot(from - to);
             let push = push.filter(|_| 2.0 * approach > touch.depth);
             let aggregate = push.and_then(|push| cloth.aggregate(particles, near.row, push));
@@ -316,7 +319,7 @@ impl Loose {
         }
     }
 
-    /// Notes what each body collider presses with.
+    /// Computes the load of each body collider.
     fn note_pressing(
         &mut self,
         particles: &Particles,
@@ -414,7 +417,7 @@ impl Loose {
         }
     }
 
-    /// Notes what has touched what.
+    /// Adds the contact events of this step.
     pub(super) fn note_contact_events(&mut self, contact_events: &mut Vec<ContactEvent>, h: f32) {
         for near in self.pairs.iter_mut().filter(|near| near.reports_events && near.total > 0.0) {
             let (participants, point, normal) = (near.participants, near.point, near.normal);
@@ -429,33 +432,33 @@ impl Loose {
     }
 }
 
-/// A body collider as particles are seen from it in a substep.
+/// Frame of a body collider in a substep, for contacts with particles.
 struct ShapeFrame {
     solid: u32,
-    /// Its place among the bodies.
+    /// Its row in `bodies`.
     at: usize,
-    /// When the substep began.
+    /// Rotation as extracted, without the turn by contacts.
     rotation: Mat3,
     /// The origin of its particles, metres.
     origin: Vec3,
-    /// Where the centre is in coordinates of its shape, metres.
+    /// Its centre in the coordinates of its shape, metres.
     centre: Vec3,
 }
 
-/// How a particle and a body collider have come to where they are in a substep.
+/// Relative motion of a particle and a body collider in a substep.
 struct Approach {
     /// From the origin of the body collider to that of the particle, metres.
     lift: Vec3,
-    /// How far the particle has gone, less what the body collider has gone there, metres.
+    /// Displacement of the particle relative to the body collider's material at that point, metres.
     way: Vec3,
-    /// From where to where that is in coordinates of its shape.
+    /// Start and end of that in the coordinates of the shape.
     from: Vec3,
     to: Vec3,
 }
 
 impl Pressing {
-    /// How a particle is pushed along a unit vector, by so many metres or by its part of what is to be carried, by the inverse masses of the body collider and of the particle,
-    /// 1/kg; `None` if it goes alone.
+    /// The push on a particle along a unit vector, by `distance` metres or by its share of the load, from the inverse masses of the body collider and of the
+    /// particle, 1/kg; `None` if no neighbours are pushed along.
     #[inline]
     fn push(&self, (own, w): (f32, f32), (along, distance): (Vec3, f32)) -> Option<Push> {
         let touching = self.touching.max(1) as f32;
@@ -480,7 +483,7 @@ impl ShapeFrame {
         })
     }
 
-    /// That of a body collider, which the last one asked for may be.
+    /// The frame of a body collider, reused if it is the last one.
     #[inline]
     fn keep<'a>(
         last: &'a mut Option<Self>,
@@ -495,14 +498,14 @@ impl ShapeFrame {
         last.as_ref()
     }
 
-    /// How a particle and the body collider have come to where they are.
+    /// Relative motion of a particle and the body collider.
     #[inline]
     fn approach(&self, body: &ScalarBody, particles: &Particles, i: usize) -> Approach {
         let (q, p) = (particles.position[i], particles.start[i]);
         let lift = particles.origin[i] - self.origin;
         let arm = q.truncate() + lift - (body.centre + body.step + body.shift);
         let way = (q - p).truncate() - body.moved(arm);
-        // As seen from the body collider, which has turned a little further.
+        // In the frame of the body collider, with its turn by contacts to first order.
         let r = &self.rotation;
         let local = |v: Vec3| {
             let v = v - body.turn.cross(v);
@@ -514,8 +517,8 @@ impl ShapeFrame {
 }
 
 impl LooseContact {
-    /// Takes back as much of what it has pushed with in this substep as the two are apart for, metres: others have pushed the particle as well. Impulses are accumulated, and none
-    /// of the sums pulls.
+    /// Takes back impulse of this substep, as far as the two are apart by `gap`, metres, because other contacts have pushed the particle as well. Impulses
+    /// are accumulated, and their sums stay nonnegative.
     fn take_back(
         &mut self,
         particles: &mut Particles,
@@ -539,8 +542,8 @@ impl LooseContact {
         self.left = particles.position[self.row as usize];
     }
 
-    /// The impulse along the normal that makes the two part as restitution has it, N·s, and its lever, metres, where the body collider goes with
-    /// `velocity`, m/s, and a part of that, `spun`, by its spin.
+    /// The normal impulse of restitution, N·s, and its moment arm, metres, for a body collider with the velocity `velocity`, m/s, and the velocity `spun` by
+    /// its spin at the contact.
     fn answer(
         &self,
         particles: &Particles,
@@ -559,7 +562,7 @@ impl LooseContact {
 }
 
 impl BodyContactSolver {
-    /// Restitution of single particles, of which `least` is what bounces, m/s.
+    /// Restitution of single particles from the approach speed `least` on, m/s.
     pub(super) fn bounce_loose(&mut self, particles: &mut Particles, h: f32, least: f32) {
         let Self { loose, groups, bodies, rigid, instructions, .. } = self;
         loose.bounce(particles, groups, bodies, rigid, least);
@@ -567,7 +570,7 @@ impl BodyContactSolver {
     }
 }
 
-/// A body collider by itself.
+/// A single row of `bodies`, without lanes.
 pub(super) struct ScalarBody {
     pub(super) centre: Vec3,
     pub(super) step: Vec3,
@@ -584,24 +587,24 @@ impl ScalarBody {
         Self { centre, step, shift, spin, turn, along, across }
     }
 
-    /// Displacement since the substep began of what is at `arm` from the centre, metres.
+    /// Displacement since the substep began of the point at `arm` from the centre, metres.
     fn moved(&self, arm: Vec3) -> Vec3 {
         let middle = arm - self.spin.cross(arm) * 0.5;
         self.step + self.shift + self.spin.cross(middle) + self.turn.cross(arm)
     }
 
-    /// The velocity of what is there, m/s, if it was read with velocities.
+    /// Velocity of that point, m/s, if the row has velocities.
     pub(super) fn velocity_at(&self, arm: Vec3) -> Vec3 {
         self.step + self.shift + (self.spin + self.turn).cross(arm)
     }
 
-    /// How far an impulse moves where it acts that has the least lever about a pin, of what reaches so far from its pin, 1/kg.
+    /// Compliance at the least lever about a pin, 1/kg, for a body of this reach from its pin.
     fn least(&self, pin_reach: f32) -> f32 {
         let lever = pin_reach * LEAST_LEVER;
         (self.along.x + self.along.y + self.along.z) * lever * lever
     }
 
-    /// The turn that a moment gives.
+    /// The turn by a moment.
     pub(super) fn spun(&self, v: Vec3) -> Vec3 {
         let (a, c) = (self.along, self.across);
         Vec3::new(

@@ -1,35 +1,34 @@
-//! Contacts of body colliders: boxes of eight particles, hulls of four, bones of two or three, that collide by a shape instead of particle by
-//! particle.
+//! Contacts of body colliders: boxes of eight particles, hulls of four, bones of two or three, which collide by a shape instead of particle by particle.
 //!
-//! A body collider is a set of particles and a shape in their common frame. Nothing of it moves by itself: in each substep its pose is extracted from
-//! where the particles were predicted, contacts correct that pose, and the particles are displaced as the pose was. What is between (what the
-//! particles do to each other) is the business of constraints.
+//! A body collider is a set of particles and a shape in their common frame. It has no motion state of its own: in each substep its pose is extracted from the
+//! predicted positions of its particles, contacts correct that pose, and the change of the pose is applied to the particles. What the particles do to each
+//! other is left to constraints.
 //!
-//! Here is what a substep does with all of them, and what they have touched, for the report. A rope collides by its segments:
-//! a capsule between each two neighbours, so that nothing that is thinner than their gap passes between them. The rest is in files of its own:
+//! This file has the order of a substep over all body colliders, and the contact events. A rope collides by its segments, a capsule between each two
+//! neighbours, so that nothing thinner than their gap passes between them. The other parts:
 //!
 //! | file | what it is |
 //! |---|---|
-//! | `groups` | eight body colliders at a time: particles that several share, what one weighs, pinned particles, rods |
-//! | `pose` | poses out of particles, from nothing and from the last substep's; and the change of a pose back to them, with momentum |
-//! | `bodies` | what contacts know of a body collider, or of static geometry: columns |
-//! | `rigid_islands`, `rigid_state`, `rigid_rotation` | body colliders that move as one rigid state, and their particles follow: which, and how |
-//! | `rigid_forces` | what acts on those, particle by particle, and the wind on their skins |
-//! | `static_geometry` | colliders, planes and boxes |
-//! | `swept_bounds` | where a body collider goes in a step |
-//! | `broad_phase` | what it may come to touch there, and what does that has left those bounds |
-//! | `narrow_phase` | the manifolds of a pair: cached, or computed afresh, or within a step once it has turned |
-//! | `rest_overlaps` | which parts of a body overlap at rest, and never touch |
-//! | `dormant` | those of sleepers to which nothing was done, and what is kept of them |
-//! | `contact_cache` | what is kept from one step to the next |
-//! | `wide_contact` | contacts of a step: coloured, packed by eight, and which are pressed more than once in a substep |
-//! | `normal_solve` | their normal impulses, those of one manifold solved together |
-//! | `friction` | their friction: how far they have slid, what holds them, and what joints take back of it where body colliders share particles |
-//! | `deep_overlap` | how fast what was deep in something may leave |
-//! | `sudden` | who was stopped suddenly, so that the constraints of its island are swept once more |
-//! | `restitution` | restitution, as one problem; and drags, the lectures' friction |
-//! | `loose` | body colliders and single particles |
-//! | `turn` | rotations, symmetric matrices and directions of eight body colliders |
+//! | `groups` | mass properties in groups of eight body colliders: shared particles, pinned particles, rods |
+//! | `pose` | extracts poses from particles, from scratch or from the last substep's; applies pose deltas to the particles and keeps momentum |
+//! | `bodies` | the rows that contacts read of body colliders and of static geometry |
+//! | `rigid_islands`, `rigid_state`, `rigid_rotation` | body colliders that are integrated as one rigid state: which, and how |
+//! | `rigid_forces` | forces on the particles of rigid states, and the wind on their surface triangles |
+//! | `static_geometry` | static and kinematic geometry: colliders, planes and boxes |
+//! | `swept_bounds` | swept AABB and speculative margin of a body collider in a step |
+//! | `broad_phase` | pairs whose swept bounds overlap, and missed pairs of body colliders that left theirs |
+//! | `narrow_phase` | manifolds of a pair: cached, computed afresh, or refreshed within a step |
+//! | `rest_overlaps` | parts of a body that overlap in its rest shape and never collide |
+//! | `dormant` | body colliders of dormant islands, whose poses, bounds and manifolds are kept |
+//! | `contact_cache` | manifolds and friction anchors that are kept from step to step |
+//! | `wide_contact` | contacts of a step, coloured and packed in eights; number of sweeps under high mass ratios |
+//! | `normal_solve` | normal impulses; the points of one manifold are solved together |
+//! | `friction` | friction solve: slip, friction anchors, and the constraint residual at shared particles |
+//! | `deep_overlap` | limit of the speed at which particles leave a deep overlap |
+//! | `sudden` | islands with an abruptly stopped body collider, whose constraints are swept once more |
+//! | `restitution` | restitution as one problem over all contacts; planar drag |
+//! | `loose` | contacts of body colliders with single particles |
+//! | `turn` | rotations, symmetric matrices and tangents in eight lanes |
 
 mod bodies;
 mod broad_phase;
@@ -94,21 +93,22 @@ use wide_contact::{Contact, SensorOverlap, WideContact};
 pub use contact_cache::{CachedManifold, ContactCache};
 pub(crate) use rigid_islands::{RigidStep, Written};
 
-/// How much overlap is recovered in a substep: so many times what gravity adds to it, and what this speed is, m/s. A tower of so many boxes needs
-/// that much, since a sweep hands a push on by one; more at once would be seen as a jump. With the 20 of single particles, which hand on nothing, ropes that
-/// lie across each other pass through, and one that is pinned in posts trembles at 0.2 m/s.
+/// Overlap that is recovered in a substep, in metres `a g h² + b h`: the multiple `a` of what gravity adds to it in a substep, and the speed `b`, m/s. The
+/// lowest of a tower of `a` boxes needs the overlap `a g h²`, since one sweep passes an impulse on by one body; more at once would be visible as a jump. With
+/// the multiple 20 of single particles, which pass nothing on, ropes that lie across each other pass through each other, and a rope that is pinned inside
+/// posts trembles at 0.2 m/s.
 const RECOVERED: (f32, f32) = (200.0, 2.0);
-/// How much of that may turn into speed.
+/// The part of that which may turn into speed; same units. Speed from a deeper overlap is taken off again.
 const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
-/// What is so deep that it takes so long to come out, seconds, did not get there by an impact: 2 cm at ten substeps.
+/// Overlap that takes longer than this to be recovered, seconds, was not caused by an impact and counts as deep: 2 cm at ten substeps.
 const DEEP: f32 = 4e-3;
 
-/// So often single particles and body colliders are parted in a substep, where what is pressed on is held by its constraints in between. Of sheets of 64 × 64, six starts
-/// each, the mean of each frame's worst strain, and milliseconds a frame, by 1, 2 and 4: in the second after a crate of 5 kg has fallen into one held at its corners 8.4, 3.3 and 3.1 %, in 1.8,
-/// 2.4 and 3.5 ms; into a slack one 8.3, 4.2 and 3.9 %, in 2.4, 3.4 and 4.8 ms.
+/// How often per substep contacts with single particles are solved, with the constraints of the pressed cloth in between. Measured with 1, 2 and 4 passes on
+/// cloths of 64 × 64, six starts each, as the mean of each frame's worst strain and as milliseconds a frame, in the second after a crate of 5 kg has fallen
+/// in: a cloth held at its corners 8.4, 3.3 and 3.1 %, in 1.8, 2.4 and 3.5 ms; a slack one 8.3, 4.2 and 3.9 %, in 2.4, 3.4 and 4.8 ms.
 const TURNS: u32 = 2;
 
-/// A contact of this step that somebody listens to.
+/// A contact of this step for which events are requested.
 #[derive(Clone, Copy, Debug)]
 struct ContactEvent {
     participants: [ContactParticipant; 2],
@@ -118,11 +118,11 @@ struct ContactEvent {
     impulse: f32,
 }
 
-/// Contacts of body colliders in a step. Scratch: nothing of it lasts from one step to the next but what follows from body colliders and masses
-/// alone, and the memory, which is lent for a step.
+/// Contact solver of body colliders for one step. Scratch, except for what follows from body colliders and masses alone, and for the contact cache, which is
+/// lent to it for a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BodyContactSolver {
-    /// Which instructions its kernels use. It never changes a result.
+    /// Instruction set of its kernels. It never changes a result.
     pub(crate) instructions: InstructionSet,
     groups: BodyGroups,
     overlaps: RestOverlaps,
@@ -137,7 +137,7 @@ pub(crate) struct BodyContactSolver {
     clusters: Kept<ClusterSearch>,
     narrow_phase: Kept<NarrowPhase>,
     bounds: Vec<(Vec3, Vec3)>,
-    /// Who has left its swept bounds in this substep.
+    /// Body colliders that have left their swept bounds in this substep.
     outside_bounds: Vec<u32>,
     missed: MissedPairs,
     nearby: Vec<[u32; 2]>,
@@ -153,29 +153,29 @@ pub(crate) struct BodyContactSolver {
     order: Vec<u32>,
     begins: Vec<u32>,
     loads: Vec<f32>,
-    /// Of each row of a body collider, how deep it is in another, metres.
+    /// For each row of a body collider its depth in another one or in static geometry, metres. Scratch of [`overlaps`](Self::overlaps).
     deepest: Vec<f32>,
     deep_overlaps: DeepOverlaps,
-    /// Islands of which a part was stopped suddenly in this substep, ascending.
+    /// Islands of which a part was stopped abruptly in this substep, ascending.
     stopped: Vec<u32>,
     impacts: ImpactScratch,
     rigid: RigidIslands,
-    /// For each group a bit for each body collider that is in a contact of this step; and for each that was read in this substep.
+    /// For each group a bit for each body collider that has a contact in this step; and for each whose pose was extracted in this substep.
     met: Vec<u32>,
     read: Vec<u32>,
-    /// Groups of which one sticks. Scratch of friction.
+    /// For each group whether one of its body colliders sticks. Scratch of friction.
     sticking: Vec<bool>,
-    /// For each group a bit for each body collider that sleeps: it stays where it was read when the step began.
+    /// For each group a bit for each body collider that sleeps. It keeps the pose that was extracted when the step began.
     asleep: Vec<u32>,
     dormant: Kept<DormantColliders>,
-    /// Whether contacts were looked for since the last substep.
+    /// Whether the broad phase has run since the last substep.
     fresh: bool,
     /// Length of the last substep, seconds.
     h: f32,
 }
 
 impl BodyContactSolver {
-    /// Notes which rows belong to which body colliders. Faulty ones are left out.
+    /// Lays out the body colliders and their rows. Invalid body colliders are left out.
     pub(crate) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
         self.groups.compile(body_colliders, particles);
         self.overlaps.reset();
@@ -195,8 +195,8 @@ impl BodyContactSolver {
         self.groups.parts.is_empty()
     }
 
-    /// Between the constraints of a substep of `h` seconds and its velocities: moves body colliders out of what they ran into. Where they press on cloth, that
-    /// is held by its constraints in between, and leaves what its particles touch by themselves.
+    /// Solves contacts in a substep of `h` seconds, between the constraints and the derivation of velocities. Contacts with single particles are solved in
+    /// turns with the constraints of the cloth that they press on and with its particle contacts.
     pub(crate) fn project(
         &mut self,
         particles: &mut Particles,
@@ -264,18 +264,18 @@ impl BodyContactSolver {
         self.loose.pressed_in_substep()
     }
 
-    /// Rows of single particles that body colliders may come to touch in this step, each as often as there are such.
+    /// Rows of single particles that are near body colliders in this step, once for each pair.
     pub(crate) fn rows_near_shapes(&self) -> impl Iterator<Item = u32> {
         self.loose.rows()
     }
 
-    /// Gives the contact cache back at the end of a step.
+    /// Returns the contact cache at the end of a step.
     pub(crate) fn keep(&mut self, cache: &mut ContactCache) {
         self.note_friction_anchors(self.h);
         self.cache.give(cache);
     }
 
-    /// What has touched what.
+    /// Reports contact events and sensor overlaps.
     pub(crate) fn report(&mut self, impacts: &mut Impacts) {
         self.note_contact_events();
         for contact_events in self.contact_events.drain(..) {
@@ -298,15 +298,15 @@ impl BodyContactSolver {
         }
     }
 
-    /// How deep body colliders were in each other or in static geometry when the last substep began, metres: the first row of each that was, and the most
-    /// that the substep before has left.
+    /// Depth at which body colliders were in each other or in static geometry when the last substep began, metres: the first row of each body collider with
+    /// an overlap, and the greatest overlap that the substep before has left.
     pub(crate) fn overlaps(&mut self) -> impl Iterator<Item = (u32, f32)> {
         let Self { wide_contacts, groups, deepest, .. } = self;
         deepest.clear();
         deepest.resize(groups.padded(), 0.0);
         for wide in wide_contacts.iter() {
             for (&row, &left) in wide.a.iter().chain(&wide.b).zip(wide.left.iter().cycle()) {
-                // What stands, and nothing, have the rows behind those of body colliders.
+                // Static geometry and the null row come after the rows of body colliders.
                 if let Some(deepest) = deepest.get_mut(row as usize) {
                     *deepest = deepest.max(left);
                 }
@@ -319,7 +319,7 @@ impl BodyContactSolver {
         })
     }
 
-    /// Adds the contact events of the wide contacts so far.
+    /// Adds the contact events that the wide contacts have accumulated.
     fn note_contact_events(&mut self) {
         let Self { contacts, wide_contacts, swept, bodies, groups, contact_events, h, .. } = self;
         for wide in wide_contacts.iter_mut().filter(|wide| wide.kept) {
@@ -345,7 +345,7 @@ impl BodyContactSolver {
         self.loose.note_contact_events(contact_events, *h);
     }
 
-    /// Notes the friction anchors after a substep of `h` seconds.
+    /// Stores the friction anchors in the contact cache after a substep of `h` seconds.
     fn note_friction_anchors(&mut self, h: f32) {
         let Self { wide_contacts, contacts, cache, .. } = self;
         for wide in &*wide_contacts {
@@ -358,7 +358,8 @@ impl BodyContactSolver {
         }
     }
 
-    /// Poses as predicted, and how they got there, so many seconds after the step began; and who has left its swept bounds.
+    /// Extracts poses as predicted and their motion since the substep began, `time` seconds after the step began; lists the body colliders that have left
+    /// their swept bounds.
     fn extract_poses(&mut self, particles: &Particles, time: f32) {
         self.outside_bounds.clear();
         self.read.clear();
@@ -397,7 +398,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// Displaces the particles as their body colliders were.
+    /// Applies the pose deltas of body colliders to their particles.
     fn apply_pose_deltas(&mut self, particles: &mut Particles) {
         self.shared.clear();
         for number in 0..self.groups.groups.len() {

@@ -1,11 +1,11 @@
 //! Narrow phase: the manifolds of a pair.
 //!
-//! They are taken from the contact cache as long as they are valid, and otherwise computed afresh. Boxes are compared eight pairs at a time
-//! ([`BoxPairs`]): pairs are asked for one after the other, and those of boxes wait, and all behind them, until some are together.
+//! Manifolds are taken from the contact cache while they are valid, and are otherwise computed. Pairs of boxes are compared eight at a time ([`BoxPairs`]):
+//! they are queued, with all pairs after them, until there are enough.
 //!
 //! # Refresh within a step
 //!
-//! Pairs that turn and slide on each other are compared again, where they are by then, and kinematic geometry is followed.
+//! Manifolds of pairs that turn or slide on each other are computed again at their present poses, and kinematic geometry is moved along.
 
 use glam::Vec3;
 
@@ -24,21 +24,21 @@ use super::wide_contact::{Contact, SensorOverlap, TORSIONAL_RADIUS, put_manifold
 use crate::lanes::{LANES, SetLanes};
 use crate::particles::{NO_BODY, Particles};
 
-/// So many pairs wait for boxes at the most: what is known of them stays in the fastest memory.
+/// Limit of queued pairs, so that their data stay in the fastest cache.
 const AT_ONCE: usize = 64;
 
-/// Pairs that wait, and what they are computed with. Scratch.
+/// Queued pairs, and the buffers to compute them. Scratch.
 #[derive(Default)]
 pub(super) struct NarrowPhase {
     pending: Vec<Comparison>,
     boxes: BoxPairs,
-    /// Of each pair of boxes whose manifold has become stale within a step, the wide contact and the lane.
+    /// Wide contact and lane of each pair of boxes whose manifold has become stale within a step.
     stale: Vec<(usize, usize)>,
     manifolds: ManifoldScratch,
 }
 
 impl BodyContactSolver {
-    /// Computes the manifolds of pairs when a step begins, or takes them from the cache; notes those that may be carried over unasked, if `is_new`.
+    /// Computes the manifolds of pairs when a step begins, or takes them from the cache; with `is_new`, lists those of dormant pairs.
     pub(super) fn compare_all(
         &mut self,
         pairs: &[[u32; 2]],
@@ -50,7 +50,7 @@ impl BodyContactSolver {
             let Some(query) = self.query(pair, particles, world, None) else { continue };
             let (from, source) = self.find_source(&query, world);
             let NarrowPhase { pending, .. } = &mut self.narrow_phase.0;
-            // Behind boxes that are not compared yet all have to wait, for manifolds come in the order of the pairs.
+            // Manifolds are added in the order of the pairs: pairs after queued boxes are queued, too.
             if pending.is_empty() && !matches!(source, ManifoldSource::BoxPair(_)) {
                 let first = self.add_manifolds(&query, from, &source, &[], world);
                 self.note_dormant(pair, first, is_new);
@@ -64,7 +64,7 @@ impl BodyContactSolver {
         self.add_pending(world, is_new);
     }
 
-    /// Looks for the manifolds of a query in the cache, and says where they begin there, and where they are to come from.
+    /// Searches the cache for the manifolds of a query. Returns their first position there, and where the manifolds of this step come from.
     #[inline(always)]
     fn find_source(&mut self, query: &PairQuery, world: &World) -> (usize, ManifoldSource) {
         let PairQuery { pair, ref key, ref here, size, reach, stuck } = *query;
@@ -87,7 +87,7 @@ impl BodyContactSolver {
         (from, held.unwrap_or_else(&mut compared))
     }
 
-    /// Compares the boxes of the pending pairs, and adds the manifolds of all of these.
+    /// Compares the queued boxes, and adds the manifolds of all queued pairs.
     fn add_pending(&mut self, world: &World, is_new: bool) {
         let NarrowPhase { boxes, pending, .. } = &mut self.narrow_phase.0;
         let (mut boxes, mut pending) = (core::mem::take(boxes), core::mem::take(pending));
@@ -100,7 +100,7 @@ impl BodyContactSolver {
         (self.narrow_phase.0.boxes, self.narrow_phase.0.pending) = (boxes, pending);
     }
 
-    /// Adds the manifolds of a pair to the cache, and those that may come to press to the contacts. Says where in the cache the first of them is.
+    /// Adds the manifolds of a pair to the cache, and those near enough to press to the contacts. Returns the position of the first in the cache.
     #[inline(always)]
     fn add_manifolds(
         &mut self,
@@ -137,7 +137,7 @@ impl BodyContactSolver {
                 } else {
                     let [a, b] = shapes;
                     collide(a, b, here, far, &mut narrow_phase.0.manifolds, &mut add);
-                    // Triangles come in any order.
+                    // A mesh reports its triangles in any order.
                     sort(&mut cache.now[first..]);
                 }
                 for place in first..self.cache.now.len() {
@@ -151,7 +151,7 @@ impl BodyContactSolver {
         first
     }
 
-    /// Notes that the manifolds of a pair, from a place on, may be carried over unasked, if those who may are noted in this step and the two are of them.
+    /// Lists the manifolds of a dormant pair, from `first` on, as ones to carry over without a query in the next steps, if the set of dormant islands is new.
     #[inline(always)]
     fn note_dormant(&mut self, pair: [u32; 2], first: usize, is_new: bool) {
         if is_new && self.dormant.0.have_both(&self.groups, pair) {
@@ -159,7 +159,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// Where the second one of a pair is as seen from the first one's origin, after a share of the step if it is static geometry.
+    /// The frame of the second of a pair, from the first one's origin; of kinematic geometry after a fraction `share` of the step.
     #[inline(always)]
     fn second_frame(&self, [a, b]: [u32; 2], world: &World, share: f32) -> Frame {
         let (one, b) = (&self.swept[a as usize], b as usize);
@@ -176,7 +176,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// What a manifold of a pair is to be, which is at a place in the cache and so stale; after a share of the step.
+    /// The contact of a manifold in the cache with the given staleness, after a fraction `share` of the step.
     #[inline(always)]
     fn contact(
         &self,
@@ -190,7 +190,7 @@ impl BodyContactSolver {
         let (one, part) = (&swept[first], &groups.parts[first]);
         let (own, is_alone) = (world.filter.body(one.body), groups.is_alone(first));
         let participant_a = participant(groups, first, one.body);
-        // Joints of bones turn these on their points, and they crept on over the floor when that was held.
+        // Joints turn bones on their contact points: bones whose turn was held crept over the floor.
         let torsional =
             |is_alone: bool, size: f32| if is_alone { TORSIONAL_RADIUS * size } else { 0.0 };
         let Some(number) = second.checked_sub(swept.len()) else {
@@ -234,8 +234,8 @@ impl BodyContactSolver {
         }
     }
 
-    /// Two that may touch, after a share of the step if the broad phase missed them, or when it begins; nothing of those that never do, and of sensors, which
-    /// are noted.
+    /// Query of a pair at the start of the step, or after the fraction `missed` of it if the broad phase missed the pair. `None` for pairs that never
+    /// collide, and for sensors, whose overlaps are recorded.
     #[inline(always)]
     fn query(
         &mut self,
@@ -251,7 +251,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// Two body colliders.
+    /// Query of two body colliders.
     #[inline(always)]
     fn query_solids(
         &self,
@@ -263,7 +263,7 @@ impl BodyContactSolver {
         let Self { groups, overlaps, swept, .. } = self;
         let [a, b] = pair.map(|number| number as usize);
         let (one, other) = (&swept[a], &swept[b]);
-        // Neighbours in a body are near each other all the time.
+        // Neighbours in a body are near each other at all times.
         let same = one.body == other.body && one.body != NO_BODY;
         if same && groups.share_a_row(a, b) {
             return None;
@@ -279,7 +279,7 @@ impl BodyContactSolver {
         let (solid, with) = (&world.body_colliders[a], &world.body_colliders[b]);
         let (part, their) = (&groups.parts[a], &groups.parts[b]);
         let there = self.second_frame(pair, world, 0.0);
-        // Within a step nobody is quite where he was expected.
+        // Within a step, bodies deviate from their extrapolated paths.
         let off = missed.map_or(0.0, |_| one.speculative_margin + other.speculative_margin);
         Some(PairQuery {
             pair,
@@ -292,7 +292,7 @@ impl BodyContactSolver {
         })
     }
 
-    /// A body collider and static geometry.
+    /// Query of a body collider and static or kinematic geometry.
     fn query_geometry(&mut self, pair: [u32; 2], world: &World, share: f32) -> Option<PairQuery> {
         let here = self.second_frame(pair, world, share);
         let Self { groups, swept, static_geometry, sensor_overlaps, narrow_phase, .. } = self;
@@ -331,7 +331,7 @@ impl BodyContactSolver {
         })
     }
 
-    /// Computes the manifolds of a pair that the broad phase missed, after a share of the step: those that were not found before.
+    /// Computes the manifolds of a pair that the broad phase missed, after a fraction `share` of the step, except those that were found before.
     pub(super) fn compare_missed(
         &mut self,
         pair: [u32; 2],
@@ -362,43 +362,43 @@ impl BodyContactSolver {
     }
 }
 
-/// A body collider, and another one or static geometry.
+/// A pair to compare: a body collider, and another one or static geometry.
 struct PairQuery {
-    /// Numbers of the body colliders, the second one's behind them if it is static geometry.
+    /// Number of the body collider, and of the second; static geometry has numbers after those of body colliders.
     pair: [u32; 2],
     key: ContactKey,
-    /// Where the first one is in the coordinates of the second one.
+    /// The first one's frame in the coordinates of the second.
     here: Frame,
-    /// How far the first one reaches, and the smaller one of the two, metres.
+    /// Reach of the first, and of the smaller of the two, metres.
     size: (f32, f32),
-    /// How near they may come in the step, metres.
+    /// Distance up to which they may touch in the step, metres.
     reach: f32,
     /// Whether neither can be moved by the other.
     stuck: bool,
 }
 
-/// A pair, and where its manifolds come from.
+/// A queued pair, and where its manifolds come from.
 struct Comparison {
     query: PairQuery,
-    /// Where those of the step before begin.
+    /// Position of its first manifold of the step before.
     from: usize,
     source: ManifoldSource,
 }
 
 /// Where the manifolds of a pair come from.
 enum ManifoldSource {
-    /// They are carried over, and nothing may come of them.
+    /// Carried over unchanged; no contact results.
     CarriedOver,
-    /// What is cached holds, so stale, and is near or not.
+    /// The cached manifold is valid, with its staleness; `near` if it may press in this step.
     Cached { staleness: f32, near: bool },
-    /// Two boxes: the number of the pair in their list.
+    /// Two boxes: the index of the pair in their queue.
     BoxPair(usize),
-    /// They are to be computed.
+    /// To be computed.
     Computed,
 }
 
 impl PairQuery {
-    /// A manifold of theirs as it is cached, looked for up to a reach, metres. Those of triangles are found anew in each step.
+    /// A manifold of the pair as a cache entry, computed up to the distance `reach`, metres. Those of triangle meshes are computed in each step.
     #[inline(always)]
     fn cached(&self, shapes: [&Shape; 2], manifold: &Manifold, reach: f32) -> CachedManifold {
         CachedManifold {
@@ -412,7 +412,7 @@ impl PairQuery {
     }
 }
 
-/// The shapes of a pair: of two body colliders, or of one and static geometry, whose numbers come behind theirs.
+/// The shapes of a pair: of two body colliders, or of one and static geometry.
 #[inline(always)]
 fn shapes<'a>(
     pair: [u32; 2],
@@ -427,7 +427,7 @@ fn shapes<'a>(
     }
 }
 
-/// Whether two have a manifold for each triangle of one of them.
+/// Whether the pair has one manifold for each triangle.
 #[inline(always)]
 fn have_triangles([a, b]: [&Shape; 2]) -> bool {
     is_of_triangles(a) || is_of_triangles(b)
@@ -438,7 +438,7 @@ fn content_hashes([a, b]: [&Shape; 2]) -> [u64; 2] {
     [a.content_hash(), b.content_hash()]
 }
 
-/// Centres of the two of a contact in their own frames; of static geometry it is its zero.
+/// Centres of the two of a contact in their own frames; zero for static geometry.
 #[inline(always)]
 fn centres(groups: &BodyGroups, one: &Contact) -> [Vec3; 2] {
     let second =
@@ -446,8 +446,8 @@ fn centres(groups: &BodyGroups, one: &Contact) -> [Vec3; 2] {
     [groups.parts[one.a as usize].centre, second]
 }
 
-/// Whether a segment is pinned in static geometry, or nearer to it than it is thick. What is nailed to a post does not run into it: about its pin a
-/// contact has no lever, and to come out there the segment would have to turn by any angle, and flings what hangs on it away.
+/// Whether a segment is pinned inside static geometry, or nearer to it than its own thickness. Such a contact is ignored: about its pin it has no lever, so
+/// recovering the overlap would turn the segment by any angle and fling what hangs on it.
 fn is_nailed(
     groups: &BodyGroups,
     number: usize,
@@ -467,8 +467,8 @@ fn is_nailed(
     (0..solid.rest.len()).filter(pinned).any(is_near)
 }
 
-/// Whether two segments are pinned in one place, or nearer to each other than they are thick; or one of them there in one that cannot move at all: ropes that
-/// hang from one hook. What they overlap by there no turn can mend.
+/// Whether two segments are pinned at one place, or nearer to each other than their thickness, or one of them is pinned inside an immovable one: ropes that
+/// hang from one hook. No turn can resolve their overlap there.
 fn are_pinned_together(
     groups: &BodyGroups,
     numbers: [usize; 2],
@@ -499,7 +499,7 @@ fn are_pinned_together(
         || pins(1).any(|pin| is_in(pin, 0, their))
 }
 
-/// Who a body collider is, for the report.
+/// The contact participant that a body collider is reported as.
 pub(super) fn participant(groups: &BodyGroups, number: usize, body: u32) -> ContactParticipant {
     if body == NO_BODY {
         let first = groups.parts[number].entries.start;
@@ -510,11 +510,11 @@ pub(super) fn participant(groups: &BodyGroups, number: usize, body: u32) -> Cont
 }
 
 impl BodyContactSolver {
-    /// Compares those again that have turned against each other, or slid on each other, by more than their points are good for; at the places where
-    /// this substep began, after a share of the step.
+    /// Recomputes, at the poses where this substep began after a fraction `share` of the step, the manifolds of pairs that have turned or slid on each other
+    /// beyond the validity of their points.
     ///
-    /// Where the points of a manifold are farther apart than others may have come nearer than those meanwhile (`WideContact::elsewhere`), nothing
-    /// touches, and nothing is compared: so most that fly past each other never are.
+    /// Manifolds whose points are farther apart than other points can have come nearer meanwhile (`WideContact::elsewhere`) are not touching and are not
+    /// recomputed: so most pairs that fly past each other never are.
     pub(super) fn refresh_manifolds(&mut self, world: &World, share: f32) {
         let Self {
             groups,
@@ -537,7 +537,7 @@ impl BodyContactSolver {
             for lane in SetLanes(wide.stale) {
                 let Some(one) = contacts.get_mut(wide.number[lane] as usize) else { continue };
                 let known = &mut cache.now[one.cache_index as usize];
-                // Those of several are found once a step.
+                // Those with one manifold for each triangle are computed once a step.
                 if known.reach < 0.0 {
                     continue;
                 }
@@ -583,7 +583,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// Where kinematic geometry is when a substep begins, as seen from what may touch them.
+    /// Updates the offset of kinematic geometry in its contacts when a substep begins.
     pub(super) fn follow_kinematic_geometry(&mut self, world: &World, from: f32) {
         let Self { contacts, wide_contacts, static_geometry, swept, .. } = self;
         if static_geometry.iter().all(|geometry| geometry.moving.is_none()) {

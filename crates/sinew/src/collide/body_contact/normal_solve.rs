@@ -2,73 +2,71 @@
 //!
 //! # The method
 //!
-//! Müller, Macklin, Chentanez, Jeschke, Kim, *Detailed Rigid Body Simulation with Extended Position Based Dynamics*, 2020: in each of many substeps
-//! each contact is corrected once, in positions; an impulse `P` (kg·m) at an arm `r` from a centre moves that by `P/M` and turns it by `I⁻¹ (r × P)`,
-//! so along a normal `n` two body colliders give way by
+//! Müller, Macklin, Chentanez, Jeschke, Kim, *Detailed Rigid Body Simulation with Extended Position Based Dynamics*, 2020: in each of many substeps each
+//! contact is corrected once, in positions. An impulse `P` (kg·m) at an arm `r` from a centre moves that by `P/M` and turns the body by `I⁻¹ (r × P)`, so
+//! along a normal `n` the inverse effective mass of two body colliders is
 //!
 //! ```text
 //! w = 1/M_a + 1/M_b + (r_a × n)ᵀ I_a⁻¹ (r_a × n) + (r_b × n)ᵀ I_b⁻¹ (r_b × n)
 //! ```
 //!
-//! Here the points of a manifold are solved together, and so is its friction (`friction`), and what contacts did to a body collider is summed up as one
-//! shift and one turn, which the particles get in the end (`pose`). A turn within a substep is small: points are moved by it to first order, and what
-//! that leaves is corrected in the next substep.
+//! Here the points of a manifold are solved together, and so is its friction (`friction`). The corrections of a body collider are summed up as one shift and
+//! one turn, which its particles get in the end (`pose`). Turns within a substep are small: points are moved to first order, and the error is corrected in
+//! the next substep.
 //!
 //! # Overlap
 //!
-//! What is inside when a substep begins, because a sweep over a heap leaves something or because a new corner was found too late, must come out; but
-//! what is moved out by a length in a substep leaves with that length by `h`. A tower stands on that: each box is in the one below by as much as its
-//! load is to push it out again. What is much deeper is recovered over some substeps, and marked, with all that it pushes on: `restitution` then
-//! takes off the speed that it came out with.
+//! Overlap at the start of a substep, left by a sweep over a heap or by a corner that was found too late, has to be recovered; but a body moved out by a
+//! length in a substep leaves with the speed of that length by `h`. Towers stand because of that: each box overlaps the one below by as much as it needs to
+//! be pushed out with its load. Much deeper overlap is recovered over several substeps, and marked, with all body colliders that it pushes: `restitution`
+//! then removes the resulting speed.
 //!
 //! # Near a pin
 //!
-//! What is pinned can only turn, and a contact with a short lever `a` about the pin turns it by much: to recover an overlap of millimetres there, two ropes
-//! that hang from one point were to turn their first segments by radians in each substep, and flung themselves away at any speed. So it is not the point
-//! that is moved by no more than may be recovered in a substep, but the farthest of what is pinned, at `R`: of the overlap is recovered the share `K /
-//! D`, with `K` how far an impulse moves the point and `D = R |I⁻¹ (r × n)|` how far it swings that; which is `a / R` where nothing but pins gives way,
-//! and 1 where the other one can go. What the two approach each other by is stopped as elsewhere: near a pin that is little.
+//! A pinned body collider can only turn, and a contact with a short lever `a` about the pin turns it far: to recover an overlap of millimetres there, two
+//! ropes that hang from one point would turn their first segments by radians in each substep, and fling themselves away at any speed. So the recovery per
+//! substep limits not the displacement of the contact point, but that of the farthest free particle, at the distance `R` from the pin: the recovered share of
+//! the overlap is `K / D`, with `K` the displacement of the point per impulse and `D = R |I⁻¹ (r × n)|` that of the farthest particle. It is `a / R` where
+//! only pinned bodies yield, and 1 where the other body can move. Approach within the substep is stopped as elsewhere: near a pin it is small.
 //!
 //! # Where impulses act
 //!
-//! Verlet keeps `Σ m p × (q - p)`: angular momentum is conserved if the two impulses of a contact have the same moment about where the *substep
-//! began*. So arms go from the centres at the start to one point between the two anchors, as seen from there. What stands takes any moment; there the
-//! arm goes to the body collider's own anchor.
+//! Verlet keeps `Σ m p × (q - p)`: angular momentum is conserved if the two impulses of a contact have the same moment about where the *substep began*. So
+//! arms go from the centres at the start to one point between the two anchors, as seen from there. Static geometry takes any moment; there the arm goes to
+//! the body collider's own anchor.
 //!
 //! # The unknowns of one manifold
 //!
-//! There are four: how hard each of its points presses. They are solved together, eight manifolds side by side.
+//! They are the normal impulses of its points, four at most. They are solved together, eight manifolds side by side.
 //!
-//! With `λ` the impulses along the normal (in kg·m, since positions are moved), `K` how far each of them moves each point, and `c` how far in the
-//! points are, wanted is
-//! `λ ≥ 0` with `K λ ≥ c`, where one of the two is an equality. Four points in a plane move as a rigid plane does, so `K` has rank 3, and if one
-//! point were solved after the other, a box at rest would rock from corner to corner. So the points that are in are solved at once, for a pressure
-//! that is linear over the patch, `λ = G μ` with rows `g = (1, x, y)` of
-//! `G`: `Gᵀ K G μ = Gᵀ c`. That is exact for up to three points and symmetric for four. Where it would pull, the points are solved one after the
-//! other after all, a few times over, with the sum of each kept from pulling.
+//! With `λ` the impulses along the normal (in kg·m, since positions are moved), `K` the displacements of the points per impulse, and `c` the depths of the
+//! points, the problem is `λ ≥ 0` with `K λ ≥ c`, where one of the two is an equality. Four points in a plane move as a rigid plane does, so `K` has rank 3,
+//! and if one point were solved after the other, a box at rest would rock from corner to corner. So the overlapping points are solved at once, for a pressure
+//! that is linear over the patch, `λ = G μ` with rows `g = (1, x, y)` of `G`: `Gᵀ K G μ = Gᵀ c`. That is exact for up to three points and symmetric for four.
+//! Where an impulse would be negative, the points are solved one after the other, in a few rounds, with each accumulated impulse clamped at zero.
 //!
-//! `K` is never written out. An impulse along the normal at `(x, y)` has the moment `y t - x u` about a centre, with `t` and `u` across the normal:
-//! it is linear in `g`. So `K = G Q Gᵀ` with one 3×3 matrix `Q` of the pair ([`ContactPatch::about`]), and with the points measured from the middle
-//! of those that are in, `S = Gᵀ G` is a number and a 2×2 block: `Gᵀ K G = S Q S`.
+//! `K` is never computed as a whole. An impulse along the normal at `(x, y)` has the moment `y t - x u` about a centre, with `t` and `u` across the normal:
+//! it is linear in `g`. So `K = G Q Gᵀ` with one 3×3 matrix `Q` of the pair ([`ContactPatch::about`]), and with the points measured from the middle of the
+//! overlapping ones, `S = Gᵀ G` is a number and a 2×2 block: `Gᵀ K G = S Q S`.
 
 use super::bodies::{Bodies, WideBody as Rows};
 use super::turn::{Symmetric, load, store, tangents};
 use super::wide_contact::{FAR, WideContact};
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 
-/// How much of what keeps a manifold valid is used up in a substep because of its slope (`contact_cache::steepness`), at the most: what slides over a rim fast
-/// is compared again in every third substep. To compare it in each took a ninth of the time of a poured heap and had nothing lie less deep (0.28 mm in the mean
-/// with either); what creeps over a rim never gets there, and is held to what its slope says.
+/// Greatest staleness that a manifold gains in a substep because of its slope (`contact_cache::steepness`): one that slides fast over a rim is recomputed in
+/// every third substep. Recomputing it in each took a ninth of the time of a poured heap and left the same mean overlap, 0.28 mm; manifolds that creep over a
+/// rim stay below this limit.
 const STEEP_SHARE: f32 = 0.34;
-/// Rounds of solving point after point. What is left is corrected in the next substep.
+/// Rounds of solving point after point. The rest is corrected in the next substep.
 const ROUNDS: usize = 6;
-/// The least lever about a pin or an axis with which a contact turns what is pinned, by how far that reaches. A point of less can be moved nowhere, and is left
-/// out: its square, 1e-5, is some 80 times the round-off of `f32`, which is what the inverse inertia of a lever has of none.
+/// Least lever about a pin or axis of a contact with a pinned body collider, as a share of its reach from there. A point with a shorter one cannot be moved
+/// and is left out: the square of this, 1e-5, is some 80 times the round-off of `f32`, which a zero lever leaves in the inverse effective mass.
 pub(super) const LEAST_LEVER: f32 = 3e-3;
-/// By which share of what the point with the longest lever about a pin gives way each point of its patch gives way more, as numbers have it: or points on both
-/// sides of a pin would press against each other with all there is, and what their round-off turns would fling.
+/// Regularisation of points near a pin, as a share of the inverse effective mass of the patch point with the longest lever: without it points on both sides
+/// of a pin would press against each other without bound, and the turn of their round-off would be large.
 const PIN_REGULARISATION: f32 = 1e-3;
-/// Share of the stiffness that patches have added, so that a small one, whose tilt is round-off, does not answer that.
+/// Regularisation of the tilt of a patch, as a share of its stiffness, so that a small patch, whose tilt is round-off, does not respond to it.
 const TILT_REGULARISATION: f32 = 1e-3;
 
 kernel!(
@@ -77,15 +75,15 @@ kernel!(
         wide_contacts: &mut [WideContact],
         bodies: &mut Bodies,
         h: f32,
-        // How far out of an overlap that a substep began with two may be moved in it, metres.
+        // Overlap from the start of the substep that may be recovered in it, metres.
         recover: f32,
-        // Beyond which the speed that comes of it is to be taken off, metres; and of what has a restitution.
+        // Recovered overlap beyond which the resulting speed is taken off, metres; and the same for contacts with a restitution.
         pops: [f32; 2],
-        // Which sweep of the substep it is: the first one, 0, is over all of them, others over those that take more.
+        // Number of the sweep in the substep: sweep 0 is over all wide contacts, later ones over those that take more.
         sweep: u32,
     ) {
         for wide in wide_contacts.iter_mut().filter(|wide| sweep < wide.sweeps) {
-            // Most have two points at the most, and what is missing has no say.
+            // Most have two points at the most, and missing points do not affect the others.
             let third = L::load(&wide.missing[2]).lt(L::splat(FAR));
             let how = (h, recover, pops, sweep);
             if third.any() {
@@ -106,8 +104,8 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     let (none, one) = (L::zero(), L::splat(1.0));
     let mut a = Rows::<L>::load(bodies, &wide.a);
     let mut b = if wide.fixed { None } else { Some(Rows::<L>::load(bodies, &wide.b)) };
-    // From the first one's centre to the second one's, at the start; and how much that has grown. A match, for a closure is not made for the
-    // processor that it runs on.
+    // From the first one's centre to the second one's at the start, and the change of that. A `match`, because a closure is not compiled for the instruction
+    // set of the kernel.
     let offset = load::<L>(&wide.offset);
     let normal = load::<L>(&wide.normal);
     let (apart, drift, mut n, shift, spin, weight) = match &b {
@@ -171,8 +169,8 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         depenetrated[i] = max_depenetration.lt(left[i]);
     }
     let most = c.iter().fold(c[0], |most, &c| most.max(c));
-    // How far apart the nearest of their points will be if they go on as in this substep, by how far they may slide; where that is not known, 0. Where others of
-    // their points may not have come nearer than that, nothing touches, and what is stale will do.
+    // Distance of the nearest points if they go on as in this substep, as a multiple of the valid slip; 0 if it is unknown. Where other points cannot be
+    // nearer than that, nothing touches, and a stale manifold will do.
     let predicted_gap =
         none - (most + before.max(none)) * stiff - staleness * L::load(&wide.elsewhere);
     let predicted_gap = L::splat(-0.5 * FAR).lt(most).and(predicted_gap);
@@ -180,7 +178,7 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     let holds = total_staleness.lt(L::splat(1.0)).or(may_be_nearer.lt(predicted_gap));
     wide.stale = !holds.bits() & 0xFF;
     if sweep == 0 && !none.lt(most).any() {
-        // Nothing touches: nor did it press in this substep.
+        // Nothing touches, and nothing pressed in this substep.
         wide.sum = [0.0; LANES];
         wide.depenetrated = 0;
         wide.force = [[0.0; LANES]; 4];
@@ -206,7 +204,7 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         patch.limit_recovery(&mut c, &at, &left, recover);
         patch.regularise(&at);
     }
-    // What it has pressed with in this substep it may take back: the impulses are accumulated, and none of the sums pulls.
+    // Impulses of earlier sweeps of the substep may be taken back: they are accumulated, and their sums are clamped at zero.
     let mut had = [none; POINTS];
     if sweep > 0 {
         let mut moments = Vector::new(none, none, none);
@@ -232,7 +230,7 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         more += Vector::new(by, by * at[i].0, by * at[i].1);
     }
 
-    // Nothing that is not a number may get to the other side.
+    // Non-finite values must not reach the other body.
     let good = sum.lt(L::splat(1e30)).and(none.lt(sum).or(more.x.lt(none)));
     let old = (a.shift, a.turn);
     let mut old_b = (a.shift, a.turn);
@@ -281,7 +279,7 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         L::put_records(&mut bodies.rows, &wide.b, second);
     }
 
-    // Where friction is to act: at the centre of the pressure, and how far it reaches from there.
+    // Where friction acts: at the centre of pressure, with the extent of the patch around it.
     let share = good.and(none.lt(sum)).and(one / sum);
     let (x, y, z) = (x * share, y * share, z * share);
     let mut spread = none;
@@ -289,13 +287,13 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         let (dx, dy, dz) = (at[i].0 - x, at[i].1 - y, height[i] - z);
         spread = spread + (dx * dx + dy * dy + dz * dz) * force[i];
     }
-    // Where nothing presses in this substep, at the centre.
+    // Without an impulse in this substep, at the centre.
     good.and((spread * share).sqrt()).store(&mut wide.radius);
     store(n, &mut wide.up);
     store(t * x + u * y + n * z, &mut wide.arm);
 }
 
-/// The anchors of both from the first one's centre, when the second one's is so far from there.
+/// The anchors of both from the first one's centre; `apart` goes from there to the second one's centre.
 #[inline(always)]
 pub(super) fn anchors<L: Lanes, const POINTS: usize>(
     wide: &WideContact,
@@ -316,7 +314,7 @@ pub(super) fn anchors<L: Lanes, const POINTS: usize>(
     (on_a, on_b)
 }
 
-/// From the surfaces to the centres of what is round of the first ones; and back of the second ones.
+/// Vectors along the normal from the surface to the centre of the rounding of the first ones, and the reverse of the second ones.
 #[inline(always)]
 pub(super) fn skins<L: Lanes>(
     wide: &WideContact,
@@ -334,7 +332,7 @@ pub(super) fn skins<L: Lanes>(
     [out[0] * radii[0], out[1] * radii[1]]
 }
 
-/// The directions across axes that are nearest to others; those, where they are along the axes.
+/// The directions across axes that are nearest to `n`; `n` itself where it is along the axis.
 #[inline(always)]
 fn across_axis<L: Lanes>(n: Vector<L>, axis: Vector<L>) -> Vector<L> {
     let across = n - axis * n.dot(axis);
@@ -342,8 +340,8 @@ fn across_axis<L: Lanes>(n: Vector<L>, axis: Vector<L>) -> Vector<L> {
     (across * (L::splat(1.0) / sine)).or_else(L::splat(1e-3).lt(sine), n)
 }
 
-/// The normals of those whose second one is round: a face's turns with the face, and that of two that are round is from the one to the other. A matter of
-/// the few, so that the many do not load it.
+/// The normals of manifolds whose second one is round: that of a face turns with the face, and that between two round ones follows from their positions. A
+/// function of its own, since few manifolds need it.
 #[inline(always)]
 fn round_normals<L: Lanes, const POINTS: usize>(
     wide: &WideContact,
@@ -361,7 +359,7 @@ fn round_normals<L: Lanes, const POINTS: usize>(
     }
     let length = between.length();
     let (own, theirs) = (none.lt(radii[0]), none.lt(radii[1]));
-    // Two centres in one place are apart in no direction.
+    // Coinciding centres have no direction.
     let apart = (radii[0] * L::splat(1e-3)).lt(length).and(own).and(theirs);
     let of_face = theirs.and(radii[0].le(none));
     let face = a.rotation.times(load(&wide.normal));
@@ -369,14 +367,14 @@ fn round_normals<L: Lanes, const POINTS: usize>(
     (between * (L::splat(1.0) / length)).or_else(apart, n)
 }
 
-/// The plane of a patch, and where the second one's centre is in it, from the first one's, metres.
+/// The plane of a patch, and the position of the second one's centre in it, from the first one's, metres.
 struct PatchPlane<L> {
     t: Vector<L>,
     u: Vector<L>,
     apart: (L, L),
 }
 
-/// What two turns do to each other along the normal: `(r_a × n)·φ_a - (r_b × n)·φ_b`, linear in where that is in the patch.
+/// Relative motion along the normal by two turns, `(r_a × n)·φ_a - (r_b × n)·φ_b`: linear in the position in the patch.
 struct Tilt<L> {
     t: L,
     u: L,
@@ -391,7 +389,7 @@ impl<L: Lanes> PatchPlane<L> {
 }
 
 impl<L: Lanes> Tilt<L> {
-    /// The same when the second one turns, too.
+    /// The tilt relative to a turn `b` of the second one.
     #[inline(always)]
     fn less(self, plane: &PatchPlane<L>, b: Vector<L>) -> Self {
         let (bt, bu) = (b.dot(plane.t), b.dot(plane.u));
@@ -405,7 +403,7 @@ impl<L: Lanes> Tilt<L> {
     }
 }
 
-/// Where a point that popped out presses.
+/// Whether a point with the depenetration flag presses.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "points in several arrays")]
 fn pressed<L: Lanes, const POINTS: usize>(depenetrated: &[L; POINTS], force: &[L; POINTS]) -> L {
@@ -416,20 +414,20 @@ fn pressed<L: Lanes, const POINTS: usize>(depenetrated: &[L; POINTS], force: &[L
     any
 }
 
-/// How two bodies give way to impulses along the normal of a patch.
+/// Compliance of two bodies to impulses along the normal of a patch.
 pub(super) struct ContactPatch<L> {
     /// Sum of their inverse masses, 1/kg.
     pub(super) weight: L,
     pub(super) a: PatchSide<L>,
-    /// `None` where nothing moves it.
+    /// `None` for fixed geometry.
     pub(super) b: Option<PatchSide<L>>,
-    /// Where the second one's centre is from the first one's, along `t` and `u`, metres.
+    /// Position of the second one's centre from the first one's, along `t` and `u`, metres.
     pub(super) apart: (L, L),
-    /// How far each point gives way to its own impulse besides, 1/kg: see [`PIN_REGULARISATION`].
+    /// Compliance added to each point for its own impulse, 1/kg: see [`PIN_REGULARISATION`].
     pub(super) regularisation: L,
 }
 
-/// One of the bodies: its inverse inertia `J` as seen in the patch.
+/// One of the bodies: its inverse inertia `J` in the axes of the patch.
 pub(super) struct PatchSide<L> {
     /// `J t` and `J u`.
     t: Vector<L>,
@@ -438,9 +436,9 @@ pub(super) struct PatchSide<L> {
     tt: L,
     uu: L,
     tu: L,
-    /// How far what is pinned reaches from its pin, metres; 0 of others.
+    /// Reach of a pinned body from its pin, metres; 0 of others.
     pin_reach: L,
-    /// How far the [least lever](LEAST_LEVER) gives way, 1/kg.
+    /// Compliance at the [least lever](LEAST_LEVER), 1/kg.
     least: L,
 }
 
@@ -452,7 +450,7 @@ impl<L: Lanes> PatchSide<L> {
         Self { t: jt, u: ju, tt: t.dot(jt), uu: u.dot(ju), tu: t.dot(ju), pin_reach, least }
     }
 
-    /// The same of what reaches so far from its pin, metres; 0 of what has none.
+    /// The same body with its reach from a pin, metres; 0 without a pin.
     #[inline(always)]
     fn pinned(self, inverse_inertia: &Symmetric<L>, pin_reach: L) -> Self {
         let Vector { x, y, z } = inverse_inertia.along;
@@ -460,13 +458,13 @@ impl<L: Lanes> PatchSide<L> {
         Self { pin_reach, least: (x + y + z) * lever * lever, ..self }
     }
 
-    /// The turn that an impulse of so much along the normal gives, whose moments along `x` and `y` from this centre are those.
+    /// The turn by impulses along the normal with the moments `x` and `y`, kg·m², from this centre.
     #[inline(always)]
     pub(super) fn turned(&self, x: L, y: L) -> Vector<L> {
         self.t * y - self.u * x
     }
 
-    /// How far an impulse along the normal, so far from this centre, turns the point where it acts along the normal, 1/kg.
+    /// Displacement along the normal at `(x, y)` from this centre, per impulse there, by turning alone, 1/kg.
     #[inline(always)]
     fn moved(&self, x: L, y: L) -> L {
         x * (x * self.uu - y * self.tu) + y * (y * self.tt - x * self.tu)
@@ -486,7 +484,7 @@ impl<L: Lanes> PatchSide<L> {
 }
 
 impl<L: Lanes> ContactPatch<L> {
-    /// `Q` about the point at `(x, y)` from the first one's centre: how far impulses with sum and moments `Gᵀ λ` move such planes.
+    /// `Q` about the point at `(x, y)` from the first one's centre: maps the sum and the moments `Gᵀ λ` of impulses to the motion of the patch plane.
     #[inline(always)]
     pub(super) fn about(&self, x: L, y: L) -> Symmetric<L> {
         let none = L::zero();
@@ -501,7 +499,7 @@ impl<L: Lanes> ContactPatch<L> {
         q
     }
 
-    /// How far the two reach from their pins, metres; 0 where neither is pinned.
+    /// Reach of the two from their pins, metres; 0 where neither is pinned.
     #[inline(always)]
     fn pin_reach(&self) -> L {
         match &self.b {
@@ -510,8 +508,8 @@ impl<L: Lanes> ContactPatch<L> {
         }
     }
 
-    /// Takes off `c` what would be recovered of overlap by swinging what is pinned farther, anywhere, than a point without a pin may be moved, `recover`
-    /// metres; and takes points out that have no lever about pins, and nothing else to give way. See [the module](self), "Near a pin".
+    /// Reduces `c` by the overlap whose recovery would move any point of a pinned body farther than `recover` metres; and leaves out points that have no
+    /// lever about pins and no other body that yields. See [the module](self), "Near a pin".
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "points in several arrays")]
     fn limit_recovery<const POINTS: usize>(
@@ -538,7 +536,7 @@ impl<L: Lanes> ContactPatch<L> {
         }
     }
 
-    /// How far an impulse along the normal at a place moves that along the normal, 1/kg.
+    /// Displacement along the normal at `(x, y)` per impulse there, 1/kg.
     #[inline(always)]
     fn moved(&self, x: L, y: L) -> L {
         let moved = self.weight + self.a.moved(x, y);
@@ -548,7 +546,7 @@ impl<L: Lanes> ContactPatch<L> {
         }
     }
 
-    /// Lets what is pinned give way by so little more that no impulse grows beyond bounds.
+    /// Adds enough compliance to pinned patches to keep impulses bounded.
     #[inline(always)]
     fn regularise<const POINTS: usize>(&mut self, at: &[(L, L); POINTS]) {
         let mut most = L::zero();
@@ -560,8 +558,8 @@ impl<L: Lanes> ContactPatch<L> {
     }
 }
 
-/// The impulses that put some points outside, which are at such places `(x, y)` from the first one's centre, metres. Points that are missing are far
-/// outside: with or without them, the others get the same bits.
+/// The impulses that recover the depths `c` of points at `(x, y)` from the first one's centre, metres. Missing points are far outside: with or without them,
+/// the others get the same bits.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "points in several arrays")]
 pub(super) fn solve_normal_impulses<L: Lanes, const POINTS: usize>(
@@ -598,7 +596,7 @@ pub(super) fn solve_normal_impulses<L: Lanes, const POINTS: usize>(
     let (qx, qy) = (q.across.x, q.across.y);
     let (ax, ay) = (xx * q.along.y + xy * q.across.z, xx * q.across.z + xy * q.along.z);
     let (bx, by) = (xy * q.along.y + yy * q.across.z, xy * q.across.z + yy * q.along.z);
-    // Without points, or where nothing can move, there must be something to divide by.
+    // Without points, or where nothing yields, the divisor is 1.
     let extra = patch.regularisation;
     let pressing = count * count * q.along.x + count * extra;
     let pressing = none.lt(pressing).select(pressing, one);
@@ -642,8 +640,8 @@ pub(super) fn solve_normal_impulses<L: Lanes, const POINTS: usize>(
     force
 }
 
-/// Where points are from the middle of those inside, which has been reckoned but for round-off. That is nothing to a patch, but all to one whose
-/// points are as near each other as it is: so it is taken off once more.
+/// Positions of the points from the middle of the overlapping ones. That middle is rounded, which matters for points as close together as the round-off: so
+/// it is computed and subtracted a second time.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "points in several arrays")]
 fn centred<L: Lanes, const POINTS: usize>(
@@ -654,7 +652,7 @@ fn centred<L: Lanes, const POINTS: usize>(
 ) -> [(L, L); POINTS] {
     let mut off = *at;
     let (mut more, mut and_more) = (L::zero(), L::zero());
-    // No `map`: its closure is not made for the processor that it runs on, and is called for each operation.
+    // No `map`: its closure is not compiled for the instruction set of the kernel, and would be called for each operation.
     for i in 0..POINTS {
         off[i] = (off[i].0 - x, off[i].1 - y);
         more = more + inside[i].and(off[i].0);
@@ -667,7 +665,7 @@ fn centred<L: Lanes, const POINTS: usize>(
     off
 }
 
-/// Gauss and Seidel's way, where a mask is set.
+/// Projected Gauss–Seidel over the points, where a mask is set.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "rows and columns of the same points")]
 fn one_by_one<L: Lanes, const POINTS: usize>(
@@ -691,7 +689,7 @@ fn one_by_one<L: Lanes, const POINTS: usize>(
     }
     for _ in 0..ROUNDS {
         for i in 0..POINTS {
-            // What was changed last is added last: the others are there already.
+            // The last changed impulse is added last: the others are available earlier.
             let mut others = k[i][i] * force[i];
             for j in [(i + 1) % 4, (i + 2) % 4] {
                 if j < POINTS {

@@ -1,45 +1,44 @@
-//! Poses of body colliders: from the particles to a pose when a substep has predicted them, and from the corrected pose back to the particles.
+//! Poses of body colliders: extracted from the particles that a substep has predicted, and applied to them once contacts have corrected them.
 //!
-//! What contacts correct is a pose, and what moves is particles. So the three ways between them are here, in their order: a first rotation from nothing
-//! when a step begins; the pose nearest to the particles, once afresh when contacts are looked for and once a substep from there on; and the change of a
-//! pose back to the particles, with momentum. All of it goes by eight body colliders at a time.
+//! Contacts correct a pose, but the particles are what moves. Three steps connect the two, in this order: an initial rotation from positions alone when a
+//! step begins; the extracted pose, once afresh at the broad phase and then once per substep; and the pose delta, applied to the particles so that momentum
+//! is kept. All of them run on eight body colliders at a time.
 //!
 //! # The initial rotation
 //!
-//! No rotation is kept from step to step, so that what is restored goes on to the same bits. Two of a body collider's particles, far out and far from
-//! being in line with the first one, say nearly how it is turned; the extraction makes that exact.
+//! No rotation is kept from step to step, so that a restored world continues with the same bits. Two particles of a body collider, one far from the first and
+//! one far from the line of the two, give an approximate rotation; the extraction makes it exact.
 //!
 //! # The extracted pose
 //!
-//! With `q` the predicted positions, `p` those at the substep's start and `m` the masses: the centres of both; the rotation nearest to
-//! `Σ m (q - q̄) rᵀ` by one or two of Newton's steps from the last substep's (derived in `pose/rotation.rs` of the crate, here in `f32`); and how it has
-//! turned since the start, which needs no second rotation:
+//! With `q` the predicted positions, `p` those at the substep's start and `m` the masses, it has the centres of both; the rotation nearest to `Σ m (q - q̄)
+//! rᵀ`, by one or two of Newton's steps from the last substep's (derived in `pose/rotation.rs` of the crate, here in `f32`); and the turn since the start,
+//! which needs no second rotation:
 //!
 //! ```text
 //! φ = I⁻¹ Σ m r × (δ - δ̄)        r = q - q̄,  δ = q - p
 //! ```
 //!
-//! is the turn whose displacements `φ × r` are nearest to those of the particles. `Σ m (q - q̄)(p - p̄)ᵀ` is kept for the way back.
+//! is the turn whose displacements `φ × r` are nearest to those of the particles. `Σ m (q - q̄)(p - p̄)ᵀ` is kept for the pose delta.
 //!
-//! Of two particles, a segment of a rope, the nearest rotation is the shortest arc from the last one. Most segments touch nothing, and what is read of them
-//! nobody asks for: in a substep those alone are read that are in a contact of the step or have left their swept bounds, which are asked for first.
+//! For two particles, a segment of a rope, the nearest rotation is the shortest arc from the last one. Most segments touch nothing, and their poses are not
+//! needed: a substep extracts only those of segments that are in a contact of the step or have left their swept bounds, which is checked first.
 //!
-//! # The way back, and momentum
+//! # The pose delta, and momentum
 //!
-//! Each particle is displaced by what its body collider was shifted and turned, so that rods inside stay as they are and what is soft keeps its own
+//! Each particle is displaced by the shift and the turn of its body collider, so that rods inside keep their lengths and soft bodies keep their own
 //! deformation.
 //!
-//! The turn is a rotation `ΔR`, and `(ΔR - 1) r` with the arms `r = q - q̄` as the particles really are keeps momentum, because `Σ m r = 0`. Angular
-//! momentum, as Verlet keeps it, changes by `Σ m (p - p̄) × d`, and is to change by `T = I φ`, the moment of the impulses. What is missing comes of
-//! the rotation from `p` to `q`, of second order in the turn, and of particles that are not quite where the body collider has them; a further
-//! infinitesimal turn `ψ` makes up for it:
+//! The turn is a rotation `ΔR`, and `(ΔR - 1) r` with the actual arms `r = q - q̄` keeps momentum, because `Σ m r = 0`. Angular momentum, as Verlet keeps it,
+//! changes by `Σ m (p - p̄) × d`, and has to change by `T = I φ`, the moment of the impulses. The difference comes of the rotation from `p` to `q`, of second
+//! order in the turn, and of particles that are slightly off their rest places; a further infinitesimal turn `ψ` corrects it:
 //!
 //! ```text
 //! J ψ = T - Σ m (p - p̄) × (ΔR - 1)(q - q̄)        J = Σ m ((p - p̄)·(q - q̄) 1 - (q - q̄)(p - p̄)ᵀ)
 //! ```
 //!
-//! All of it follows from `Σ m (q - q̄)(p - p̄)ᵀ`, which was summed up when the body collider was read. So `d = shift + D (q - q̄)` with one matrix
-//! `D` a body collider. Velocities change in the same way, with `ψ × r` alone.
+//! All of it follows from `Σ m (q - q̄)(p - p̄)ᵀ`, which was summed up during extraction. So `d = shift + D (q - q̄)` with one matrix `D` per body collider.
+//! Velocities change in the same way, with `ψ × r` alone.
 
 use glam::{DMat3, DQuat, Vec3, Vec4};
 
@@ -55,14 +54,14 @@ use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, kernel, with};
 use crate::particles::Particles;
 use crate::pose::rotation;
 
-/// A Newton step of this angle, squared, leaves an error of its cube, which is below the round-off.
+/// Bound of a squared Newton step, rad²: such a step leaves an error of its cube, below the round-off of `f32`.
 const DONE: f32 = 1e-5;
-/// The most steps, within a step and from nowhere.
+/// The most Newton steps: within a step, and afresh.
 const STEPS: u32 = 3;
 const FRESH: u32 = 8;
 
 impl BodyContactSolver {
-    /// Notes a rotation near that of each sound body collider.
+    /// Computes an initial rotation of each valid body collider.
     pub(super) fn note_initial_rotations(&mut self, particles: &Particles, world: &World) {
         let Self { groups, origin_offsets, bodies, dormant, instructions, .. } = self;
         let mut turned = [Vec4::W; LANES];
@@ -71,7 +70,7 @@ impl BodyContactSolver {
             if kept != 0 && kept == group.sound {
                 continue;
             }
-            // Where particles of one body collider have origins of their own, none is computed so.
+            // Particles of one body collider have different origins: no rotation is computed in lanes.
             let rotation_reference =
                 group.rotation_reference.as_ref().filter(|_| origin_offsets.of(group).is_none());
             let known = rotation_reference.map_or(0, |rotation_reference| {
@@ -95,7 +94,7 @@ impl BodyContactSolver {
 }
 
 kernel!(
-    /// How eight body colliders are turned, to the bits of [`initial_rotation`]. Returns a bit for each that it is known of.
+    /// Computes the initial rotations of eight body colliders, to the bits of [`initial_rotation`]. Returns a bit for each lane that has one.
     fn initial_rotations<L: Lanes>(
         rotation_reference: &RotationReference,
         position: &[Vec4],
@@ -119,7 +118,7 @@ fn places<L: Lanes>(position: &[Vec4], rows: &[u32; LANES]) -> Vector<L> {
     Vector::of(L::rows(position, rows)).0
 }
 
-/// A vector of length 1, and whether there is one.
+/// A vector scaled to length 1, and whether that exists.
 #[inline(always)]
 fn unit<L: Lanes>(v: Vector<L>) -> (Vector<L>, L) {
     let inverse = L::splat(1.0) / v.length();
@@ -152,7 +151,7 @@ fn unit_quaternion<L: Lanes>(m: &Matrix<L>) -> [L; 4] {
     q
 }
 
-/// A rotation near that of a body collider, from two of its particles: a function of where they are.
+/// The initial rotation of a body collider from two of its particles: a function of their positions alone.
 fn initial_rotation(
     groups: &BodyGroups,
     part: &CompiledCollider,
@@ -170,14 +169,14 @@ fn initial_rotation(
     }
     let ends = (there(part.far).try_normalize(), here(part.far).try_normalize());
     let (Some(from), Some(to)) = ends else { return Vec4::W };
-    // The shortest arc; of a half turn any.
+    // The shortest arc; any axis across it for a half turn.
     let (axis, real) = (from.cross(to), 1.0 + from.dot(to));
     let q = if real > 1e-6 { axis.extend(real) } else { from.any_orthonormal_vector().extend(0.0) };
     let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
     q / length
 }
 
-/// The rotation of a body collider the slow and certain way.
+/// The rotation of a body collider by the slow robust method in `f64`, for lanes whose Newton steps have not converged.
 pub(super) fn certain(
     groups: &BodyGroups,
     number: usize,
@@ -208,26 +207,26 @@ pub(super) fn certain(
     if q.is_finite() { q } else { Vec4::W }
 }
 
-/// What a group keeps from reading for writing.
+/// Sums that the extraction keeps of a group for the pose delta.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PoseSums {
-    /// Centres as predicted, metres from the origin.
+    /// Predicted centres, metres from the origin.
     pub(super) centre: [LaneArray; 3],
     /// `Σ m (q - q̄)(p - p̄)ᵀ` by columns, kg·m².
     pub(super) pairs: [[LaneArray; 3]; 3],
 }
 
-/// Where the particles are relative to the origin of their body collider's first one.
+/// Origins of particles relative to that of the first particle of their body collider, metres.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OriginOffsets {
-    /// One for each slot; empty where all particles of each body collider have one origin, as those of an island do.
+    /// One for each slot; empty where all particles of each body collider have the same origin, as those of an island do.
     origin_offsets: Vec<[LaneArray; 3]>,
 }
 
 impl BodyContactSolver {
-    /// Reads the poses of a group from two columns: from positions and those at the start of the substep, where `time` is that since the step began, seconds;
-    /// or, without, afresh from positions and velocities. Returns a bit for each lane that has left its swept bounds or, afresh, whose rotation could not be
-    /// found. Of lines alone those of `lanes` are read: what is beside them must not matter.
+    /// Extracts the poses of a group from two columns: from positions and those at the start of the substep, with `time` the seconds since the step began;
+    /// or, without a time, afresh from positions and velocities. Returns a bit for each lane that has left its swept bounds or, afresh, whose rotation did
+    /// not converge. Of a group of lines only `lanes` are extracted, so that the result of a line does not depend on its neighbour lanes.
     pub(super) fn extract_pose(
         &mut self,
         number: usize,
@@ -254,7 +253,7 @@ impl BodyContactSolver {
         with(self.instructions, read)
     }
 
-    /// A bit for each line of a group that has left its swept bounds, so many seconds after the step began.
+    /// Returns a bit for each line of a group that has left its swept bounds, `time` seconds after the step began.
     pub(super) fn lines_left(&self, number: usize, position: &[Vec4], time: f32) -> u32 {
         let Self { groups, origin_offsets, wide_swept, .. } = self;
         let group = &groups.groups[number];
@@ -263,8 +262,8 @@ impl BodyContactSolver {
         lines_left(&group.mass, slots, origin_offsets, position, swept, time, self.instructions)
     }
 
-    /// Displaces those particles of a group that are of the body colliders of some lanes, or changes their velocities instead. What several share is added to
-    /// `shared`.
+    /// Applies the pose deltas of the body colliders in `lanes` to their particles, or changes their velocities instead. Deltas of scattered groups and
+    /// shared particles are added to `shared`.
     pub(super) fn apply_pose_delta(
         &mut self,
         number: usize,
@@ -290,22 +289,22 @@ impl BodyContactSolver {
     }
 }
 
-/// Reads a group.
+/// Extraction of the poses of a group.
 struct ExtractPose<'a> {
     group: &'a BodyGroup,
     slots: &'a [Slot],
     origin_offsets: Option<&'a [[LaneArray; 3]]>,
     position: &'a [Vec4],
-    /// Positions at the start; or, afresh, velocities.
+    /// Positions at the start of the substep; afresh, velocities.
     other: &'a [Vec4],
     fresh: bool,
-    /// A bit for each line that is read.
+    /// A bit for each line that is extracted.
     lanes: u32,
     bodies: &'a mut Bodies,
-    /// The first row of the group among the bodies.
+    /// The first row of the group in `bodies`.
     first: usize,
     sums: &'a mut PoseSums,
-    /// Their swept bounds, and the time since the step began, seconds; `None` afresh.
+    /// Swept bounds of the group, and the time since the step began, seconds; `None` afresh.
     wide_swept: Option<(&'a WideSweptBounds, f32)>,
     /// Scratch.
     gathered: &'a mut Vec<Gathered>,
@@ -315,13 +314,13 @@ struct ExtractPose<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Gathered {
     pub(super) position: [LaneArray; 3],
-    /// Displacement or velocity.
+    /// Displacement in the substep, or velocity.
     pub(super) moved: [LaneArray; 3],
     inverse_mass: LaneArray,
 }
 
 impl Work for ExtractPose<'_> {
-    /// A bit for each lane: afresh, where the rotation could not be found; otherwise, where a body collider has left its swept bounds.
+    /// A bit for each lane: afresh, where the rotation did not converge; otherwise, where a body collider has left its swept bounds.
     type Output = u32;
 
     #[inline(always)]
@@ -389,7 +388,7 @@ impl Work for ExtractPose<'_> {
             store(column, to);
         }
         match wide_swept {
-            // Whether lines have was asked before.
+            // Lines were checked before the extraction.
             Some(_) if group.lines => 0,
             Some((wide_swept, time)) => wide_swept.left::<L>(centre, q, time),
             None => residual,
@@ -398,7 +397,7 @@ impl Work for ExtractPose<'_> {
 }
 
 kernel!(
-    /// Whether lines have left their swept bounds, a bit for each: asked of all of them, for most touch nothing and need not be read.
+    /// Returns a bit for each line that has left its swept bounds. All lines are checked, since most touch nothing and are not extracted.
     fn lines_left<L: Lanes>(
         mass: &WideMass,
         slots: &[Slot],
@@ -415,7 +414,7 @@ kernel!(
         }
         let held = L::zero().lt(L::load(&mass.held));
         let line = to - from;
-        // As in `centre`, of which the first summand is nothing here.
+        // As in `centre`, whose first summand is zero here.
         let pull = L::load(&other.pull);
         let free = L::zero().lt(other_w);
         let decides = held.select(free.select(L::zero(), pull), pull);
@@ -426,7 +425,7 @@ kernel!(
     }
 );
 
-/// Where particles are, and where they come from.
+/// Where the particles of a group are read from.
 pub(super) struct ParticleSource<'a> {
     pub(super) slots: &'a [Slot],
     pub(super) origin_offsets: Option<&'a [[LaneArray; 3]]>,
@@ -436,7 +435,7 @@ pub(super) struct ParticleSource<'a> {
 }
 
 impl ParticleSource<'_> {
-    /// Centres, and how far those have gone or how fast they go; and what was gathered.
+    /// Centres, and their displacements or velocities; fills `gathered`.
     #[inline(always)]
     pub(super) fn centre<L: Lanes>(
         &self,
@@ -477,8 +476,9 @@ impl ParticleSource<'_> {
     }
 }
 
-/// The rotation of a line that rests as `rest` and is now as `line`, from one that is near: by the shortest arc, which is what [`nearest`] comes to in any number
-/// of steps. Lanes that are not asked for stay as they were, and so does what has no direction or has turned about; a bit for each of those.
+/// The rotation of a line with the rest direction `rest` and the present direction `line`, by the shortest arc from a near rotation: the limit of [`nearest`]
+/// for a line. Lanes not in `lanes` keep their rotation, and so do lines without a direction or turned by a half turn; returns a bit for each of the latter
+/// two.
 #[inline(always)]
 fn along_line<L: Lanes>(
     rest: Vector<L>,
@@ -486,7 +486,7 @@ fn along_line<L: Lanes>(
     from: [L; 4],
     lanes: u32,
 ) -> ([L; 4], u32) {
-    // As seen from the line as it was.
+    // In the frame of the line before.
     let line = Matrix::of(from).transposed_times_vector(line);
     let size = (rest.length_squared() * line.length_squared()).sqrt();
     let real = size + rest.dot(line);
@@ -500,7 +500,7 @@ fn along_line<L: Lanes>(
     (turned, !good.bits() & 0xFF)
 }
 
-/// The rotation nearest to the moments, from one that is near.
+/// The rotation nearest to the moments, by Newton's steps from a near rotation. Returns a bit for each lane that has not converged.
 #[inline(always)]
 fn nearest<L: Lanes>(
     mass: &WideMass,
@@ -509,7 +509,7 @@ fn nearest<L: Lanes>(
     fresh: bool,
 ) -> ([L; 4], u32) {
     let regularisation = Symmetric::<L>::load(&mass.regularisation);
-    // Who is done waits for the others as it is: who is beside it must not matter.
+    // A converged lane keeps its value while others go on: its result must not depend on its neighbour lanes.
     let (mut q, mut going) = (from, L::zero().same(L::zero()));
     for _ in 0..if fresh { FRESH } else { STEPS } {
         let s = Matrix::of(q).transposed_times(moments);
@@ -524,7 +524,7 @@ fn nearest<L: Lanes>(
         let gradient = Vector::new(s.y.z - s.z.y, s.z.x - s.x.z, s.x.y - s.y.x);
         let (w, pivot) = k.solve(gradient);
         let square = w.length_squared();
-        // Where that is no maximum, the last one stays.
+        // Not a maximum: the last rotation stays.
         let good = L::zero().lt(pivot).and(square.le(L::splat(1e6)));
         let good = going.and(good);
         let one = L::splat(1.0);
@@ -541,7 +541,7 @@ fn nearest<L: Lanes>(
 }
 
 impl OriginOffsets {
-    /// Notes the origins of particles where they differ within a body collider; `these` are the numbers of all those that may have others than before.
+    /// Collects the origins of particles where they differ within a body collider; `these` are the numbers of all that may have changed.
     pub(super) fn take(&mut self, groups: &BodyGroups, these: &[u32], particles: &Particles) {
         let were_even = self.origin_offsets.is_empty();
         self.origin_offsets.clear();
@@ -570,24 +570,24 @@ impl OriginOffsets {
         }
     }
 
-    /// Those of some slots.
+    /// Those of the slots of a group.
     pub(super) fn of(&self, group: &BodyGroup) -> Option<&[[LaneArray; 3]]> {
         self.origin_offsets.get(group.slots.clone())
     }
 }
 
-/// Changes of rows that several body colliders share, or that are alone in their eight: to be added when all are known. Slot by slot, and in each
-/// body collider by body collider: what is summed up of those that share a row must not depend on who else is in their eights.
+/// Deltas of particles that several body colliders share or whose groups are scattered, to be added once all are known. They are ordered by slot, and within
+/// a slot by body collider, so that the sum for a shared row does not depend on how body colliders are distributed over groups.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SharedDeltas(Vec<Vec<(u32, Vec4)>>);
 
 impl SharedDeltas {
-    /// Forgets all, and keeps the memory.
+    /// Clears the lists and keeps their memory.
     pub(super) fn clear(&mut self) {
         self.0.iter_mut().for_each(Vec::clear);
     }
 
-    /// In their order.
+    /// All deltas in their order.
     pub(super) fn iter(&self) -> impl Iterator<Item = (u32, Vec4)> {
         self.0.iter().flatten().copied()
     }
@@ -601,15 +601,15 @@ impl SharedDeltas {
     }
 }
 
-/// Changes the particles of a group.
+/// Pose delta of a group, applied to its particles.
 struct ApplyPoseDelta<'a> {
     group: &'a BodyGroup,
-    /// A bit for each whose particles it is about: the others' follow from rigid states.
+    /// A bit for each lane whose particles are changed; particles of rigid states follow from those.
     lanes: u32,
     slots: &'a [Slot],
     origin_offsets: Option<&'a [[LaneArray; 3]]>,
     position: &'a mut [Vec4],
-    /// What is changed instead of the positions.
+    /// Velocities to change instead of the positions.
     velocity: Option<&'a mut [Vec4]>,
     bodies: &'a Bodies,
     first: usize,
@@ -641,7 +641,7 @@ impl Work for ApplyPoseDelta<'_> {
                 Some(origin_offsets) => q + load(&origin_offsets[number]) - centre,
                 None => q - centre,
             };
-            // Of a pinned one nothing.
+            // Pinned particles stay.
             let share = lanes.and(L::zero().lt(w)).and(L::load(&slot.share));
             let moved = (shift + field.times(arm)) * share;
             if group.scattered {
@@ -663,7 +663,7 @@ impl Work for ApplyPoseDelta<'_> {
     }
 }
 
-/// `D`, which takes arms to displacements, of body colliders with the rotations `r`.
+/// `D`, which maps arms to displacements, of body colliders with the rotations `r`.
 #[inline(always)]
 fn field<L: Lanes>(
     group: &BodyGroup,
@@ -702,7 +702,7 @@ fn field<L: Lanes>(
             + Vector::new(regularisation.across.y, regularisation.across.z, regularisation.along.z),
     };
     let further = j.solve(missing);
-    // A part of the turn, or all of it; what is more is none.
+    // The correction is at most twice the turn; anything greater is discarded.
     let most = turn.length_squared() * L::splat(4.0);
     let free = L::zero().lt(L::load(&mass.free));
     let sound = free.and(further.length_squared().le(most));
@@ -711,7 +711,7 @@ fn field<L: Lanes>(
     field
 }
 
-/// Adds `[v]`.
+/// Adds the cross-product matrix `[v]`.
 #[inline(always)]
 fn add_cross<L: Lanes>(to: &mut Matrix<L>, v: Vector<L>) {
     let none = L::zero();
@@ -725,7 +725,7 @@ mod tests {
     use super::*;
     use crate::lanes::InstructionSet;
 
-    /// Eight at a time, on any machine, the bits are those of one at a time; and of what is in line or nowhere nothing is said.
+    /// Eight lanes give the same bits as single body colliders, on each instruction set; collinear or non-finite particles give no rotation.
     #[test]
     fn eight_are_turned_as_each_alone_is() {
         let mut state = 3_u64;
@@ -740,7 +740,7 @@ mod tests {
             let rest = [(); LANES].map(|()| three());
             let mut here = [(); LANES].map(|()| three());
             match round % 4 {
-                // Turned by little; a half turn about each axis in turn; in line; nowhere.
+                // Unchanged; a half turn about each axis in turn; collinear; NaN.
                 0 => here = rest,
                 1 => here[0] = rest[0].map(|r| 2.0 * r * (r.x.abs() - r) - r),
                 2 => here[round % LANES][2] = here[round % LANES][0],

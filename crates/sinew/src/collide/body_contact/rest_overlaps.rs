@@ -1,6 +1,6 @@
-//! Parts of one body that overlap in its rest shape, and so never touch: a thigh and the pelvis that it goes into, two bones away. They are found when body
-//! colliders, bodies or rest places have changed, for the bodies that touch themselves. Those that are very many are segments of a rope, which are
-//! compared when they come near each other ([`overlaps_at_rest`](BodyCollider::overlaps_at_rest)).
+//! Parts of one body that overlap in its rest shape, and so never collide: a thigh and the pelvis that it goes into, two bones away. The pairs are computed
+//! when body colliders, bodies or rest positions have changed, for bodies that collide with themselves. Bodies with very many parts are ropes, whose segments
+//! are compared when they come near each other ([`overlaps_at_rest`](BodyCollider::overlaps_at_rest)).
 
 use glam::{Quat, Vec3};
 
@@ -13,39 +13,39 @@ use crate::kept::Kept;
 use crate::particles::{NO_BODY, Particles};
 use crate::pose::pose;
 
-/// Parts of a body up to which all pairs are compared beforehand.
+/// Number of parts up to which all pairs of a body are compared in advance.
 const MOST: usize = 64;
 
-/// By how much two must be clear of each other in the rest shape to touch at all, as a share of how far the smaller one reaches.
+/// Clearance that two parts need in the rest shape to collide at all, as a share of the smaller one's reach.
 const CLEAR: f32 = 0.01;
 
 /// The pairs that overlap at rest. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RestOverlaps {
-    /// Numbers of body colliders, the lower first; sorted.
+    /// Pairs of body colliders, the lower number first; sorted.
     pairs: Vec<[u32; 2]>,
-    /// [Edits](Particles::edits) of the particles and the [revision](ContactFilter::revision) of how bodies touch when they were found; `None` when body
-    /// colliders have changed since.
+    /// [Edits](Particles::edits) of the particles and [revision](ContactFilter::revision) of the contact filter for which they were computed; `None` when
+    /// body colliders have changed since.
     seen: Option<[u64; 2]>,
-    /// Body and number of each body collider; where those of the body at hand are at rest, and the boxes about them.
+    /// Body and number of each body collider; rest frames of the parts of one body, and their bounds.
     body_colliders: Vec<(u32, u32)>,
     frames: Vec<(u32, Frame, (Vec3, Vec3))>,
     scratch: Kept<ManifoldScratch>,
 }
 
 impl RestOverlaps {
-    /// Has them looked for anew.
+    /// Makes the next update compute them again.
     pub(super) fn reset(&mut self) {
         self.seen = None;
     }
 
-    /// Whether two body colliders of one body overlap at rest, as far as that was found beforehand.
+    /// Whether two body colliders of one body overlap at rest, as far as that was computed in advance.
     #[inline]
     pub(super) fn has(&self, a: usize, b: usize) -> bool {
         !self.pairs.is_empty() && self.pairs.binary_search(&[a as u32, b as u32]).is_ok()
     }
 
-    /// Finds them, if anything has changed.
+    /// Computes the pairs if anything has changed.
     pub(super) fn update(
         &mut self,
         body_colliders: &[BodyCollider],
@@ -63,7 +63,7 @@ impl RestOverlaps {
             return;
         }
         for (number, (solid, part)) in body_colliders.iter().zip(&groups.parts).enumerate() {
-            // A row may be gone.
+            // The row may not exist any more.
             let first = solid.rows.first().and_then(|&row| particles.body.get(row as usize));
             let body = first.copied().unwrap_or(NO_BODY);
             if part.sound && filter.body(body).with_itself {
@@ -95,7 +95,7 @@ impl RestOverlaps {
             let solid = &body_colliders[number as usize];
             let points = solid.rows.iter().zip(&*solid.rest);
             let points = points.map(|(&row, &rest)| (particles.rest[row as usize], rest, 1.0));
-            // Without a place at rest there is no frame either.
+            // Particles without a rest position give no frame.
             if let Some(contacts) = pose(points, Quat::IDENTITY) {
                 let frame = Frame::new(contacts.translation, contacts.rotation);
                 frames.push((number, frame, solid.shape.bounds_in(&frame)));

@@ -1,52 +1,52 @@
-//! What contacts do to the velocities of body colliders after those are derived: restitution, drags, and taking off what came of an overlap.
+//! Contacts in velocities, after those are derived from positions: restitution, planar drag, and removal of depenetration speed.
 //!
-//! Restitution is one problem in velocities over all that touch (Moreau's law of impacts). Speed that came of recovering an overlap is taken off.
+//! Restitution is one problem in velocities over all contacts (Moreau's law of impacts). Speed that came of recovering an overlap is taken off.
 //!
 //! # The law
 //!
-//! Positions have no elasticity: what is put on a surface leaves it with the speed that it lacked to get there. So with `v⁻` the speeds along the normals
+//! Position corrections are inelastic: a body that is moved to a surface leaves it with the speed that it lacked to get there. So with `v⁻` the normal speeds
 //! before contacts (negative when approaching), `v` those that the positions gave and `P ≥ 0` the impulses of the points that pressed in this substep, the
-//! velocities after it obey, at all points at once,
+//! velocities after it satisfy, at all points at once,
 //!
 //! ```text
 //! P ≥ 0,    v + e v⁻ ≥ 0,    P (v + e v⁻) = 0
 //! ```
 //!
-//! with `e` the restitution where `v⁻` was faster than `2gh`, which gravity alone gives to what lies still, and 0 elsewhere. What was parting may come
-//! to approach (`v⁻ > 0`, and others push): it bounces in a later substep. With one `e` everywhere energy changes by `½ Σ P (v⁻ + v) = ½ Σ P v⁻ (1 - e)`,
-//! and with `e = 1` by nothing, whatever touches what: a ball into two that touch, a row of balls. It is solved by projected Gauss–Seidel: manifold
-//! by manifold, each exactly (`normal_solve`), from the impulses that the positions took, so that one may end with less than it had. Moreau, *Unilateral
+//! with `e` the restitution where `v⁻` was faster than `2gh`, which gravity alone gives to a resting body, and 0 elsewhere. Points that were parting may come
+//! to approach (`v⁻ > 0`, pushed by others): they bounce in a later substep. With one `e` everywhere energy changes by `½ Σ P (v⁻ + v) = ½ Σ P v⁻ (1 - e)`,
+//! and with `e = 1` by nothing, whatever the contacts: a ball into two that touch, a row of balls. It is solved by projected Gauss–Seidel: manifold by
+//! manifold, each exactly (`normal_solve`), starting from the impulses of the positions, so that a point may end with less than it had. Moreau, *Unilateral
 //! Contact and Dry Friction in Finite Freedom Dynamics*, 1988.
 //!
-//! What came out of a deep overlap (see `normal_solve`) is left with no speed along the normal: of the impulse that it got, so much is taken back.
+//! Bodies recovered from a deep overlap (see `normal_solve`) are left with no normal speed: that much of their impulse is taken back.
 //!
 //! # Where
 //!
-//! All of it happens where the substep began, which is where the normals are from. A normal that had turned meanwhile would not be the one along which
-//! the approach was measured: what bounces off obliquely would gain energy each time, and a gas of balls would heat up without end. Moments are kept
-//! about that place, too, and so two that bounced off each other go from there with their new velocities, `q = p + h v`, as if they had bounced when the
-//! substep began: then that is Verlet's own angular momentum. What is being pushed out of an old overlap stays where it was pushed to, and what bounced off
-//! static geometry, where there is no momentum to be kept, at the surface.
+//! All of it happens at the poses where the substep began, to which the normals belong. A normal that had turned meanwhile would not be the one along which
+//! the approach was measured: oblique bounces would gain energy each time, and a gas of balls would heat up without end. Moments are taken about those poses,
+//! too, so two bodies that bounced off each other move from there with their new velocities, `q = p + h v`, as if they had bounced when the substep began:
+//! then the conserved angular momentum is Verlet's own. A body that is pushed out of an old overlap stays where it was pushed to, and one that bounced off
+//! static geometry, where no momentum has to be kept, at the surface.
 //!
-//! # Who takes part
+//! # Which manifolds take part
 //!
-//! Impacts spread from what was fast. A manifold is solved if it was fast itself, or if one of its body colliders was changed by more than [`QUIET`]
-//! since it was solved last; so a heap on which something falls is asked as far as it is felt, and what is elsewhere changes nothing.
+//! Impacts spread from fast contacts. A manifold is solved if it was fast itself, or if the velocity of one of its body colliders has changed by more than
+//! [`QUIET`] since it was solved last; so in a heap that is hit, manifolds are solved as far as the impact reaches, and bodies elsewhere change nothing.
 //!
 //! # Drags
 //!
-//! They are the lectures' friction between body colliders, after restitution: while two touch, a share of their velocity along and across each other is
-//! lost in each second ([`PlanarDrag`]).
+//! Planar friction as a drag between body colliders, after restitution: while two touch, a share of their relative velocity along and across the contact
+//! plane is lost in each second ([`PlanarDrag`]).
 //!
-//! What is dragged is what goes past at the centre of the pressure, `v`, by an impulse there of the mass that the two would have as points, so that a
+//! The relative velocity `v` at the centre of pressure is reduced by an impulse there with the effective mass that the two would have as points, so that a
 //! box that slides on a plane slows down as `v (1 - along)^t`:
 //!
 //! ```text
 //! J = -s v / (1/M_a + 1/M_b)        s = 1 - (1 - drag)^h
 //! ```
 //!
-//! of each of the two parts of `v`, and the same of how they spin on each other about the normal. It is equal and opposite, so momenta are kept; and
-//! never more than stops the two there.
+//! for each of the two parts of `v`, and in the same way for the relative spin about the normal. It is equal and opposite, so momenta are kept; and never
+//! more than stops the two there.
 
 use glam::Vec3;
 
@@ -62,23 +62,22 @@ use crate::constraints::PlanarDrag;
 use crate::lanes::{LANES, Lanes, Record, SetLanes, Vector, Work, with};
 use crate::particles::Particles;
 
-/// A change of a speed that is none, m/s: below what positions of a metre can hold in a substep.
+/// Change of a normal speed that counts as none, m/s: below the resolution of positions of a metre in a substep.
 const QUIET: f32 = 1e-6;
-/// Rounds of Gauss and Seidel's, at the most. A row of five takes some thirty; what is left then is inelastic.
+/// Limit of Gauss–Seidel rounds. A row of five balls takes some thirty; what is left at the limit is inelastic.
 const ROUNDS: u32 = 64;
 
-/// Which body colliders are part of an impact. Scratch.
+/// Body colliders that take part in an impact. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ImpactScratch {
-    /// A bit for each body collider of each group that has been read with its velocities; and the groups of which there are any, in the order of
-    /// that.
+    /// For each group a bit for each body collider whose row has velocities; and the groups with any, in the order of their extraction.
     read: Vec<u32>,
     entered: Vec<u32>,
-    /// The rows of those as they were before.
+    /// Rows of these groups before that.
     kept: Vec<Record>,
-    /// A bit for each body collider of each group that is not moved to where it bounced to.
+    /// For each group a bit for each body collider whose position is not changed by its bounce.
     stays: Vec<u32>,
-    /// A bit for each body collider of each group that was changed in this round, and in the last one.
+    /// For each group a bit for each body collider that was changed in this round, and in the last one.
     changed: Vec<u32>,
     was_changed: Vec<u32>,
 }
@@ -94,7 +93,7 @@ impl ImpactScratch {
         }
     }
 
-    /// A bit for each manifold of a wide contact one of whose body colliders was changed in the last round.
+    /// A bit for each manifold of a wide contact with a body collider that was changed in the last round.
     fn changed_last_round(&self, wide: &WideContact) -> u32 {
         let is_changed = |row: u32| {
             let bits = self.was_changed.get(row as usize / LANES).copied().unwrap_or(0);
@@ -112,7 +111,7 @@ fn mark(bits: &mut [u32], row: u32) {
 }
 
 impl BodyContactSolver {
-    /// Gives what bounced its velocity.
+    /// Solves restitution and drag in velocities, and takes off depenetration speed, in a substep of `h` seconds.
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         let least = threshold(gravity, h);
         self.bounce_loose(particles, h, least);
@@ -122,7 +121,7 @@ impl BodyContactSolver {
         for round in 0..ROUNDS {
             let mut any_changed = false;
             for wide in &mut wide_contacts {
-                // What has no restitution is asked once, and hands nothing on, unless an impact reaches it.
+                // Manifolds without restitution are solved once, and spread nothing, unless an impact reaches them.
                 let (lanes, spread) = match round {
                     0 => {
                         let bounces = wide.kept && wide.elastic != 0;
@@ -182,7 +181,7 @@ impl BodyContactSolver {
         self.limit_speeds(particles);
     }
 
-    /// Reads the body colliders of some manifolds with their velocities, where the substep began, unless they have been.
+    /// Extracts the groups of body colliders in some manifolds with their velocities, where the substep began, unless they have been.
     fn enter(&mut self, particles: &Particles, wide: &WideContact, lanes: u32) {
         for lane in SetLanes(lanes) {
             for row in [wide.a[lane], wide.b[lane]] {
@@ -213,7 +212,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// Solves some manifolds of a wide contact, and says which of them were changed.
+    /// Solves some manifolds of a wide contact, and returns a bit for each that was changed.
     fn solve_impacts(
         &mut self,
         wide: &mut WideContact,
@@ -233,7 +232,7 @@ impl BodyContactSolver {
         )
     }
 
-    /// Changes the velocities of the particles as those of their body colliders were, and where those are that bounced, in a substep of `h` seconds.
+    /// Applies the velocity changes to the particles, and moves those of body colliders that bounced, in a substep of `h` seconds.
     fn leave(&mut self, particles: &mut Particles, h: f32) {
         self.shared.clear();
         let Particles { position, start, velocity, .. } = particles;
@@ -276,7 +275,7 @@ impl BodyContactSolver {
                 }
             }
         }
-        // Those that take part in none are left as they were read in the substep: it must not matter to them who is beside them.
+        // Body colliders that take part in no impact get their rows back: their result must not depend on their neighbour lanes.
         for (&number, kept) in impacts.entered.iter().zip(impacts.kept.chunks(LANES)) {
             let number = number as usize;
             for (lane, row) in kept.iter().enumerate() {
@@ -303,15 +302,15 @@ fn pressed(wide: &WideContact) -> u32 {
     (0..LANES).fold(0, |bits, lane| bits | u32::from(wide.sum[lane] > 0.0) << lane)
 }
 
-/// Points of a manifold, at the most.
+/// Limit of points in a manifold.
 const POINTS: usize = 4;
 
-/// A wide contact whose body colliders have been read with their velocities.
+/// Impact solve of a wide contact, whose rows have velocities.
 struct RestitutionSolve<'a> {
     wide: &'a mut WideContact,
-    /// A bit for each manifold that it is about; those beside it are left alone.
+    /// A bit for each manifold to solve; the others are left unchanged.
     lanes: u32,
-    /// And one for each whose second one stands.
+    /// A bit for each manifold whose second one is static or kinematic geometry.
     static_geometry: u32,
     bodies: &'a mut Bodies,
     restitution: [f32; LANES],
@@ -323,8 +322,8 @@ impl Work for RestitutionSolve<'_> {
     /// A bit for each manifold whose speeds were changed.
     type Output = u32;
 
-    /// Most have two points at the most, as in `normal_solve`; what is missing has no say. What is left out there of a second one that stays where it is
-    /// is the same bits.
+    /// Most have two points at the most, as in `normal_solve`; missing points do not affect the others. Solving with the second one fixed or not gives the
+    /// same bits.
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
         if L::load(&self.wide.missing[2]).lt(L::splat(FAR)).any() {
@@ -343,7 +342,7 @@ impl RestitutionSolve<'_> {
         let mut a = Rows::<L>::load(bodies, &wide.a);
         let mut b = Rows::<L>::load(bodies, &wide.b);
         if wide.fixed {
-            // Its anchors are in the world's axes.
+            // Its anchors are in world axes.
             b.rotation = Matrix::of([none, none, none, L::splat(1.0)]);
         }
         let (static_geometry, share) = (L::mask(static_geometry), L::load(&wide.own));
@@ -353,7 +352,7 @@ impl RestitutionSolve<'_> {
         let (on_a, on_b) = anchors::<L, POINTS>(wide, &a, Some(&b), apart);
         let radii = [L::load(&wide.radii[0]), L::load(&wide.radii[1])];
         let (t, u) = tangents(n);
-        // What stands was noted with its displacement.
+        // Rows of static and kinematic geometry have displacements instead of velocities.
         let rate = static_geometry.select(L::splat(1.0 / h), L::splat(1.0));
         let along = n.dot(a.step + a.shift - b.step * rate - b.shift);
         let (turn_a, turn_b) = (a.spin + a.turn, b.spin * rate + b.turn);
@@ -387,7 +386,7 @@ impl RestitutionSolve<'_> {
             had += Vector::new(force[i], force[i] * x, force[i] * y);
             c[i] = touches.select(wanted - speed, L::splat(-FAR));
         }
-        // What pressed may press less, but not pull.
+        // The impulse of a point may become smaller, but not negative.
         let had = stiff.times(had);
         for i in 0..POINTS {
             c[i] = c[i] + (had.x + at[i].0 * had.y + at[i].1 * had.z);
@@ -434,14 +433,14 @@ fn dragged(wide: &WideContact, contacts: &[Contact]) -> u32 {
     (0..LANES).fold(0, |bits, lane| bits | u32::from(is_dragged(lane)) << lane)
 }
 
-/// Drags two that have been read with their velocities, in a substep of `h` seconds.
+/// Applies drag to two bodies whose rows have velocities, in a substep of `h` seconds.
 fn drag(wide: &WideContact, lane: usize, contacts: &Contact, bodies: &mut Bodies, h: f32) {
     let [a, b] = [wide.a[lane], wide.b[lane]].map(|row| row as usize);
     let vector = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
     let (n, arm) = (vector(&wide.up), vector(&wide.arm));
     let (one, mut other) = (ScalarBody::of(bodies, a), ScalarBody::of(bodies, b));
     if contacts.geometry.is_some() {
-        // What stands was noted with its displacement.
+        // Rows of static and kinematic geometry have displacements instead of velocities.
         (other.step, other.spin) = (other.step / h, other.spin / h);
     }
     let lever = arm - (other.centre + vector(&wide.offset) - one.centre);

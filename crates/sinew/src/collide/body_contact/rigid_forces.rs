@@ -1,14 +1,14 @@
-//! Forces on rigid states: which act on their particles one by one, and the pressure of winds on a skin.
+//! Forces on rigid states: those that act on single particles, and wind pressure on surface triangles.
 //!
-//! Where something pulls on single particles of a rigid state (a spring, a control, a force of a game's own), these are written in every substep, so that it finds them where
-//! they are, and what it does to them is summed up. All others need no particles until the step ends: gravity and damping are the same for all of a body, and
-//! winds are summed up over its triangles in its own axes, where those stand still.
+//! Particles of a rigid state with forces on single particles (a spring, a control, a force of the game) are written in every substep, so that these forces
+//! use their present positions, and the effects are summed up. All other rigid states need no particles until the step ends: gravity and damping are the same
+//! for all particles of a body, and wind is summed up over its triangles in body axes, where they are constant.
 //!
 //! # Wind on a triangle of a rigid body
 //!
-//! With `A` the area of a triangle, a vector across it, and `w` the pressure there, the lectures' law (`forces/wind/pressure.rs` of the crate) gives each corner a third of
-//! `F = w |A·w| / ‖w‖`. That is the force `F` at the middle `c` of its corners: the body gains `Σ F` and, about its centre `z`, `Σ (c - z) × F = Σ c × F - z × Σ F`. With `w`
-//! turned into its axes, `A` and `c` are numbers that do not change, whatever it weighs.
+//! With `A` the area vector of a triangle and `w` the wind pressure there, the law of `forces/wind/pressure.rs` gives each corner a third of `F = w |A·w| /
+//! ‖w‖`. That is the force `F` at the middle `c` of its corners: the body gains `Σ F` and, about its centre `z`, the torque `Σ (c - z) × F = Σ c × F - z × Σ
+//! F`. With `w` turned into body axes, `A` and `c` are constants, whatever the masses.
 
 use core::ops::Range;
 
@@ -25,10 +25,10 @@ use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 use crate::tracked::Tracked;
 
-/// What acts on the rigid states of a step. Scratch.
+/// Forces on the rigid states of a step. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RigidForces {
-    /// A bit for each lane of a group on whose particles something acts one by one in this step, and for each whose skin winds press on.
+    /// For each group a bit for each lane with forces on single particles in this step, and for each with wind on its surface triangles.
     pub(super) forced: Vec<u32>,
     pub(super) windy: Vec<u32>,
     skins: Skins,
@@ -36,31 +36,31 @@ pub(super) struct RigidForces {
     changes: Vec<[Vec4; LANES]>,
 }
 
-/// Triangles of bodies that may be rigid states, in their own axes.
+/// Surface triangles of bodies that may be rigid states, in body axes.
 #[derive(Clone, Debug, Default)]
 struct Skins {
-    /// Eight triangles each, and where those of each group are.
+    /// Facets of eight triangles each, and the range of each group.
     facets: Vec<WideFacet>,
     of_group: Vec<Range<usize>>,
-    /// The row among the bodies of whom each triangle belongs to; `NONE` of others.
+    /// Row in `bodies` of the body that each triangle belongs to; `NONE` of others.
     owners: Vec<u32>,
-    /// Particles of bodies of triangles that belong to nobody: these are pressed on one by one.
+    /// Particles of such bodies in triangles that belong to no single body: wind acts on these one by one.
     shared: Vec<u32>,
-    /// The number of the list of triangles that they are of; `None` if bodies have changed since.
+    /// Revision of the list of triangles that they were laid out for; `None` if bodies have changed since.
     revision: Option<u64>,
 }
 
 /// A triangle of each of eight bodies.
 #[derive(Clone, Copy, Debug, Default)]
 struct WideFacet {
-    /// Numbers of the triangles; of lanes without one any, and no area.
+    /// Numbers of the triangles; arbitrary, with zero area, in lanes without one.
     numbers: [u32; LANES],
-    /// The middle of its corners in the body's own frame, metres, and its area, m², across it.
+    /// Middle of its corners in the body's own frame, metres, and its area vector, m².
     middle: [LaneArray; 3],
     area: [LaneArray; 3],
 }
 
-/// What acts on rigid states in a substep of `h` seconds.
+/// Forces on rigid states in a substep of `h` seconds.
 pub(super) struct Acting<'a> {
     pub(super) particles: &'a Particles,
     pub(super) pressures: &'a Pressures,
@@ -68,7 +68,7 @@ pub(super) struct Acting<'a> {
 }
 
 impl RigidForces {
-    /// Lays out the skins of bodies that may be rigid states, of each body collider that is one its island, if triangles or bodies have changed.
+    /// Lays out the surface triangles of bodies that may be rigid states, if triangles or bodies have changed. `islands` is by body collider.
     pub(super) fn find_skins(
         &mut self,
         groups: &BodyGroups,
@@ -82,12 +82,12 @@ impl RigidForces {
         }
     }
 
-    /// Has skins be laid out anew: bodies have changed.
+    /// Makes the next call lay them out again, because bodies have changed.
     pub(super) fn forget_skins(&mut self) {
         self.skins.revision = None;
     }
 
-    /// Begins a step with so many groups: something acts on the particles of all rigid states one by one, or of none so far.
+    /// Begins a step: forces act on single particles of all rigid states, or of none so far.
     pub(super) fn begin(&mut self, groups: usize, all: bool) {
         self.forced.clear();
         self.forced.resize(groups, if all { u32::MAX } else { 0 });
@@ -95,19 +95,19 @@ impl RigidForces {
         self.windy.resize(groups, 0);
     }
 
-    /// Something acts on single particles of what is in a row among the bodies.
+    /// Marks a row of `bodies` as one with forces on single particles.
     pub(super) fn force(&mut self, place: usize) {
         if let Some(bits) = self.forced.get_mut(place / LANES) {
             *bits |= 1 << (place % LANES);
         }
     }
 
-    /// Particles of bodies that winds press on one by one.
+    /// Particles of bodies on which wind acts one by one.
     pub(super) fn shared(&self) -> &[u32] {
         &self.skins.shared
     }
 
-    /// Notes on whose skins such pressures on all triangles press. Appends the triangles to `others` that belong to particles that move by themselves.
+    /// Marks the rigid states with wind on their surface triangles. Appends to `others` the triangles that belong to particles that move by themselves.
     pub(super) fn press_on(
         &mut self,
         states: &[WideRigidState],
@@ -138,13 +138,13 @@ impl RigidForces {
         }
     }
 
-    /// Whether the particles of what is in a row among the bodies are accelerated one by one.
+    /// Whether the particles of a row of `bodies` are accelerated one by one.
     pub(super) fn is_forced(&self, place: usize) -> bool {
         let bits = |of: &[u32]| of.get(place / LANES).copied().unwrap_or(0);
         (bits(&self.forced) | bits(&self.windy)) >> (place % LANES) & 1 == 1
     }
 
-    /// Those on one group, if there are any.
+    /// The sums of forces on one group, if there are any.
     pub(super) fn sum(
         &mut self,
         number: usize,
@@ -188,7 +188,7 @@ impl Skins {
         of_group.clear();
         owners.clear();
         shared.clear();
-        // Where each row is: whose it is, and where it rests.
+        // For each row its body, as a row of `bodies`, and its rest position.
         let len = groups.solid.len();
         let mut places = vec![(NONE, Vec3::ZERO); len];
         for (number, solid) in body_colliders.iter().enumerate() {
@@ -229,7 +229,8 @@ impl Skins {
     }
 }
 
-/// By how much the velocities of some of eight particles change in a substep of `h` seconds by what does not act on all alike, m/s: as `integrate` has it.
+/// Velocity changes of eight particles in a substep of `h` seconds by forces and damping that differ between particles, m/s, as in `integrate`; zero in lanes
+/// not in `forced`.
 fn changes_of(particles: &Particles, rows: &[u32; LANES], forced: u32, h: f32) -> [Vec4; LANES] {
     let mut last = (0.0, 0.0);
     let mut changes = [Vec4::ZERO; LANES];
@@ -256,12 +257,12 @@ fn changes_of(particles: &Particles, rows: &[u32; LANES], forced: u32, h: f32) -
 }
 
 kernel!(
-    /// Sums up what the particles of eight are accelerated by and lose in a substep of `h` seconds.
+    /// Sums up the accelerations and damping losses of the particles of eight states in a substep of `h` seconds.
     fn sum_forces<L: Lanes>(
         mass: &WideMass,
         slots: &[Slot],
         state: &WideRigidState,
-        // By how much the velocity of each particle of each slot changes, m/s.
+        // Velocity change of each particle of each slot, m/s.
         changes: &[[Vec4; LANES]],
         sums: &mut ForceSums,
     ) {
@@ -279,7 +280,7 @@ kernel!(
 );
 
 kernel!(
-    /// Adds what winds do to the skins of some of eight in a substep of `h` seconds.
+    /// Adds the wind on the surface triangles of some of eight states in a substep of `h` seconds.
     fn press<L: Lanes>(
         mass: &WideMass,
         state: &WideRigidState,
@@ -293,7 +294,7 @@ kernel!(
         let (mut force, mut torque) = (zero::<L>(), zero::<L>());
         for wind in pressures.winds() {
             for facet in facets {
-                // With a sixth of one by its strength.
+                // The second value is a sixth of one by the strength of the wind.
                 let (w, sixth) = wind.of::<L>(&facet.numbers);
                 let w = r.transposed_times_vector(w);
                 let facing = load::<L>(&facet.area).dot(w).abs();

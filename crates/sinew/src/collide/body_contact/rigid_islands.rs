@@ -1,12 +1,13 @@
-//! Rigid islands: which body colliders are integrated as rigid states (`rigid_state`) in a step, and when their particles are read and written.
+//! Rigid islands: selection of the body colliders that are integrated as rigid states (`rigid_state`) in a step, and of the times when their particles are
+//! read and written.
 //!
-//! A rigid island is one whose particles are those of one body collider, each tied to each by rods as long as the collider has them
-//! apart: no other constraint acts on one of them. These are found when constraints or colliders have changed. In a step such an island moves as one rigid
-//! state if none of its particles is pinned or asleep, no load of its rods is measured, its body has [`Representation::Auto`], and its particles are where a
-//! rigid body has them. All of that follows from saved state, so a restored world goes on to the same bits.
+//! A rigid island is one whose particles are those of one body collider, each tied to each by rods at their distances in the collider, with no other
+//! constraint on any of them. Rigid islands are found when constraints or colliders have changed. In a step such an island moves as one rigid state if none
+//! of its particles is pinned or asleep, no load of its rods is measured, its body has [`Representation::Auto`], and its particles are at their places in a
+//! rigid body. All of that follows from saved state, so a restored world continues with the same bits.
 //!
-//! Its particles are written after each substep, or once a step where no system runs in between and no force acts on one of them alone (`rigid_forces`). Where one of
-//! them is moved between two phases, the island goes on as particles until the step ends.
+//! Its particles are written after each substep, or once a step if no system runs in between and no force acts on a single one of them (`rigid_forces`). If a
+//! particle is moved between two phases, its island goes on as particles until the step ends.
 
 use core::ops::Range;
 
@@ -28,19 +29,19 @@ use crate::pose::Pose;
 use crate::settings::{BodySettings, Representation};
 use crate::tracked::Tracked;
 
-/// Which body colliders are rigid states. Scratch.
+/// The body colliders that are rigid states. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RigidIslands {
-    /// The island of each body collider that is all there is of one; `NONE` for others.
+    /// The island of each body collider that has all of its particles; `NONE` for others.
     pub(super) islands: Vec<u32>,
-    /// The body collider that all of an island is; `NONE` of others.
+    /// The body collider with all particles of an island; `NONE` for other islands.
     pub(super) solids: Vec<u32>,
     /// The states of each group.
     pub(super) states: Vec<WideRigidState>,
     pub(super) forces: RigidForces,
-    /// How many lanes are rigid states.
+    /// Number of lanes that are rigid states.
     count: usize,
-    /// Whether all body colliders are rigid states, and none can touch anything in this step as long as all stay within their swept bounds.
+    /// Whether all body colliders are rigid states, and none can touch anything in this step while all stay within their swept bounds.
     idle: bool,
     times: Vec<f32>,
     /// Islands with pins, ascending.
@@ -54,7 +55,7 @@ impl RigidIslands {
         self.states.get(group).map_or(0, |state| state.lanes)
     }
 
-    /// Settles those that were pushed, in a substep of `h` seconds.
+    /// Updates the states that were pushed, in a substep of `h` seconds.
     pub(super) fn settle_pushed(
         &mut self,
         groups: &BodyGroups,
@@ -68,7 +69,7 @@ impl RigidIslands {
         }
     }
 
-    /// Notes that something acts on a single particle, by its row, of the rigid state that it belongs to, if it does.
+    /// Marks the rigid state that a row belongs to, if any, as one with forces on single particles.
     fn force(&mut self, groups: &BodyGroups, islands: &Islands, row: u32) {
         let island = islands.of.get(row as usize);
         let solid = island.and_then(|&island| self.solids.get(island as usize));
@@ -77,7 +78,7 @@ impl RigidIslands {
         }
     }
 
-    /// The state that a row of the bodies is a lane of, and the lane.
+    /// The state of a row of `bodies`, and its lane, if it is a rigid state.
     pub(super) fn of_row(&mut self, row: usize) -> Option<(&mut WideRigidState, usize)> {
         let (group, lane) = (row / LANES, row % LANES);
         self.states.get_mut(group).filter(|state| state.lanes >> lane & 1 == 1).map(|s| (s, lane))
@@ -93,13 +94,13 @@ pub(crate) struct RigidStep<'a> {
     pub(crate) h: f32,
 }
 
-/// How a rigid state moves.
+/// Motion of a rigid state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RigidMotion {
-    /// Its centre from the origin of its particles, and how far that has gone in this step, metres.
+    /// Its centre from the origin of its particles, and the displacement of that in this step, metres.
     pub(crate) centre: Vec3,
     pub(crate) gone: Vec3,
-    /// The mean of the last substep, m/s, and the length of that, seconds.
+    /// Mean velocity of the last substep, m/s, and the length of that, seconds.
     pub(crate) velocity: Vec3,
     pub(crate) lag: f32,
     /// rad/s.
@@ -110,8 +111,8 @@ pub(crate) struct RigidMotion {
 }
 
 impl BodyContactSolver {
-    /// Finds the body colliders that are all there is of an island; `tied` says whether the constraints of an island tie a body collider's particles as that
-    /// has them, and nothing else. To be called when constraints or body colliders have changed.
+    /// Finds the body colliders that have all particles of an island; `tied` returns whether the constraints of an island tie exactly a body collider's
+    /// particles at their distances there, and nothing else. To be called when constraints or body colliders have changed.
     pub(crate) fn find_rigid_islands(
         &mut self,
         body_colliders: &[BodyCollider],
@@ -140,8 +141,8 @@ impl BodyContactSolver {
         self.rigid.forces.forget_skins();
     }
 
-    /// Reads the rigid states of this step from their particles, after the broad phase, and marks their islands; none where
-    /// single particles are `held`.
+    /// Reads the rigid states of this step from their particles, after the broad phase, and marks their islands; there are none if single particles are
+    /// `held`.
     pub(crate) fn begin_rigid_states(
         &mut self,
         particles: &mut Particles,
@@ -218,12 +219,13 @@ impl BodyContactSolver {
         self.rigid.count > 0
     }
 
-    /// Whether no body collider can touch anything in this step, as far as the broad phase found, so that each moves by itself.
+    /// Whether the broad phase has found nothing that a body collider can touch in this step, so that each moves by itself.
     pub(crate) fn is_idle(&self) -> bool {
         self.rigid.idle
     }
 
-    /// Islands of which a particle was moved from outside go on as particles. Clears the list of moved particles, and returns whether there was any.
+    /// Continues islands with a particle that was moved from outside as particles. Clears the list of moved particles, and returns whether an island was
+    /// released.
     pub(crate) fn release_moved(&mut self, particles: &mut Particles, all: &mut Islands) -> bool {
         let mut any = false;
         while let Some(row) = particles.take_moved() {
@@ -244,7 +246,7 @@ impl BodyContactSolver {
         any
     }
 
-    /// Lays out the skins of bodies that may be rigid states, if triangles or bodies have changed.
+    /// Lays out the surface triangles of bodies that may be rigid states, if triangles or bodies have changed.
     pub(crate) fn find_skins(
         &mut self,
         surfaces: &Tracked<Vec<[u32; 3]>>,
@@ -254,8 +256,8 @@ impl BodyContactSolver {
         forces.find_skins(&self.groups, islands, body_colliders, surfaces);
     }
 
-    /// Notes on which rigid states something acts particle by particle in this step: on those of such rows, or on all of them; and on whose skins winds press, that
-    /// have such pressures on all triangles. Appends the triangles to `others` that belong to particles that move by themselves.
+    /// Marks the rigid states of this step with forces on single particles: those of `rows`, or all of them; and those with wind on their surface triangles.
+    /// Appends to `others` the triangles that belong to particles that move by themselves.
     pub(crate) fn note_forces(
         &mut self,
         islands: &Islands,
@@ -278,7 +280,7 @@ impl BodyContactSolver {
         rigid.forces.press_on(&rigid.states, asleep, pressures, others);
     }
 
-    /// Notes that something acts on single particles of the rigid states of which rows were pushed from outside.
+    /// Marks the rigid states whose particles were pushed from outside.
     fn note_pushed(&mut self, particles: &mut Particles, islands: &Islands) {
         while let Some(row) = particles.take_pushed() {
             self.rigid.force(&self.groups, islands, row);
@@ -290,7 +292,7 @@ impl BodyContactSolver {
         self.rigid.forces.is_forced(self.groups.place(number))
     }
 
-    /// Moves the rigid states through one substep of `h` seconds, by the forces summed up on their particles and such pressures on their skins.
+    /// Advances the rigid states by one substep of `h` seconds, with the sums of forces on their particles and of wind pressure on their surface triangles.
     pub(crate) fn predict_rigid_states(
         &mut self,
         particles: &mut Particles,
@@ -326,7 +328,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// Moves them through all substeps that remain, and notes where one leaves its swept bounds that they are not idle: then they are to be read again.
+    /// Advances them by all remaining substeps. If one leaves its swept bounds, the step is no longer idle, and states have to be read again.
     pub(crate) fn advance_idle_states(
         &mut self,
         particles: &Particles,
@@ -351,7 +353,7 @@ impl BodyContactSolver {
         }
     }
 
-    /// Has contacts be solved in this step.
+    /// Ends the idle state: contacts are solved in the rest of this step.
     pub(crate) fn set_not_idle(&mut self) {
         self.rigid.idle = false;
     }
@@ -367,7 +369,7 @@ impl BodyContactSolver {
         Some(Pose { translation: centre - turn.point(part.centre), ..turn })
     }
 
-    /// How a body collider moves that is a rigid state; `None` of any other.
+    /// The motion of a body collider that is a rigid state; `None` of any other.
     pub(crate) fn rigid_motion(&self, number: usize) -> Option<RigidMotion> {
         self.groups.parts.get(number)?;
         let row = self.groups.place(number);
@@ -398,7 +400,7 @@ impl BodyContactSolver {
         })
     }
 
-    /// Writes particles of the rigid states: of which, and whether [exactly](write_states).
+    /// Writes the particles of the rigid states that `which` selects; `exact` as in [`write_states`].
     pub(crate) fn write_rigid_states(
         &self,
         particles: &mut Particles,
@@ -424,30 +426,30 @@ impl BodyContactSolver {
     }
 }
 
-/// Of which rigid states particles are written.
+/// Selection of the rigid states whose particles are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Written {
     All,
-    /// On whose particles something acts one by one.
+    /// Those with forces on single particles.
     Forced,
-    /// And those whose skins winds press on.
+    /// Those, and those with wind on their surface triangles.
     ForcedAndWindy,
 }
 
-/// When some substeps of `h` seconds end, since the step began.
+/// End times of some substeps of `h` seconds, since the step began.
 fn note_times(times: &mut Vec<f32>, which: core::ops::Range<u32>, h: f32, substeps: u32) {
     let dt = h * substeps as f32;
     times.clear();
     times.extend(which.map(|number| (number + 1) as f32 / substeps.max(1) as f32 * dt));
 }
 
-/// The damping of the particles of an island that may move as a rigid state in this step, 1/s; `None` of one that may not.
+/// The damping of the particles of an island that may move as a rigid state in this step, 1/s; `None` if it may not.
 fn rate_of(rows: &[u32], particles: &Particles, island: &Island, step: &RigidStep) -> Option<f32> {
     let settings = &island.settings;
     let first = *rows.first()? as usize;
     let rate = particles.damping[first];
     let alike = |&row: &u32| particles.damping[row as usize] == rate;
-    // Particles of no body, and those of one without settings, move by the default ones.
+    // Particles of no body, and of bodies without settings, use the defaults.
     let body = step.bodies.get(particles.body[first] as usize).copied().unwrap_or_default();
     let asks = body.representation == Representation::Auto;
     let keeps_momenta = settings.keep_spin || settings.gradient_at == GradientAt::StepStart;

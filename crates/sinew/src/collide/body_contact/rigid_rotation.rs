@@ -1,16 +1,16 @@
-//! Rotations of rigid states: a quaternion, and what `f32` drops of it in a step.
+//! Rotations of rigid states: a quaternion, and the part of it that `f32` drops in a step.
 
 use super::turn::{LaneArray, Matrix};
 use crate::lanes::{Lanes, Vector};
 
-/// Eight rotations as they lie in memory.
+/// Eight rotations in memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WideRotation {
     pub(super) whole: [LaneArray; 4],
     pub(super) remainder: [LaneArray; 4],
 }
 
-/// A rotation in each lane: a quaternion of nearly unit length, and what `f32` has dropped of it in this step.
+/// A rotation in each lane: a quaternion of nearly unit length, and the part of it that `f32` has dropped in this step.
 #[derive(Clone, Copy)]
 pub(super) struct Rotation<L> {
     pub(super) whole: [L; 4],
@@ -29,12 +29,12 @@ impl<L: Lanes> Rotation<L> {
         store_four(self.remainder, &mut to.remainder);
     }
 
-    /// Followed, in its own frame, by a turn of the unit quaternion `(v, w)`, `w` not negative. It stays as long as it is.
+    /// Followed, in its own frame, by the turn of the unit quaternion `(v, w)`, `w` not negative. The length is kept.
     #[inline(always)]
     pub(super) fn further(self, v: Vector<L>, w: L) -> Self {
         let [x, y, z, s] = self.whole;
         let axis = Vector::new(x, y, z);
-        // w - 1, of which `w` has too few digits.
+        // w - 1, for which `w` itself has too few digits.
         let less = -v.length_squared() / (L::splat(1.0) + w);
         let by = v * s + axis * less + axis.cross(v);
         let by = [by.x, by.y, by.z, s * less - axis.dot(v)];
@@ -47,7 +47,7 @@ impl<L: Lanes> Rotation<L> {
         next
     }
 
-    /// Further by a turn of a few roundings, of which `half` is a half, radians, in the axes of the world.
+    /// Turned further by a few roundings, stored in the remainder; `half` is half of the turn, radians, in world axes.
     #[inline(always)]
     pub(super) fn nudged(self, half: Vector<L>) -> Self {
         let [x, y, z, s] = self.whole;
@@ -58,7 +58,7 @@ impl<L: Lanes> Rotation<L> {
         Self { remainder, ..self }
     }
 
-    /// The turn that the remainder is, in the axes of the world, radians.
+    /// The turn of the remainder, in world axes, radians.
     #[inline(always)]
     pub(super) fn nudge(&self) -> Vector<L> {
         let ([x, y, z, s], [a, b, c, d]) = (self.whole, self.remainder);
@@ -71,7 +71,7 @@ impl<L: Lanes> Rotation<L> {
         Matrix::of(self.whole)
     }
 
-    /// Where a mask is set this one, elsewhere the other.
+    /// This rotation where the mask is set, elsewhere the other.
     #[inline(always)]
     pub(super) fn or_else(self, mask: L, other: Self) -> Self {
         let mut one = self;

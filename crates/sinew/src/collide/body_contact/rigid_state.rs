@@ -1,13 +1,13 @@
-//! Rigid states: a body collider whose particles only their own rods hold is integrated as one rigid body, and the particles follow.
+//! Rigid states: a body collider whose particles are constrained only by its own rods is integrated as one rigid body, and its particles follow.
 //!
-//! Which are rigid states is decided when a step begins (`rigid_islands`). Each is read off its particles then, goes through the substeps as a centre, a
-//! rotation, a velocity and an angular momentum, eight side by side, and its particles are written from that. The particles stay the state from step to step.
+//! Rigid states are selected when a step begins (`rigid_islands`). Each is then read from its particles, goes through the substeps as a centre, a rotation, a
+//! velocity and an angular momentum, eight in lanes, and its particles are written from that. The particles remain the state from step to step.
 //!
 //! # The free body
 //!
-//! What rods do to particles that Verlet moves, each corrected along where it was when the substep began (SHAKE), is known in closed form for all rods at
-//! once: the discrete Moser–Veselov equations, as in `rigid/verlet.rs` of the crate. With `r` the arms when the substep began, `Δ` the rotation through
-//! the substep and `Σ m r × v` the angular momentum, as Verlet keeps it,
+//! The effect of rods on particles that Verlet moves, each corrected along its direction when the substep began (SHAKE), has a closed form for all rods at
+//! once: the discrete Moser–Veselov equations, as in `rigid/verlet.rs` of the crate. With `r` the arms when the substep began, `Δ` the rotation through the
+//! substep and `Σ m r × v` the angular momentum, as Verlet keeps it,
 //!
 //! ```text
 //! h L = Σ m r × Δ r        q = q̄ + Δ r        v = v̄ + (Δ - 1) r / h
@@ -20,21 +20,21 @@
 //! h L = 2 (w I v + v × I v)        w = √(1 - v²)
 //! ```
 //!
-//! which Newton solves in the body's own axes, where `I` stands still, from its first two terms in a step or two. Momenta are kept, whatever that leaves;
-//! energy swings within bounds; the order is 2.
+//! which Newton's method solves in body axes, where `I` is constant, from its first two terms in a step or two. Momenta are kept, whatever error that leaves;
+//! energy oscillates within bounds; the order is 2.
 //!
-//! # What contacts do to it
+//! # Contacts
 //!
-//! Contacts shift and turn a pose, which is an impulse and its moment: `h L` grows by `I φ`, and the rotation is found anew from where the substep began.
+//! Contacts shift and turn a pose, which is an impulse and its moment: `h L` grows by `I φ`, and the rotation is solved again from where the substep began.
 //! That is where rods would have put the particles (`pose`), without a sum over them.
 //!
 //! # Precision
 //!
-//! What `f32` drops of a sum of substeps is kept beside centre, rotation and velocity: a turn through a substep is a few thousandths, and rounded to what a
-//! quaternion has digits for, forty substeps of sixty ticks would lose more than the turn about a middle axis can stand. Sums over particles are taken about
-//! their mean, and what that mean is off by is summed up once more: weights that are rounded would else lose or gain the same share in every step. Where
-//! particles are written, momentum and angular momentum that are left after rounding are summed up as they will be read; what is missing is what was
-//! dropped of their velocities, and is read from there.
+//! What `f32` drops of a sum over substeps is kept beside centre, rotation and velocity: the turn in a substep is a few thousandths of a radian, and rounded
+//! to the digits of a quaternion, forty substeps of sixty ticks would lose more than a rotation about the middle axis tolerates. Sums over particles are
+//! taken about their mean, and the error of that mean is summed up once more: rounded weights would otherwise lose or gain the same share in every step.
+//! Where particles are written, the momentum and angular momentum after rounding are summed up as they will be read; the difference is stored as the rounding
+//! of their velocities, and is read from there.
 
 use glam::{Vec3, Vec4};
 
@@ -47,66 +47,66 @@ use super::turn::{LaneArray, Matrix, Symmetric, load, store, zero};
 use crate::integrate::loss;
 use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector, Work, kernel};
 
-/// `v²` of the quaternion of a turn at the most: a quarter of a turn in a substep. What is faster turns by that.
+/// Limit of `v²` of the quaternion of a turn: a quarter of a turn in a substep. Faster bodies turn by that.
 const MOST: f32 = 0.5;
-/// The same at the most when a step begins, half a radian: what is faster goes as particles.
+/// The same limit when a step begins, half a radian: faster bodies go as particles.
 const FAST: f32 = 0.061;
-/// A Newton step of this share, squared, leaves an error of its square, which is round-off.
+/// Bound of a squared relative Newton step: such a step leaves an error of its square, which is round-off.
 const DONE: f32 = 1e-7;
-/// `v²` up to which the first two terms are all that `f32` has digits for, and the share of the angular momentum that the second one may be for that: of two
+/// `v²` up to which the first two terms are exact in `f32`, and the share of the angular momentum that the second one may have for that: turns of two
 /// hundredths of a radian in a substep.
 const SLOW: f32 = 1e-4;
 /// The most Newton steps.
 const STEPS: u32 = 6;
-/// How far a particle may be from its place, as a share of how far the body reaches, beside the tolerance of its rods.
+/// Distance of a particle from its place that is allowed beside the tolerance of its rods, as a share of the reach of the body.
 const MISPLACED: f32 = 1e-3;
 
 /// Eight rigid states. Fields of other lanes are undefined.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WideRigidState {
-    /// A bit for each lane that is one.
+    /// A bit for each lane that is a rigid state.
     pub(super) lanes: u32,
-    /// Where the step began.
+    /// Centre when the step began.
     began: [LaneArray; 3],
-    /// From the origin, metres; and what `f32` has dropped of that in this step.
+    /// Centre, from the origin, metres; and what `f32` has dropped of it in this step.
     centre: [LaneArray; 3],
     remainder: [LaneArray; 3],
-    /// Mean velocity of the last substep, m/s, and what `f32` has dropped.
+    /// Mean velocity of the last substep, m/s, and what `f32` has dropped of it.
     velocity: [LaneArray; 3],
     rounding: [LaneArray; 3],
     /// Angular momentum about the centre as Verlet keeps it, kg·m²/s.
     momentum: [LaneArray; 3],
     pub(super) rotation: WideRotation,
-    /// Where the substep began.
+    /// Centre and rotation when the substep began.
     start_centre: [LaneArray; 3],
     start_rotation: WideRotation,
-    /// How it turned in the last substep, in its own axes.
+    /// Turn in the last substep, in body axes: a quaternion.
     turn: [LaneArray; 4],
     /// Length of the last substep, seconds.
     pub(super) lag: LaneArray,
     /// Damping of its particles, 1/s.
     pub(super) rate: LaneArray,
-    /// Exponents of a substep after the last one and of those after that, and which shares of the velocities are lost.
+    /// Damping exponents of the next substep and of those after it, and the shares of the velocities that are lost.
     exponents: [LaneArray; 2],
     lost: [LaneArray; 2],
-    /// A bit for each that was pushed.
+    /// A bit for each that was pushed and has to be updated.
     pub(super) pushed: u32,
 }
 
 impl WideRigidState {
-    /// Where the centre of a lane is from the origin, metres, and how it is turned: a quaternion of nearly unit length.
+    /// Centre of a lane from the origin, metres, and its rotation: a quaternion of nearly unit length.
     pub(super) fn pose(&self, lane: usize) -> (Vec3, Vec4) {
         let [x, y, z, w] = &self.rotation.whole;
         let turn = Vec4::new(x[lane], y[lane], z[lane], w[lane]);
         (of_lane(&self.centre, lane) + of_lane(&self.remainder, lane), turn)
     }
 
-    /// How far the centre of a lane has gone in this step, metres, and for how long its velocity is a mean, seconds.
+    /// Displacement of the centre of a lane in this step, metres, and the time over which its velocity is a mean, seconds.
     pub(super) fn gone(&self, lane: usize) -> (Vec3, f32) {
         (of_lane(&self.centre, lane) - of_lane(&self.began, lane), self.lag[lane])
     }
 
-    /// Notes which shares of the velocities are lost over substeps of `h` seconds in air of the damping `air`, 1/s.
+    /// Computes the shares of the velocities that are lost over substeps of `h` seconds in air of the damping `air`, 1/s.
     pub(super) fn note_losses(&mut self, air: f32, h: f32) {
         for (which, lags) in [self.lag, [h; LANES]].iter().enumerate() {
             let (exponents, lost) = (&mut self.exponents[which], &mut self.lost[which]);
@@ -119,7 +119,7 @@ impl WideRigidState {
         }
     }
 
-    /// Adds to the velocity of a lane, m/s, and to its angular momentum, kg·m²/s; to be settled by [`push_states`].
+    /// Adds to the velocity of a lane, m/s, and to its angular momentum, kg·m²/s; to be followed by [`push_states`].
     pub(super) fn push(&mut self, lane: usize, velocity: Vec3, momentum: Vec3) {
         for (to, by) in self.velocity.iter_mut().zip(velocity.to_array()) {
             to[lane] += by;
@@ -130,17 +130,17 @@ impl WideRigidState {
         self.pushed |= 1 << lane;
     }
 
-    /// The velocity of a lane.
+    /// The velocity of a lane, m/s.
     pub(super) fn velocity(&self, lane: usize) -> Vec3 {
         of_lane(&self.velocity, lane)
     }
 
-    /// The same of its angular momentum.
+    /// The angular momentum of a lane, kg·m²/s.
     pub(super) fn momentum(&self, lane: usize) -> Vec3 {
         of_lane(&self.momentum, lane)
     }
 
-    /// Where the centre of a lane is now.
+    /// The centre of a lane, metres from the origin.
     pub(super) fn centre(&self, lane: usize) -> Vec3 {
         of_lane(&self.centre, lane)
     }
@@ -151,7 +151,7 @@ fn of_lane([x, y, z]: &[LaneArray; 3], lane: usize) -> Vec3 {
     Vec3::new(x[lane], y[lane], z[lane])
 }
 
-/// How a body turns in a substep, in its own axes, that has the angular momentum `momentum`, times `h`, there.
+/// Turn of a body in a substep, in its own axes, from `momentum`, its angular momentum there times `h`.
 #[inline(always)]
 fn turn_of<L: Lanes>(
     momentum: Vector<L>,
@@ -164,7 +164,7 @@ fn turn_of<L: Lanes>(
     let gyroscopic = first.cross(inertia.times(first)) * two;
     let mut v = limited(inverse.times(momentum - gyroscopic) * (half / w));
     let mut w = (one - v.length_squared()).sqrt();
-    // What hardly turns, or is as hard to turn about any axis, is there by now: what is left is the square of what these two terms leave out.
+    // For slow bodies, and for those with equal moments of inertia, two terms are exact: the error is the square of what they leave out.
     let small = first
         .length_squared()
         .le(L::splat(SLOW))
@@ -197,8 +197,9 @@ fn turn_of<L: Lanes>(
     (v, w)
 }
 
-/// The rotation of a quaternion of nearly unit length. `1 + 1.2e-7`, the square of a length, has the root 1 in `f32`, so that making it unit leaves it as
-/// it is: particles would be written that much too far out in every step, and their momentum read twice that too large.
+/// The rotation of a quaternion of nearly unit length, normalised by its square. `1 + 1.2e-7`, the square of a length, has the root 1 in `f32`, so that
+/// normalising by the length would change nothing: particles would be written that much too far out in every step, and their momentum read twice that too
+/// large.
 #[inline(always)]
 fn rotation_of<L: Lanes>([x, y, z, w]: [L; 4]) -> Matrix<L> {
     let twice = L::splat(2.0) / (x * x + y * y + z * z + w * w);
@@ -213,13 +214,13 @@ fn rotation_of<L: Lanes>([x, y, z, w]: [L; 4]) -> Matrix<L> {
     }
 }
 
-/// A turn that is not too far.
+/// A turn, limited to [`MOST`].
 #[inline(always)]
 fn limited<L: Lanes>(v: Vector<L>) -> Vector<L> {
     let square = v.length_squared();
     let most = L::splat(MOST);
     let good = square.le(most);
-    // Hardly any is: a quotient and a root take as long as the rest of a turn.
+    // Rarely exceeded: the quotient and the root take as long as the rest of a turn.
     if good.all() {
         return v;
     }
@@ -239,10 +240,10 @@ pub(super) struct ReadStates<'a> {
     pub(super) position: &'a [Vec4],
     pub(super) velocity: &'a [Vec4],
     pub(super) rounding: &'a [Vec4],
-    /// Their rotations have been found.
+    /// Rows with their extracted rotations.
     pub(super) bodies: &'a Bodies,
     pub(super) first: usize,
-    /// How far each of them reaches, and the tolerances of their rods, metres.
+    /// Reach of each of them, and the tolerances of their rods, metres.
     pub(super) reach: LaneArray,
     pub(super) tolerance: LaneArray,
     pub(super) state: &'a mut WideRigidState,
@@ -252,7 +253,7 @@ pub(super) struct ReadStates<'a> {
 }
 
 impl Work for ReadStates<'_> {
-    /// A bit for each that moves as a rigid body does: its particles are in their places, had their last substep together, and it does not turn too fast.
+    /// A bit for each that moves as a rigid body does: its particles are at their places and had the same last substep, and it does not turn too fast.
     type Output = u32;
 
     #[inline(always)]
@@ -301,7 +302,7 @@ impl Work for ReadStates<'_> {
         let fast = inverse.times(own) * (half * L::splat(self.h));
         let (turn, real) = turn_of(own * lag, &inertia, &inverse);
         let most = L::load(&self.reach) * L::splat(MISPLACED) + L::load(&self.tolerance);
-        // Also for NaN.
+        // False for NaN, too.
         good = good.and(off.le(most * most)).and(fast.length_squared().le(L::splat(FAST)));
         store(centre, &mut state.began);
         store(centre, &mut state.centre);
@@ -318,9 +319,9 @@ impl Work for ReadStates<'_> {
     }
 }
 
-/// Sums over the particles of eight bodies about a place and a velocity that are nearly their means.
+/// Sums over the particles of eight bodies about a position and a velocity that are nearly their means.
 struct Moments<L> {
-    /// `Σ m q`, kg·m, and `Σ m v`, kg·m/s, beside those.
+    /// `Σ m q`, kg·m, and `Σ m v`, kg·m/s, relative to those.
     centre: Vector<L>,
     velocity: Vector<L>,
     /// `Σ m q × v`, kg·m²/s.
@@ -328,7 +329,7 @@ struct Moments<L> {
 }
 
 impl<L: Lanes> Moments<L> {
-    /// Where a particle of each slot is, its velocity, and what `f32` has dropped of that, is what `read` says of its number.
+    /// Sums up the position, velocity and rounding of velocity that `read` returns for the number of each slot.
     #[inline(always)]
     fn of(
         slots: &[Slot],
@@ -351,27 +352,27 @@ impl<L: Lanes> Moments<L> {
     }
 }
 
-/// Forces that do not act on all particles alike: what they are summed up to of eight body colliders in a substep.
+/// Forces that differ between particles: their sums over eight body colliders in a substep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ForceSums {
     /// Gain of velocity, m/s.
     pub(super) velocity: [LaneArray; 3],
     /// Gain of angular momentum, kg·m²/s.
     pub(super) momentum: [LaneArray; 3],
-    /// A bit for each lane of which losses by damping are in that.
+    /// A bit for each lane whose damping losses are included.
     pub(super) forced: u32,
 }
 
-/// Takes eight through some substeps.
+/// Advances eight states by some substeps.
 pub(super) struct AdvanceStates<'a> {
     pub(super) mass: &'a WideMass,
     pub(super) state: &'a mut WideRigidState,
-    /// Acceleration of all, m/s².
+    /// Acceleration of all particles, m/s².
     pub(super) common: Vec3,
-    /// What forces do besides, for a single substep.
+    /// Sums of other forces, for a single substep.
     pub(super) sums: Option<&'a ForceSums>,
     pub(super) h: f32,
-    /// Their swept bounds, and when each substep ends, seconds since the step began.
+    /// Swept bounds, and the end of each substep, seconds since the step began.
     pub(super) wide_swept: &'a WideSweptBounds,
     pub(super) times: &'a [f32],
 }
@@ -435,16 +436,16 @@ impl Work for AdvanceStates<'_> {
     }
 }
 
-/// Writes the rows that contacts read: poses and velocities of eight.
+/// Writes the rows of eight states that contacts read.
 pub(super) struct ShowStates<'a> {
     pub(super) mass: &'a WideMass,
     pub(super) state: &'a WideRigidState,
     pub(super) bodies: &'a mut Bodies,
     pub(super) first: usize,
     pub(super) h: f32,
-    /// With their velocities, where the substep began; otherwise as predicted.
+    /// Whether with velocities and at the poses where the substep began; otherwise with displacements, at the predicted poses.
     pub(super) at_start: bool,
-    /// Their swept bounds, and the time since the step began, seconds.
+    /// Swept bounds, and the time since the step began, seconds.
     pub(super) wide_swept: Option<(&'a WideSweptBounds, f32)>,
 }
 
@@ -476,7 +477,7 @@ impl Work for ShowStates<'_> {
     }
 }
 
-/// Writes some of eight rows.
+/// Writes the rows of `lanes` out of eight.
 #[inline(always)]
 fn put<L: Lanes>(bodies: &mut Bodies, first: usize, lanes: u32, fields: [[L; 4]; FIELDS]) {
     let rows = from_row(first);
@@ -493,7 +494,7 @@ fn put<L: Lanes>(bodies: &mut Bodies, first: usize, lanes: u32, fields: [[L; 4];
 }
 
 kernel!(
-    /// Applies the pose deltas of contacts in a substep to eight.
+    /// Applies the pose deltas of contacts in a substep to eight states.
     pub(super) fn correct_states<L: Lanes>(
         mass: &WideMass,
         state: &mut WideRigidState,
@@ -528,14 +529,14 @@ kernel!(
     }
 );
 
-/// Gives eight the velocities that they bounced off with, of which contacts know where the substep began.
+/// Applies the velocity changes of contacts, which refer to where the substep began, to eight states.
 pub(super) struct BounceStates<'a> {
     pub(super) mass: &'a WideMass,
     pub(super) state: &'a mut WideRigidState,
     pub(super) bodies: &'a Bodies,
     pub(super) first: usize,
     pub(super) h: f32,
-    /// A bit for each that has new velocities, and for each of those that stays where it is.
+    /// A bit for each with new velocities, and for each of those whose position stays.
     pub(super) lanes: u32,
     pub(super) stays: u32,
 }
@@ -560,7 +561,7 @@ impl Work for BounceStates<'_> {
     }
 }
 
-/// Brings those up to date of which velocities have changed: with how they turned in the substep that ends, and where that took them, unless they stay.
+/// Updates states whose velocities have changed: the turn in the ending substep, and the pose that it led to, unless that stays.
 #[inline(always)]
 fn settle<L: Lanes>(mass: &WideMass, state: &mut WideRigidState, h: f32, lanes: L, stays: L) {
     let (inertia, inverse) =
@@ -568,7 +569,7 @@ fn settle<L: Lanes>(mass: &WideMass, state: &mut WideRigidState, h: f32, lanes: 
     let (start, rotation) =
         (Rotation::<L>::load(&state.start_rotation), Rotation::<L>::load(&state.rotation));
     let momentum = load::<L>(&state.momentum) * L::splat(h);
-    // Backwards from where it stays, or forwards from where it was.
+    // Backwards from the pose that stays, or forwards from the start.
     let back = -rotation.matrix().transposed_times_vector(momentum);
     let forth = start.matrix().transposed_times_vector(momentum);
     let (v, w) = turn_of(back.or_else(stays, forth), &inertia, &inverse);
@@ -586,14 +587,14 @@ fn settle<L: Lanes>(mass: &WideMass, state: &mut WideRigidState, h: f32, lanes: 
 }
 
 kernel!(
-    /// Settles those of eight that were pushed where they are.
+    /// Updates the states that were pushed, at their present poses.
     pub(super) fn push_states<L: Lanes>(mass: &WideMass, state: &mut WideRigidState, h: f32) {
         let lanes = L::mask(core::mem::take(&mut state.pushed));
         settle::<L>(mass, state, h, lanes, lanes);
     }
 );
 
-/// How eight bodies lie about their centres: a rotation, what is left of that, radians, and what is left of the centre, metres.
+/// Pose of eight bodies about their centres: a rotation, its remainder, radians, and the remainder of the centre, metres.
 struct WidePose<L> {
     r: Matrix<L>,
     nudge: Vector<L>,
@@ -601,7 +602,7 @@ struct WidePose<L> {
 }
 
 impl<L: Lanes> WidePose<L> {
-    /// Where a particle of each is from the centre. A closure would not be compiled for the instructions at hand.
+    /// Position of a particle of each from the centre. A closure would not be compiled for the instruction set of the kernel.
     #[inline(always)]
     fn arm(&self, rest: Vector<L>) -> Vector<L> {
         let arm = self.r.times(rest);
@@ -610,14 +611,14 @@ impl<L: Lanes> WidePose<L> {
 }
 
 kernel!(
-    /// Writes the particles of some of eight: `exact` where the next step is to read the momenta that they have, else to round-off.
+    /// Writes the particles of some of eight states: with `exact`, so that the next step reads their momenta exactly, else to round-off.
     pub(super) fn write_states<L: Lanes>(
         group: &BodyGroup,
         slots: &[Slot],
         state: &WideRigidState,
         lanes: u32,
         exact: bool,
-        // Positions, where the substep began, velocities, and what was rounded off those.
+        // Positions, positions at the start of the substep, velocities, and their roundings.
         columns: [&mut [Vec4]; 4],
     ) {
         let [position, start, velocity, rounding] = columns;
@@ -635,7 +636,7 @@ kernel!(
             y: Vector::new(-along.z, square, along.x) - v * v.y,
             z: Vector::new(along.y, -along.x, square) - v * v.z,
         };
-        // Divided, not multiplied by what 1/h is rounded to: that would lose or gain the same in every step.
+        // Divided, not multiplied by a rounded 1/h: that would lose or gain the same share in every step.
         let per_second = |v: Vector<L>| {
             let twice = v * two;
             Vector::new(twice.x / lag, twice.y / lag, twice.z / lag)
@@ -647,8 +648,8 @@ kernel!(
         let dropped = load::<L>(&state.rounding);
         let inverse = Symmetric::load(&group.mass.inverse_inertia);
         let pose = WidePose { r, nudge, remainder };
-        // What all of that rounds of the momenta is given back: in a hundred steps it would else lose or gain the same a hundred times. What the
-        // velocities cannot hold of it is what `f32` drops of them.
+        // Corrects the momenta for the rounding of the above: a hundred steps would otherwise lose or gain the same amount a hundred times. What the
+        // velocities cannot represent is stored as their rounding.
         let (mut more, mut faster) = (zero::<L>(), dropped);
         for _ in 0..if exact { 2 } else { 0 } {
             rates = Matrix {

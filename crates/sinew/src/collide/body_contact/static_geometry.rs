@@ -1,4 +1,4 @@
-//! Static and kinematic geometry: colliders, and the planes and boxes that hold everything, as half-spaces.
+//! Static and kinematic geometry: colliders, and the planes and boxes around the world, as half-spaces.
 
 use glam::{Mat3, Vec3};
 
@@ -12,35 +12,35 @@ use super::contact_cache::Other;
 use super::swept_bounds::SweptBounds;
 use crate::constraints::{Boundaries, InsideBox, Plane};
 
-/// One of them.
+/// A collider, or a half-space of one, of a plane or of a box.
 #[derive(Clone, Debug)]
 pub(super) struct StaticGeometry {
     pub(super) shape: Shape,
     pub(super) start: Frame,
-    /// Its number among the colliders, if it goes somewhere during the step.
+    /// Number of the collider, if it moves during the step.
     pub(super) moving: Option<usize>,
-    /// Where it is in the coordinates of that one: of a wall of a room.
+    /// Frame of the half-space in the coordinates of its collider; the identity of others.
     wall: Frame,
     material: Material,
-    /// Whether its own coefficients count alone, whatever touches it: so it is of planes and boxes.
+    /// Whether its own coefficients are used instead of a combined material: true of planes and boxes.
     alone: bool,
     pub(super) layers: Layers,
     pub(super) sensor: bool,
     pub(super) events: bool,
     pub(super) participant: ContactParticipant,
-    /// How it is named in the contact cache.
+    /// Its name in the contact cache.
     pub(super) other: Other,
-    /// Solid below its plane, without end.
+    /// Half-space, solid below its plane.
     pub(super) endless: bool,
 }
 
-/// Lists the valid ones.
+/// Lists all valid static and kinematic geometry of a step.
 pub(super) fn list(
     world: &World,
     floor: &mut Option<Shape>,
     static_geometry: &mut Vec<StaticGeometry>,
 ) {
-    // Made once: a clone allocates nothing.
+    // Created once: a clone allocates nothing.
     let floor = floor.get_or_insert_with(Shape::half_space);
     static_geometry.clear();
     for (number, collider) in world.colliders.iter().enumerate() {
@@ -79,7 +79,7 @@ pub(super) fn list(
 }
 
 impl StaticGeometry {
-    /// A collider, or one of the half-spaces that it is made of, with the shape of those.
+    /// Geometry of a collider, or of one of its half-spaces.
     fn of(collider: &Collider, number: usize, wall: Option<((Frame, u32), &Shape)>) -> Self {
         let Collider { shape, start, end, material, layers, sensor, events, id } = collider;
         let ((wall, nth), shape, endless) = match wall {
@@ -125,7 +125,7 @@ impl StaticGeometry {
         }
     }
 
-    /// Where it is after a share of the step.
+    /// Its frame after a fraction `share` of the step.
     pub(super) fn frame_at(&self, world: &World, share: f32) -> Frame {
         match self.moving.and_then(|number| world.colliders.get(number)) {
             Some(collider) if share > 0.0 => placed(&collider.frame_at(share), &self.wall),
@@ -133,8 +133,8 @@ impl StaticGeometry {
         }
     }
 
-    /// The same frame as seen from an origin, metres. Far out the numbers of the world have no digits, so that of an endless one is moved along its
-    /// plane to where it is nearest.
+    /// A frame of it relative to an origin, metres. Far from the world's origin, coordinates lose their digits, so a half-space is moved along its plane to
+    /// the point nearest to the origin.
     pub(super) fn seen_from(&self, frame: &Frame, origin: Vec3) -> Frame {
         if !self.endless {
             return Frame { translation: frame.translation - origin, ..*frame };
@@ -144,7 +144,7 @@ impl StaticGeometry {
         Frame { translation: n * height as f32, ..*frame }
     }
 
-    /// All of it that a step takes it to, in the world; nothing of what has no end.
+    /// AABB over the step, in the world; NaN for half-spaces.
     pub(super) fn bounds(&self, world: &World) -> (Vec3, Vec3) {
         if self.endless {
             return (Vec3::NAN, Vec3::NAN);
@@ -157,7 +157,7 @@ impl StaticGeometry {
         (low.min(low_end), high.max(high_end))
     }
 
-    /// Whether a body collider of a size, metres, may come to what has no end, from a share of the step on.
+    /// Whether a body collider of the reach `size`, metres, may touch this half-space from a fraction `share` of the step on.
     pub(super) fn is_below(&self, one: &SweptBounds, size: f32, world: &World, share: f32) -> bool {
         let here = self.seen_from(&self.frame_at(world, share), one.origin);
         let normal = here.rotation.y_axis;
@@ -166,7 +166,7 @@ impl StaticGeometry {
         height <= size + reach + self.carries(one, world, share)
     }
 
-    /// How far it takes a body collider with it that lies on it, from a share of the step on, metres.
+    /// Displacement that it gives to a body collider lying on it, from a fraction `share` of the step on, metres.
     pub(super) fn carries(&self, one: &SweptBounds, world: &World, share: f32) -> f32 {
         if self.moving.is_none() {
             return 0.0;
@@ -176,7 +176,7 @@ impl StaticGeometry {
         (to.point(from.local(point)) - point).length()
     }
 
-    /// What becomes of its surface and another one.
+    /// The material of a contact of it with a surface.
     pub(super) fn combined_material(&self, other: &Material) -> CombinedMaterial {
         if self.alone {
             let Material { friction, restitution, drag, .. } = self.material;
@@ -187,12 +187,12 @@ impl StaticGeometry {
     }
 }
 
-/// Where a wall is of what is at a frame. A half-space by itself is where that is, to the bit.
+/// The frame of a half-space of a collider at `frame`. The identity keeps the bits of `frame`.
 fn placed(frame: &Frame, wall: &Frame) -> Frame {
     if *wall == Frame::IDENTITY { *frame } else { frame.of(wall) }
 }
 
-/// Calls with the valid planes, and with the walls of the valid boxes: with who each belongs to, and with the frame in which it is solid below y = 0.
+/// Calls `call` with the valid planes, and with the walls of the valid boxes: with the participant, and with the frame in which it is solid below y = 0.
 pub(crate) fn half_spaces(
     boundaries: &Boundaries,
     call: &mut dyn FnMut(ContactParticipant, Frame),
@@ -205,14 +205,14 @@ pub(crate) fn half_spaces(
     }
 }
 
-/// Where a plane is: its normal is y.
+/// The frame of a plane: its normal is y.
 fn frame_of(plane: &Plane) -> Frame {
     let n = plane.normal.normalize_or(Vec3::Y);
     let x = n.any_orthonormal_vector();
     Frame { translation: n * plane.offset, rotation: Mat3::from_cols(x, n, x.cross(n)) }
 }
 
-/// The six planes of a box, which face inward.
+/// The six planes of a box, facing inward.
 fn walls(bounding_box: &InsideBox) -> impl Iterator<Item = Plane> {
     let InsideBox { min, max, .. } = *bounding_box;
     let wall = move |normal: Vec3, offset: f32| Plane {

@@ -1,7 +1,7 @@
-//! Swept bounds of body colliders: where each goes in a step.
+//! Swept bounds of body colliders: the AABB that each sweeps in a step.
 //!
-//! They say where a body collider goes in a step, extrapolated from the pose and the velocity at the broad phase, with a speculative margin beside
-//! that path for spin and jolts. Pairs follow from their overlaps; a collider that leaves its bounds is searched for again.
+//! The sweep is extrapolated from the pose and the velocity at the broad phase, with a speculative margin around the path for spin and jolts. Pairs follow
+//! from the overlaps of the bounds; a body collider that leaves its bounds is queried again.
 
 use glam::{Vec3, Vec4};
 
@@ -13,31 +13,30 @@ use super::turn::{LaneArray, load, set};
 use crate::lanes::{LANES, Lanes, Vector};
 use crate::particles::{NO_BODY, Particles};
 
-/// How far from its path a body collider may be thrown in a step before contacts of it are looked for again, by what gravity alone does, `g dt²`. Of
-/// a hundred ragdolls that roll down stairs there are always some that are jolted by more; more than this lists pairs that never touch, which costs
-/// more than to look again at those few.
+/// Speculative margin for jolts as a multiple of what gravity alone moves in a step, `g dt²`. In a hundred ragdolls that roll down stairs some always exceed
+/// it; a wider margin lists pairs that never touch, which costs more than to query those few again.
 const JOLTED: f32 = 2.0;
-/// The same by how far it goes: where there is no gravity, there are jolts all the same.
+/// The same as a share of the distance travelled in the step: jolts happen without gravity, too.
 const SWERVED: f32 = 0.1;
-/// And by its size, so that round-off is no jolt.
+/// The same as a share of the collider's reach, so that round-off does not count as leaving the bounds.
 const SHAKEN: f32 = 1e-3;
 
-/// A body collider where contacts of it were looked for, and how it goes on from there.
+/// Pose, velocity and bounds of a body collider at its last broad-phase query.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SweptBounds {
-    /// Its centre, from its origin, metres.
+    /// Centre, from its origin, metres.
     pub(super) centre: Vec3,
-    /// Its own frame, from its origin.
+    /// Frame of the shape, from its origin.
     pub(super) frame: Frame,
-    /// Of its centre, m/s.
+    /// Velocity of its centre, m/s.
     pub(super) velocity: Vec3,
-    /// Speculative margin: how far beside its path a point of it may get in the step, metres.
+    /// Speculative margin: how far from its extrapolated path a point of it may get in the step before pairs are searched again, metres.
     pub(super) speculative_margin: f32,
     pub(super) origin: Vec3,
     pub(super) body: u32,
-    /// Its first particle.
+    /// Row of its first particle.
     pub(super) row: u32,
-    /// In the world: all that it may get to.
+    /// Swept AABB in the world; NaN of an invalid one.
     pub(super) bounds: (Vec3, Vec3),
     pub(super) sound: bool,
 }
@@ -59,36 +58,36 @@ impl Default for SweptBounds {
 }
 
 impl SweptBounds {
-    /// How much nearer it may come in so many seconds to static geometry, metres.
+    /// How far it may approach static geometry in `time` seconds, metres.
     pub(super) fn reach(&self, time: f32) -> f32 {
         self.velocity.length() * time + self.speculative_margin
     }
 
-    /// The same of another one, which has its own path.
+    /// How far it and another body collider may approach each other in `time` seconds, metres.
     pub(super) fn reach_of(&self, other: &Self, time: f32) -> f32 {
         (self.velocity - other.velocity).length() * time
             + self.speculative_margin
             + other.speculative_margin
     }
 
-    /// How far it may get against a direction, metres.
+    /// How far it may move against a direction in `time` seconds, metres.
     pub(super) fn reach_against(&self, normal: Vec3, time: f32) -> f32 {
         (-normal.dot(self.velocity)).max(0.0) * time + self.speculative_margin
     }
 }
 
-/// The swept bounds of eight body colliders.
+/// Swept bounds of eight body colliders.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WideSweptBounds {
-    /// Where they would have been when the step began, metres from their origins; and how fast they go, m/s.
+    /// Centres extrapolated back to when the step began, metres from their origins; velocities, m/s.
     centre: [LaneArray; 3],
     velocity: [LaneArray; 3],
     rotation: [LaneArray; 4],
-    /// Of those of two particles: the direction from the first to the second.
+    /// Of body colliders of two particles: the direction from the first to the second.
     line: [LaneArray; 3],
-    /// Metres; infinite for none.
+    /// Metres; infinite in empty lanes.
     speculative_margin: LaneArray,
-    /// How far out they reach, metres.
+    /// Greatest distance of the surface from the centre, metres.
     reach: LaneArray,
 }
 
@@ -109,7 +108,7 @@ impl Default for WideSweptBounds {
 }
 
 impl WideSweptBounds {
-    /// Notes a body collider that is where it was seen so many seconds after the step began.
+    /// Sets a lane from what was measured `time` seconds after the step began.
     fn put(
         &mut self,
         lane: usize,
@@ -127,8 +126,8 @@ impl WideSweptBounds {
         (self.speculative_margin[lane], self.reach[lane]) = (swept.speculative_margin, reach);
     }
 
-    /// Of body colliders of two particles, where their centres and the directions from the first to the second are now: the same by which [`left`](Self::left)
-    /// goes, but for how they turn about their own lines, which takes no point of them anywhere.
+    /// Like [`left`](Self::left), for body colliders of two particles, from their centres and the directions from the first to the second particle. Turns
+    /// about their own line are left out: they move no point of a capsule.
     #[inline(always)]
     pub(super) fn lines_left<L: Lanes>(
         &self,
@@ -142,13 +141,13 @@ impl WideSweptBounds {
         L::load(&self.speculative_margin).lt(gone).bits() & 0xFF
     }
 
-    /// A bit for each that is farther beside its path than its margin, so many seconds after the step began.
+    /// Returns a bit for each lane that is farther from its extrapolated path than its margin, `time` seconds after the step began.
     #[inline(always)]
     pub(super) fn left<L: Lanes>(&self, centre: Vector<L>, [x, y, z, w]: [L; 4], time: f32) -> u32 {
         let [was_x, was_y, was_z, was_w] = &self.rotation;
         let was = Vector::new(L::load(was_x), L::load(was_y), L::load(was_z));
         let now = Vector::new(x, y, z);
-        // Half of it is the sine of half the angle.
+        // Its half is the sine of half the angle.
         let turned = now * L::load(was_w) - was * w - was.cross(now);
         let turned = turned.length() * L::splat(2.0);
         let there = load::<L>(&self.centre) + load::<L>(&self.velocity) * L::splat(time);
@@ -158,7 +157,8 @@ impl WideSweptBounds {
 }
 
 impl BodyContactSolver {
-    /// Notes where a body collider is and how it goes on, after a share of the step. `rate` takes what was read as its step and its spin to speeds.
+    /// Sets the swept bounds of a body collider from its pose and velocity after a fraction `share` of the step. `rate` converts the extracted step and spin
+    /// to velocities, 1/s, or is 1 if they are velocities.
     pub(super) fn note_swept_bounds(
         &mut self,
         number: usize,
@@ -191,7 +191,7 @@ impl BodyContactSolver {
             && speculative_margin.is_finite()
             && q.is_finite();
         let (low, high) = world.body_colliders[number].shape.bounds_in(&frame);
-        // Far out the sum with the origin is rounded.
+        // Far from the world's origin the sum with its own origin is rounded.
         let wide = speculative_margin + 1e-6 * (origin.abs().max_element() + 1.0);
         let (low, high) = (low + way.min(Vec3::ZERO), high + way.max(Vec3::ZERO));
         let bounds = (low + origin - wide, high + origin + wide);

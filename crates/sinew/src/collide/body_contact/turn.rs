@@ -1,15 +1,15 @@
-//! Rotations, symmetric matrices and directions of eight body colliders side by side.
+//! Rotations, symmetric matrices and tangents of eight body colliders in lanes.
 
 pub(super) use crate::lanes::{LaneArray, set};
 use crate::lanes::{Lanes, Vector};
 
-/// Vectors as they lie in memory.
+/// Loads vectors from lane arrays.
 #[inline(always)]
 pub(super) fn load<L: Lanes>([x, y, z]: &[LaneArray; 3]) -> Vector<L> {
     Vector::new(L::load(x), L::load(y), L::load(z))
 }
 
-/// And back.
+/// Stores vectors in lane arrays.
 #[inline(always)]
 pub(super) fn store<L: Lanes>(v: Vector<L>, [x, y, z]: &mut [LaneArray; 3]) {
     v.x.store(x);
@@ -17,7 +17,7 @@ pub(super) fn store<L: Lanes>(v: Vector<L>, [x, y, z]: &mut [LaneArray; 3]) {
     v.z.store(z);
 }
 
-/// Nothing, in each lane.
+/// The zero vector in each lane.
 #[inline(always)]
 pub(super) fn zero<L: Lanes>() -> Vector<L> {
     Vector::new(L::zero(), L::zero(), L::zero())
@@ -91,8 +91,7 @@ impl<L: Lanes> Matrix<L> {
         Vector::new(self.y.z - self.z.y, self.z.x - self.x.z, self.x.y - self.y.x)
     }
 
-    /// What a vector is that this takes to `b`, by elimination in the order of the columns; that is safe where the symmetric part is positive
-    /// definite.
+    /// Solves `self · x = b` by elimination in the order of the columns, without pivoting; that is safe where the symmetric part is positive definite.
     #[inline(always)]
     pub(super) fn solve(&self, b: Vector<L>) -> Vector<L> {
         let Self { x, y, z } = *self;
@@ -107,7 +106,7 @@ impl<L: Lanes> Matrix<L> {
     }
 }
 
-/// A symmetric matrix in each lane.
+/// A symmetric matrix in each lane: `along` has its diagonal xx, yy, zz.
 #[derive(Clone, Copy)]
 pub(super) struct Symmetric<L> {
     pub(super) along: Vector<L>,
@@ -134,7 +133,7 @@ impl<L: Lanes> Symmetric<L> {
         )
     }
 
-    /// `R self Rᵀ v`: of an inertia in the axes of a body, the angular momentum of an angular velocity in the world.
+    /// `R self Rᵀ v`: for an inertia in body axes, the angular momentum of an angular velocity in world axes.
     #[inline(always)]
     pub(super) fn times_turned(&self, r: &Matrix<L>, v: Vector<L>) -> Vector<L> {
         r.times(self.times(r.transposed_times_vector(v)))
@@ -162,7 +161,7 @@ impl<L: Lanes> Symmetric<L> {
         }
     }
 
-    /// What this takes to `b`, and the least pivot on the way: where that is positive, this is positive definite.
+    /// Solves `self · x = b`. Also returns the least pivot: where it is positive, the matrix is positive definite.
     #[inline(always)]
     pub(super) fn solve(&self, b: Vector<L>) -> (Vector<L>, L) {
         let Self { along: a, across: c } = *self;
@@ -179,7 +178,7 @@ impl<L: Lanes> Symmetric<L> {
     }
 }
 
-/// `q` followed, in its own frame, by a turn `(v, w)` of any length; made unit.
+/// `q` followed, in its own frame, by the rotation of the quaternion `(v, w)` of any length; normalised.
 #[inline(always)]
 pub(super) fn turn_further<L: Lanes>([x, y, z, s]: [L; 4], v: Vector<L>, w: L) -> [L; 4] {
     let axis = Vector::new(x, y, z);
@@ -189,7 +188,7 @@ pub(super) fn turn_further<L: Lanes>([x, y, z, s]: [L; 4], v: Vector<L>, w: L) -
     [turned.x * inverse, turned.y * inverse, turned.z * inverse, real * inverse]
 }
 
-/// Two unit vectors across a third and each other (Duff et al., *Building an Orthonormal Basis, Revisited*, 2017).
+/// Two unit vectors across `n` and each other (Duff et al., *Building an Orthonormal Basis, Revisited*, 2017).
 #[inline(always)]
 pub(super) fn tangents<L: Lanes>(n: Vector<L>) -> (Vector<L>, Vector<L>) {
     let (none, one) = (L::zero(), L::splat(1.0));

@@ -1,16 +1,16 @@
-//! Contacts of a step, and the form in which they are solved: eight manifolds of one colour side by side.
+//! Contacts of a step, and the form in which they are solved: wide contacts of eight manifolds of one colour.
 //!
-//! A contact is one manifold that may come to press. Contacts are coloured, so that no two of a colour move the same body collider, and packed into wide
-//! contacts of eight. How long a manifold is valid while the two turn and slide on each other is said here, too.
+//! A contact is one manifold that may press in the step. Contacts are coloured, so that no two of a colour move the same body collider, and packed into wide
+//! contacts of eight. The validity of a manifold under turn and slip of the two is set here, too.
 //!
 //! # Light body colliders that carry heavy ones
 //!
-//! Those take more sweeps. Gauss and Seidel's way hands a load down from body to body. Of a mass `M` that lies on a mass `m` on the ground, each sweep
-//! brings `m/M` of what is missing to the ground, and gives the rest back. Overlap makes up for a part of it: what is in too deep by `δ` is pushed by
-//! `m δ/h²` from below, so with one sweep the two come to rest where `δ = M g h²/m`, which is 3 mm for 100 kg on 1 kg at 600 substeps a second, and for
-//! 1000 kg more than is recovered in a substep: the light one is pressed into the ground. With `n` sweeps it is an `n`-th of that. So they are swept
-//! about as often as the ratio is; and not those alone, but all that the light one lies on and is lighter than its load by as much. Body colliders that
-//! share particles with others (bones) are as heavy as their joints make them, and are left alone.
+//! These take more sweeps. Gauss–Seidel passes a load on from body to body. With a mass `M` on a mass `m` on the ground, each sweep passes `m/M` of the
+//! missing impulse to the ground, and returns the rest. Overlap makes up for a part of it: a body that is too deep by `δ` is pushed by `m δ/h²` from below,
+//! so with one sweep the two come to rest at `δ = M g h²/m`, which is 3 mm for 100 kg on 1 kg at 600 substeps a second; for 1000 kg it exceeds what is
+//! recovered in a substep, and the light body is pressed into the ground. With `n` sweeps it is an `n`-th of that. So the number of sweeps is about the mass
+//! ratio, for the manifolds of the light body, and of those below it that are lighter than the load by as much. Body colliders that share particles with
+//! others (bones) have the effective mass of their joints, and are left at one sweep.
 
 use glam::{Mat3, Vec3};
 
@@ -21,42 +21,41 @@ use super::turn::{LaneArray, set, store};
 use crate::constraints::PlanarDrag;
 use crate::lanes::{LANES, Lanes, Vector};
 
-/// As good as infinitely far out, metres: what a missing point is.
+/// Distance that stands for infinity, metres: that of a missing point.
 pub(super) const FAR: f32 = 1e9;
 
-/// Torsional patch radius of everything, as a share of its size. What touches in a point has no arm to stop a turn on it with, in numbers; of any
-/// stuff there is one, and a box that stands on a corner, or hangs between two, does not turn about that for ever.
+/// Torsional patch radius of all contacts, as a share of their size. A point contact has no arm to resist a turn in numbers, but any material has a small
+/// one: without it a box that stands on a corner, or is clamped between two, would turn about that for ever.
 pub(super) const TORSIONAL_RADIUS: f32 = 0.01;
 
-/// How often manifolds are pressed in a substep, by their level: as often as the ratio of masses, or the next power of two, where that is more than
-/// [`RATIO`].
+/// Sweeps per substep of a manifold by its level: the mass ratio or the next power of two, for ratios from [`RATIO`] on.
 pub(super) const SWEEPS: [u32; 4] = [1, 8, 16, 32];
-/// From which ratio of masses on manifolds take more sweeps. A heap of crates of different sizes has less in it, and rests as it is.
+/// Mass ratio from which on manifolds take more sweeps. Heaps of crates of different sizes have smaller ratios and rest with one.
 const RATIO: f32 = 8.0;
-/// How far down a load is followed, body colliders.
+/// Number of body colliders through which a load is followed down.
 const DEPTH: usize = 16;
 
-/// A manifold that may come to press in this step, as it was found.
+/// A manifold that may press in this step, as it was found.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
-    /// Numbers of the body colliders; where the second one stands, its row among the bodies.
+    /// Number of the first body collider, and of the second one; for static geometry its row in `bodies`.
     pub(super) a: u32,
     pub(super) b: u32,
-    /// Number of the static geometry, if the second one is some.
+    /// Number of the static geometry, if the second is one.
     pub(super) geometry: Option<u32>,
-    /// The axes of that, if it stays where it is in this step.
+    /// Rotation of the static geometry, if it stays where it is in this step.
     pub(super) fixed: Option<Mat3>,
-    /// Its place in the contact cache, where the manifold is.
+    /// Position of the manifold in the contact cache.
     pub(super) cache_index: u32,
-    /// The second one's origin, or where it is, from the first one's origin, metres.
+    /// Origin of the second body collider, or position of static geometry, from the first one's origin, metres.
     pub(super) offset: Vec3,
     pub(super) combined_material: CombinedMaterial,
     pub(super) reports_events: bool,
     pub(super) participants: [ContactParticipant; 2],
     pub(super) colour: u32,
-    /// How often it is pressed in a substep: [`SWEEPS`] has the number.
+    /// Level of its number of sweeps: an index of [`SWEEPS`].
     pub(super) level: usize,
-    /// How far the smaller one of the two reaches, metres.
+    /// Reach of the smaller one of the two, metres.
     pub(super) size: f32,
     /// See `WideContact`.
     pub(super) staleness: f32,
@@ -65,13 +64,13 @@ pub(super) struct Contact {
 }
 
 impl Contact {
-    /// Its colour, and which part of that it is of: what is pressed as often has wide contacts of its own, and of that static geometry.
+    /// Sort key for packing: colour, level and whether the second one is fixed. Manifolds of different classes are in different wide contacts.
     pub(super) fn class(&self) -> usize {
         2 * (SWEEPS.len() * self.colour as usize + self.level) + usize::from(self.fixed.is_some())
     }
 }
 
-/// A sensor that overlaps a body collider.
+/// Overlap of a sensor and a body collider.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SensorOverlap {
     pub(super) participants: [ContactParticipant; 2],
@@ -79,13 +78,13 @@ pub(super) struct SensorOverlap {
     pub(super) normal: Vec3,
 }
 
-/// Gives manifolds colours: of one colour no two have a body collider in common, so that eight of them can be corrected at once. By their order, the
-/// first colour that is free.
+/// Assigns the first free colour to each manifold, in their order: no two of a colour share a body collider, so that eight of them can be corrected at once.
+/// Returns the number of colours.
 pub(super) fn colour(contacts: &mut [Contact], body_colliders: usize, used: &mut Vec<u64>) -> u32 {
     used.clear();
     used.resize(body_colliders, 0);
     let mut most = 0;
-    // What has more manifolds than there are bits gets a colour for each.
+    // Manifolds beyond the number of bits get a colour each.
     let mut beyond = u64::BITS;
     for one in contacts {
         let (a, b) = (one.a as usize, one.b as usize);
@@ -106,9 +105,9 @@ pub(super) fn colour(contacts: &mut [Contact], body_colliders: usize, used: &mut
     most
 }
 
-/// Numbers of manifolds by [class](Contact::class), and of one class first those that pressed before, then as they are; those with more than two points at both
-/// ends. `begins` is scratch. Those of a colour may come in any order: a wide contact in which nothing presses is soon done with, and one in which none has more
-/// than two points takes half of the work.
+/// Sorts the numbers of manifolds by [class](Contact::class), and within a class those that pressed before first; manifolds of more than two points come at
+/// both ends. `begins` is scratch. The order within a colour is free: a wide contact in which nothing presses is soon done with, and one without manifolds of
+/// more than two points takes half of the work.
 fn by_colour(
     (contacts, cache): (&[Contact], &[CachedManifold]),
     colours: u32,
@@ -143,8 +142,8 @@ fn by_colour(
     }
 }
 
-/// Packs manifolds of one of so many colours by eights, for substeps of `h` seconds. `order` and `begins` are scratch; `row` is where a body collider
-/// or static geometry is among the bodies, `centre` that of a body collider in its own frame.
+/// Packs manifolds into wide contacts, by colour, for substeps of `h` seconds. `nothing` is the null row, `order` and `begins` are scratch; `row` maps a body
+/// collider or static geometry to its row in `bodies`, `centre` a body collider to the centre in its own frame.
 pub(super) fn pack_contacts(
     (contacts, cache, h): (&[Contact], &[CachedManifold], f32),
     (nothing, colours): (u32, u32),
@@ -171,14 +170,14 @@ pub(super) fn pack_contacts(
     keep_for_impacts(wide_contacts);
 }
 
-/// Lets all wide contacts keep what a restitution needs, if anything has one: what was not fast itself may take part in an impact.
+/// Makes all wide contacts keep what restitution needs, if any contact has a restitution: one that is slow itself may take part in an impact.
 pub(super) fn keep_for_impacts(wide_contacts: &mut [WideContact]) {
     if wide_contacts.iter().any(|wide| wide.elastic != 0) {
         wide_contacts.iter_mut().for_each(|wide| wide.kept = true);
     }
 }
 
-/// Puts one of a number into a lane, for substeps of `h` seconds. `rows` are those of the two among the bodies, `centres` those in their own frames.
+/// Puts a contact into a lane, for substeps of `h` seconds. `rows` are those of the two in `bodies`, `centres` their centres in their own frames.
 pub(super) fn put(
     (wide, lane): (&mut WideContact, usize),
     (number, rows): (u32, [u32; 2]),
@@ -198,7 +197,7 @@ pub(super) fn put(
     wide.set_friction_anchor(lane, &known.friction_anchor, h);
 }
 
-/// Writes what two shapes are to each other into a lane.
+/// Writes the manifold of a contact into a lane.
 pub(super) fn put_manifold(
     wide: &mut WideContact,
     lane: usize,
@@ -207,7 +206,7 @@ pub(super) fn put_manifold(
 ) {
     let seen = |v: Vec3| one.fixed.map_or(v, |axes| axes * v);
     let manifold = &known.manifold;
-    // Of what stays where it is the axis is not loaded, and its normal does not turn.
+    // Of a fixed second one no rotation is loaded, so its axis cannot be used.
     let axial = [manifold.axial[0], manifold.axial[1] & one.fixed.is_none()];
     let [own, theirs] = manifold.radii;
     (wide.radii[0][lane], wide.radii[1][lane]) = (own, theirs);
@@ -249,91 +248,91 @@ pub(super) fn put_manifold(
     }
 }
 
-/// Eight manifolds that have no solid in common; on lines of the cache of its own, because an eight that lies across two of them costs twice as much.
+/// Eight manifolds without a common body collider. Aligned to cache lines, because eight lanes that span two of them take twice as long.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct WideContact {
-    /// Rows of the bodies that are pushed along the normal, and of those that are pushed back.
+    /// Rows in `bodies` of the first ones, pushed along the normal, and of the second ones, pushed against it.
     pub(super) a: [u32; LANES],
     pub(super) b: [u32; LANES],
-    /// Which of the manifolds that were found it is.
+    /// Numbers of the contacts; `u32::MAX` in empty lanes.
     pub(super) number: [u32; LANES],
-    /// Whether all of the second ones stay where they are in this step: then nothing of them is asked. Most of what lies somewhere lies on such, and
-    /// of all that is reckoned for two bodies half is for the second one.
+    /// Whether all second ones stay where they are in this step. Their rows are not loaded then, which saves half of the work; most contacts of resting
+    /// bodies are of this kind.
     pub(super) fixed: bool,
-    /// How often they are pressed in a substep, 1 and up: see [`set_levels`].
+    /// Number of sweeps per substep, at least 1: see [`set_levels`].
     pub(super) sweeps: u32,
-    /// In the second one's axes; in the world's if that stays where it is, and in the first one's if the second one is round and the first one is not:
-    /// a normal turns with the face, and not with the ball on it. Of two that are round it follows from where they are.
+    /// Normal in the second one's axes; in world axes if that is fixed, and in the first one's axes if the second is round and the first is not: a normal
+    /// turns with the face, not with the ball on it. Between two round ones it is computed from their positions.
     pub(super) normal: [LaneArray; 3],
-    /// Radii of what is round, metres: see [`Manifold::radii`](crate::collide::manifold::Manifold::radii).
+    /// Radii of round shapes, metres: see [`Manifold::radii`](crate::collide::manifold::Manifold::radii).
     pub(super) radii: [LaneArray; 2],
-    /// Whether the second one of any is round.
+    /// Whether the second one of any manifold is round.
     pub(super) round: bool,
-    /// A bit for each manifold whose first one, and whose second one, is round about its own y axis alone: see [`Manifold::axial`](crate::collide::manifold::Manifold::axial).
+    /// A bit for each manifold whose first one, and whose second one, is round about its own y axis alone: see
+    /// [`Manifold::axial`](crate::collide::manifold::Manifold::axial).
     pub(super) axial: [u32; 2],
-    /// [Anchors](crate::collide::manifold::Manifold::anchors) from the centres, in their own axes, metres; the second one's in the world's if that stays where it is.
+    /// [Anchors](crate::collide::manifold::Manifold::anchors) from the centres, in their own axes, metres; the second one's in world axes if it is fixed.
     pub(super) on_a: [[LaneArray; 3]; 4],
     pub(super) on_b: [[LaneArray; 3]; 4],
-    /// Added to the distance of each point, metres: none for one that is there.
+    /// Added to the distance of each point, metres: zero for a point that exists, [`FAR`] for a missing one.
     pub(super) missing: [LaneArray; 4],
     /// From the first one's origin to the second one's, metres.
     pub(super) offset: [LaneArray; 3],
     pub(super) friction: LaneArray,
-    /// One by the length that the two may slide on each other before they are compared again, 1/m.
+    /// One by the slip up to which the manifold is valid, 1/m.
     pub(super) stiff: LaneArray,
-    /// One by the angle that they may turn against each other before that, 1/rad.
+    /// One by the turn up to which the manifold is valid, 1/rad.
     pub(super) bent: LaneArray,
-    /// By how much more than the staleness says, times what they may slide, others of their points may have come nearer than those of the manifold: a
-    /// turn of `φ` takes these away by up to `r φ` and others there by as much.
+    /// Distance, per unit of staleness and as a multiple of the valid slip, by which other points of the two may have approached more than those of the
+    /// manifold: a turn of `φ` moves these apart by up to `r φ` and others together by as much.
     pub(super) elsewhere: LaneArray,
-    /// By how much faster than others they become stale by that, and by turning: [`steepness`].
+    /// Part of the rate of staleness that comes of the slope: [`steepness`].
     pub(super) steepness: LaneArray,
-    /// How much they have turned and slid since they were compared: 1 is as much as they may, where they touch.
+    /// Turn and slip of the two since the manifold was computed, as a share of what is valid: a touching manifold is recomputed from 1 on.
     pub(super) staleness: LaneArray,
-    /// A bit for each that is too stale for what it is needed for, and is to be compared again.
+    /// A bit for each manifold that is too stale and has to be recomputed.
     pub(super) stale: u32,
-    /// The arm at which friction acts against turning on what is a point, metres: [`TORSIONAL_RADIUS`] of its size, if its particles are nobody
-    /// else's.
+    /// Arm at which friction resists a turn on a point contact, metres: [`TORSIONAL_RADIUS`] of its size, or zero if a body collider shares its particles.
     pub(super) torsional_radius: LaneArray,
-    /// How much of the arm is the first one's anchor: 1 if the second one stands, or the first one alone is round, for a ball touches a face where the ball is;
-    /// none if the second one alone is; else a half.
+    /// Share of the first one's anchor in the arm: 1 against static geometry, or if the first one alone is round, since a ball touches a face where the ball
+    /// is; 0 if the second one alone is round; else a half.
     pub(super) own: LaneArray,
-    /// Whether approach and place are to be kept: something bounces, or somebody listens.
+    /// Whether forces, approach speeds and totals are kept: a contact has a restitution or a drag, or reports events.
     pub(super) kept: bool,
-    /// A bit for each manifold with a restitution: what it recovers of an overlap never turns into speed, but for what a load needs.
+    /// A bit for each manifold with a restitution: overlap that it recovers does not turn into speed, beyond what a load needs.
     pub(super) elastic: u32,
-    /// A bit for each manifold whose second one is static geometry, moving or not.
+    /// A bit for each manifold whose second one is static or kinematic geometry.
     pub(super) against_static: u32,
-    /// A bit for each manifold where more overlap was recovered in this substep than may turn into speed, or one of whose body colliders comes from
-    /// where that was.
+    /// A bit for each manifold that recovered more overlap in this substep than may turn into speed, or one of whose body colliders has a depenetration mark.
     pub(super) depenetrated: u32,
-    /// Of the substep: impulses of the points, kg·m.
+    /// Normal impulses of the points in this substep, kg·m.
     pub(super) force: [LaneArray; 4],
-    /// Their speeds before contacts, m/s; negative when approaching. [`FAR`] for what touches nothing.
+    /// Normal speeds of the points before contacts, m/s; negative when approaching. [`FAR`] for points that do not touch.
     pub(super) approach: [LaneArray; 4],
-    /// Normal in the world, and the centre of pressure from the first one's centre, metres.
+    /// Normal in world axes, and centre of pressure from the first one's centre, metres.
     pub(super) up: [LaneArray; 3],
     pub(super) arm: [LaneArray; 3],
-    /// How far the points are from there; and the sum of their impulses, kg·m.
+    /// Root mean square distance of the points from there, metres; and the sum of their impulses, kg·m.
     pub(super) radius: LaneArray,
     pub(super) sum: LaneArray,
-    /// Against how much of such a sum friction has acted in this substep, before it was pressed; and may act in the next: a mean of the last ones.
+    /// Impulse, kg·m, of which friction was used in this substep before the normal solve; and that of which friction is available in the next one: a mean of
+    /// the last sums.
     pub(super) friction_limit_used: LaneArray,
     pub(super) friction_limit: LaneArray,
-    /// How far what sticks is from where it stuck, metres, and has turned about the normal, rad: pressing moved it after it was held,
-    /// and joints took a part of what held it (`friction`).
+    /// Accumulated slip of a sticking contact, metres, and turn about the normal, rad: the normal solve moved it after the friction solve, and joints took
+    /// back a part of the friction (`friction`).
     pub(super) accumulated_slip: [LaneArray; 4],
     /// A bit for each manifold that sticks.
     pub(super) sticking: u32,
-    /// Of the step: sum of the impulses, kg·m.
+    /// Sum of the impulses in this step, kg·m.
     pub(super) total: LaneArray,
-    /// How deep the points that press were in when the substep began, metres: what the one before has left.
+    /// Depth of the pressing points when the substep began, metres: what the substep before has left.
     pub(super) left: LaneArray,
 }
 
 impl WideContact {
-    /// One without manifolds; `nothing` is the row of nothing.
+    /// A wide contact without manifolds; `nothing` is the null row.
     pub(super) fn empty(nothing: u32, fixed: bool, sweeps: u32) -> Self {
         let (none, vector) = ([0.0; LANES], [[0.0; LANES]; 3]);
         Self {
@@ -380,7 +379,7 @@ impl WideContact {
 }
 
 impl WideContact {
-    /// The friction anchor of a lane, in a substep of `h` seconds.
+    /// The friction anchor of a lane, from a substep of `h` seconds.
     pub(super) fn friction_anchor(&self, lane: usize, h: f32) -> FrictionAnchor {
         let vector = |v: &[[f32; 8]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
         let [x, y, z, twist] = &self.accumulated_slip;
@@ -402,7 +401,7 @@ impl WideContact {
         if sound { friction_anchor } else { FrictionAnchor::default() }
     }
 
-    /// Starts friction of a lane from an anchor.
+    /// Starts friction of a lane from an anchor, for substeps of `h` seconds.
     fn set_friction_anchor(&mut self, lane: usize, anchor: &FrictionAnchor, h: f32) {
         let FrictionAnchor { force, accumulated_slip, twist, up, arm, radius } = *anchor;
         self.friction_limit[lane] = force * (h * h);
@@ -414,7 +413,7 @@ impl WideContact {
         self.radius[lane] = radius;
     }
 
-    /// What lets go for a substep is held at its centre meanwhile: friction at an edge that has lifted would rock it, and it rocks on for minutes.
+    /// Moves the point of friction to the centre while a manifold does not press: friction at an edge that has lifted would rock the body, for minutes.
     #[inline(always)]
     pub(super) fn let_go<L: Lanes>(&mut self, normal: Vector<L>) {
         self.radius = [0.0; LANES];
@@ -423,8 +422,7 @@ impl WideContact {
     }
 }
 
-/// Says of each manifold how often it is to be pressed. `mass` is that of a body collider, kg, or none of what shares particles or is held; `loads`
-/// is scratch.
+/// Sets the number of sweeps of each manifold. `mass` is that of a body collider, kg, or `None` if it shares particles or is pinned; `loads` is scratch.
 pub(super) fn set_levels(
     contacts: &mut [Contact],
     body_colliders: usize,

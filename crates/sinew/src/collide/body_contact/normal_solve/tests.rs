@@ -1,15 +1,15 @@
-//! What points are missing says nothing to the others.
+//! Missing points do not affect the others.
 
 use super::super::turn::Symmetric;
 use super::{ContactPatch, PatchSide, solve_normal_impulses};
 use crate::constraints::checks::Random;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 
-/// Presses two points, alone and beside two that are missing, and compares the bits.
+/// Solves two points, alone and beside two missing ones, and compares the bits.
 struct Both<'a>(&'a mut Random);
 
 impl Work for Both<'_> {
-    /// The two answers.
+    /// The two results.
     type Output = ([[f32; LANES]; 2], [[f32; LANES]; 4]);
 
     #[inline(always)]
@@ -66,14 +66,14 @@ fn two_points_press_as_they_do_beside_two_that_are_missing() {
     assert!(pressed.iter().all(|&times| times > 200), "{pressed:?}: of each kind some");
 }
 
-/// Presses two points that are as good as one, at `distance` metres from each other.
+/// Solves two points `distance` metres from each other, which are as good as one.
 struct AsOne<'a> {
     random: &'a mut Random,
     distance: f32,
 }
 
 impl Work for AsOne<'_> {
-    /// The largest impulse, by what one point alone would need.
+    /// The largest impulse, as a multiple of what one point alone needs.
     type Output = f32;
 
     #[inline(always)]
@@ -105,8 +105,8 @@ impl Work for AsOne<'_> {
     }
 }
 
-/// A manifold had the same corner twice. The middle of the two, rounded, was as far from them as they from each other, and the tilt that was made of
-/// that threw boxes out of a heap at a kilometre a second.
+/// A manifold had the same corner twice. The middle of the two, rounded, was as far from them as they were from each other, and the resulting tilt threw
+/// boxes out of a heap at a kilometre a second.
 #[test]
 fn points_that_are_as_good_as_one_press_as_one() {
     let mut random = Random::new(3);

@@ -1,11 +1,11 @@
-//! What contacts remember: stacks on slopes stay where they are, and nothing is remembered that no longer holds.
+//! The contact cache: stacks on slopes stay where they are, and no manifold is kept beyond its validity.
 
 use super::super::contact_cache::{CachedManifold, ContactKey, Other};
 use super::*;
 use crate::collide::manifold::{Manifold, ManifoldScratch, Point, collide};
 use crate::simulation::Sleep;
 
-/// Plates of 1 × 0.2 × 1 m on each other on a slope, rad.
+/// Plates of 1 × 0.2 × 1 m on each other on a slope of `degrees`.
 fn stack(plates: usize, degrees: f32) -> Simulation {
     let mut world = world();
     let turned = turn(Vec3::Z, -degrees.to_radians());
@@ -25,7 +25,7 @@ fn stack(plates: usize, degrees: f32) -> Simulation {
     world
 }
 
-/// How far the one that goes farthest does in so many seconds, metres.
+/// The greatest displacement of a body collider in `seconds`, metres.
 fn creep(world: &mut Simulation, seconds: f32) -> f32 {
     let places = |world: &Simulation| -> Vec<Vec3> {
         (0..world.particles.len() / 8).map(|k| centre(world, 8 * k)).collect()
@@ -42,7 +42,7 @@ fn stacks_on_slopes_do_not_creep() {
         let mut world = stack(plates, degrees);
         step(&mut world, 3.0);
         let gone = creep(&mut world, 6.0);
-        // What goals.md allows a scene at rest: a millimetre a minute.
+        // The limit for a scene at rest is a millimetre a minute.
         assert!(gone < 1e-4, "{plates} plates at {degrees}° went {gone} m in 6 s");
     }
 }
@@ -52,7 +52,7 @@ fn what_is_restored_with_its_memory_goes_on_bit_for_bit_and_without_it_does_not(
     let mut world = stack(3, 20.0);
     step(&mut world, 1.0);
     let (mut restored, mut blank) = (world.clone(), world.clone());
-    // Everything is laid out afresh.
+    // Lays everything out afresh.
     restored.body_colliders_mut();
     blank.contact_cache.clear();
     for now in [&mut world, &mut restored, &mut blank] {
@@ -71,7 +71,7 @@ fn what_is_remembered_goes_by_names_and_not_by_places() {
     parts.contact_cache.clear();
     for solid in world.body_colliders() {
         parts.contact_cache.add(solid.id, world.contact_cache.of(solid.id));
-        // Of another one nothing is taken.
+        // Manifolds of another id are not taken.
         parts.contact_cache.add(solid.id + 1, world.contact_cache.of(solid.id));
     }
     assert!(world.contact_cache.len() >= 3 && !world.contact_cache.is_empty());
@@ -99,8 +99,7 @@ fn a_box_that_is_carried_off_comes_to_lie_where_it_is_put() {
     floor(&mut world, rough(0.5));
     let first = add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * 0.5, Quat::IDENTITY);
     step(&mut world, 1.0);
-    // A hand's breadth up and turned: none of its old corners is below. Not about its diagonal, or it would stand on an edge until rounding tips it
-    // over.
+    // A hand's breadth up and turned: none of its old corners is below. Not about its diagonal, or it would stand on an edge until rounding tips it over.
     let (middle, turned) = (centre(&world, first), turn(Vec3::new(1.0, 0.0, 0.6), 1.2));
     for i in first..first + 8 {
         let arm = world.particles.position(i) - middle;
@@ -129,7 +128,7 @@ fn sleepers_remember() {
 fn a_slope_with_a_mesh_for_its_surface_is_as_good() {
     let mut world = stack(3, 15.0);
     let frame = world.colliders[0].start;
-    // A sheet of two triangles, which are two manifolds.
+    // A mesh of two triangles, which gives two manifolds.
     let corner = |x: f32, z: f32| Vec3::new(4.0 * x, 0.0, 4.0 * z);
     let corners = vec![corner(-1., -1.), corner(1., -1.), corner(1., 1.), corner(-1., 1.)];
     let sheet = Shape::mesh(corners, vec![[0, 2, 1], [0, 3, 2]]).unwrap();
@@ -141,10 +140,10 @@ fn a_slope_with_a_mesh_for_its_surface_is_as_good() {
 
 #[test]
 fn a_box_falls_when_the_one_triangle_beneath_it_is_lowered() {
-    // All meshes have one mark, and two meshes may well give one manifold each: nothing of it may be taken for the other's.
+    // All meshes have the same content hash, and two meshes may well give one manifold each: the manifold of one must not be used for the other.
     let triangle = |y: f32| {
         let corners = [[-9.0, -9.0], [0.0, 9.0], [9.0, -9.0]].map(|[x, z]| Vec3::new(x, y, z));
-        // Another one far off, so that the box is within the bounds of both meshes.
+        // Another triangle far away, so that the box is within the bounds of both meshes.
         let far = [Vec3::new(20.0, 0.0, 0.0), Vec3::new(20.0, 1.0, 0.0), Vec3::new(20.0, 0.0, 1.0)];
         Shape::mesh([corners, far].concat(), vec![[0, 1, 2], [3, 4, 5]]).unwrap()
     };
@@ -160,8 +159,8 @@ fn a_box_falls_when_the_one_triangle_beneath_it_is_lowered() {
     assert!((y - 0.4).abs() < 2e-3, "{y}");
 }
 
-/// The points of a manifold are points of the two. Where one leans on the rim of the other and slides, it soon touches there with other points of its
-/// own, which are higher or lower: that box was thrown out of a rim that it was half a millimetre deep in already.
+/// The points of a manifold are fixed to the two. Where a box leans on the rim of another and slides, it soon touches there with other points, which are
+/// higher or lower: this box was thrown out of a rim in which it was half a millimetre deep already.
 #[test]
 fn what_slides_over_a_rim_is_known_to_be_as_high_as_it_is() {
     let half = Vec3::splat(0.25);

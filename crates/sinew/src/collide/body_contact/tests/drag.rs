@@ -1,4 +1,4 @@
-//! The lectures' friction between body colliders: a share of the velocity lost in each second.
+//! Planar drag between body colliders: a share of the velocity is lost in each second.
 
 use super::*;
 use crate::constraints::{PlanarDrag, Plane};
@@ -7,7 +7,7 @@ fn sticky(along: f32, across: f32) -> Material {
     Material { drag: PlanarDrag { along, across }, ..rough(0.0) }
 }
 
-/// A plate of 1 × 0.2 × 1 m that lies, slides at 3 m/s and spins at 2 rad/s; its speed and its spin after a second.
+/// A plate of 1 × 0.2 × 1 m on the floor that slides at 3 m/s and spins at 2 rad/s; returns its speed and its spin after a second.
 fn slide(world: &mut Simulation) -> (f32, f32) {
     let first = add_box(world, Vec3::new(1.0, 0.2, 1.0), 2.0, Vec3::Y * 0.1, Quat::IDENTITY);
     for i in first..first + 8 {
@@ -91,7 +91,7 @@ fn what_drags_each_other_keeps_its_momenta() {
     let past = |world: &Simulation| (velocity(world, 0) - velocity(world, 8)).y.abs();
     step(&mut world, 0.2);
     let after = sums(&world);
-    // They press each other for a substep or two, of which each takes 0.4 %.
+    // They press each other for a substep or two, each of which takes 0.4 %.
     assert!(past(&world) < 1.99, "it dragged: {}", past(&world));
     assert!(before.0.abs_diff_eq(after.0, 1e-4), "{} {}", before.0, after.0);
     assert!(before.1.abs_diff_eq(after.1, 1e-3), "{} {}", before.1, after.1);

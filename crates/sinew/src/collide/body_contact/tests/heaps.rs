@@ -1,9 +1,9 @@
-//! Many of them, and of odd kinds.
+//! Heaps, ragdolls, and unusual contacts.
 
 use super::*;
 use crate::recipes::{RagdollSpec, ragdoll};
 
-/// Boxes of random sizes above each other.
+/// Adds boxes of random sizes above each other.
 pub(super) fn pour(world: &mut Simulation, count: usize, seed: u32) -> Vec<usize> {
     let mut dice = Dice(seed);
     (0..count)
@@ -17,9 +17,9 @@ pub(super) fn pour(world: &mut Simulation, count: usize, seed: u32) -> Vec<usize
         .collect()
 }
 
-/// The lowest corner of a box, metres.
+/// Height of the lowest corner of a box, metres.
 fn lowest(world: &Simulation, first: usize) -> f32 {
-    // Particles sit at 1/√3 of the way to the corners.
+    // Particles are at 1/√3 of the way to the corners.
     let middle = centre(world, first);
     let out = |i: usize| middle + (world.particles.position(first + i) - middle) * 3.0_f32.sqrt();
     (0..8).map(|i| out(i).y).fold(f32::INFINITY, f32::min)
@@ -40,8 +40,8 @@ fn a_hundred_boxes_poured_out_come_to_rest_above_the_floor() {
     }
     let low = boxes.iter().map(|&first| lowest(&world, first));
     let low = low.fold(f32::INFINITY, f32::min);
-    // The last ones arrive at 26 m/s, which is 4.3 cm a substep, and turn; how deep the deepest corner gets is chance: 5 to 13 mm with eight other seeds,
-    // and 6 cm with one of them before restitution was one problem.
+    // The last ones arrive at 26 m/s, which is 4.3 cm a substep, and turn; the depth of the deepest corner is chance: 5 to 13 mm with eight other seeds, and
+    // 6 cm with one of them before restitution was one problem.
     assert!(deepest > -0.06 && low > -2e-3, "{deepest} {low}");
     assert!(speed(&world) < 1e-3, "{}", speed(&world));
 }

@@ -1,4 +1,4 @@
-//! Momentum and angular momentum of what nothing else acts on.
+//! Momentum and angular momentum of bodies without external forces.
 
 use glam::DVec3;
 
@@ -35,17 +35,17 @@ fn two_free_boxes_keep_momentum_and_angular_momentum_when_they_hit_each_other() 
             worst_l = worst_l.max((now.1 - l).length());
         }
         assert!((velocity(&world, a) - v).length() > 0.3, "they must have met");
-        // Rounding of a place a metre off, 6e-8 m, is 4e-5 m/s by the 600 substeps of a second, and there are some 300 of them while they touch.
+        // Rounding of a position a metre away, 6e-8 m, is 4e-5 m/s at the 600 substeps of a second, and there are some 300 of them while they touch.
         assert!(worst_p < 5e-4 && worst_l < 3e-4, "{worst_p} {worst_l}");
     }
 }
 
 #[test]
 fn two_bodies_of_solids_that_share_particles_keep_it_too() {
-    // Two bones with a joint in common, hit by a box.
+    // Two bones with a shared joint, hit by a box.
     let mut world = world();
     world.forces.gravity = Vec3::ZERO;
-    // Without friction: that would turn a bone about its line, which two particles cannot show.
+    // Without friction: that would turn a bone about its line, which two particles cannot represent.
     contacts(&mut world, rough(0.0));
     let mut rows = Vec::new();
     for at in [Vec3::new(-1.0, 0.0, 0.0), Vec3::ZERO, Vec3::new(1.0, 0.0, 0.0)] {
@@ -73,7 +73,7 @@ fn two_bodies_of_solids_that_share_particles_keep_it_too() {
         worst_l = worst_l.max((now.1 - l).length());
     }
     assert!(velocity(&world, b).y > -1.9, "they must have met");
-    // It was 3e-3 while the anchor of a contact turned with a bone: it pressed beside its axis, about which nothing turns two particles.
-    // Rounding alone leaves 4.5e-4 kg m/s in the mean of sixty throws like this one, and 1.6e-3 in the worst.
+    // It was 3e-3 while the anchor of a contact turned with a bone: it pressed beside the bone's axis, about which nothing turns two particles. Rounding
+    // alone leaves 4.5e-4 kg m/s in the mean of sixty throws like this one, and 1.6e-3 in the worst.
     assert!(worst_p < 6e-4 && worst_l < 3e-4, "{worst_p} {worst_l}");
 }

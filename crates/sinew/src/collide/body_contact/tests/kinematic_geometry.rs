@@ -1,4 +1,4 @@
-//! On what moves: belts, lifts and turntables. And what is held: pins.
+//! Kinematic geometry: belts, lifts and turntables; and pinned bodies.
 
 use super::*;
 
@@ -11,7 +11,7 @@ fn a_box_on_a_belt_goes_with_it() {
     step(&mut world, 3.0);
     let v = velocity(&world, first);
     assert!((v - Vec3::X * 2.0).length() < 1e-3, "{v}");
-    // It slid until it had the belt's speed, for v/(μ g) seconds.
+    // It slides for v/(μ g) seconds until it has the speed of the belt.
     let exact = 2.0 * 3.0 - 2.0 * 2.0 / (2.0 * 0.5 * 9.81);
     assert!((centre(&world, first).x - exact).abs() < 0.02);
 }
@@ -31,7 +31,7 @@ fn a_box_on_a_lift_goes_up_and_down_with_it() {
         let on = centre(&world, first) - Vec3::new(height(i + 1), height(i + 1) + 0.5, 0.0);
         worst = worst.max(on.with_y(3.0 * on.y).length());
     }
-    // It slides a little where the plate's speed jumps from step to step.
+    // It slides a little where the speed of the plate jumps from step to step.
     assert!(worst < 0.015, "{worst}");
 }
 
@@ -42,7 +42,7 @@ fn a_box_on_a_turntable_goes_round_with_it() {
     world.colliders.push(Collider::fixed(plate, Frame::at(Vec3::Y * -0.1)));
     let first =
         add_box(&mut world, Vec3::splat(0.5), 1.0, Vec3::new(1.0, 0.25, 0.0), Quat::IDENTITY);
-    // 1 rad/s at 1 m asks for a tenth of what friction gives.
+    // 1 rad/s at 1 m needs a tenth of the available friction.
     throw(&mut world, first, Vec3::Z * -1.0, Vec3::Y);
     for i in 0..360 {
         let frame = |i: i32| Frame::new(Vec3::Y * -0.1, turn(Vec3::Y, i as f32 / 60.0));
@@ -84,7 +84,7 @@ fn a_box_with_pinned_particles_turns_about_them_when_it_is_hit() {
         } else {
             assert!(moved > 0.1);
         }
-        // Nothing went through.
+        // Nothing passed through.
         assert!(velocity(&world, ball).z > -3.0 && centre(&world, ball).is_finite());
     }
 }

@@ -1,9 +1,9 @@
-//! Body colliders and single particles.
+//! Contacts of body colliders with single particles.
 
 use super::*;
 use crate::{BodySettings, ParticleSeed};
 
-/// A world without gravity with a box at zero and particles that ask to touch bodies.
+/// A world without gravity, with a box at zero and a particle that collides with bodies.
 fn with_particle(seed: ParticleSeed, material: Material) -> (Simulation, usize, usize) {
     let mut world = world();
     world.forces.gravity = Vec3::ZERO;

@@ -1,8 +1,8 @@
-//! What is thrown out of its way within a step meets what nobody expected it to meet.
+//! Missed pairs: a body collider that is thrown out of its swept bounds within a step collides with shapes that are not among its pairs.
 
 use super::*;
 
-/// What stands in the way, with its face at x = 0.7 m.
+/// Obstacles with a face at x = 0.7 m.
 fn obstacles() -> [Shape; 4] {
     let half = Vec3::new(0.1, 3.0, 3.0);
     let wall = Shape::cuboid(half * 2.0).unwrap();
@@ -28,12 +28,12 @@ fn what_is_struck_does_not_pass_through_what_it_is_thrown_at() {
         world.forces.gravity = Vec3::ZERO;
         contacts(&mut world, rough(0.3));
         let frame = match number {
-            // Solid below its plane: that is where x is more.
+            // A half-space is solid below its plane; turned, towards greater x.
             3 => Frame::new(Vec3::X * 0.7, turn(Vec3::Z, core::f32::consts::FRAC_PI_2)),
             _ => Frame::at(Vec3::X * 0.8),
         };
         world.colliders.push(Collider::fixed(shape, frame));
-        // 40 m/s are 0.67 m in a step; the struck one gets half of that, nearly all of the step.
+        // 40 m/s are 0.67 m in a step; the struck box gets half of that, for nearly all of the step.
         let at = Vec3::new(0.28, 0.07, 0.03);
         let thrown = add_box(&mut world, Vec3::splat(0.2), 1.0, at, Quat::IDENTITY);
         let struck = add_box(&mut world, Vec3::splat(0.2), 1.0, Vec3::X * 0.5, Quat::IDENTITY);
@@ -55,7 +55,7 @@ fn what_is_struck_does_not_pass_through_what_it_is_thrown_at() {
 
 #[test]
 fn what_is_struck_strikes_what_lies_behind_it() {
-    // A row of boxes, 5 cm between them: in a step a blow goes on from one to the next.
+    // A row of boxes with gaps of 5 cm: within one step an impact passes from one to the next.
     let mut world = world();
     world.forces.gravity = Vec3::ZERO;
     contacts(&mut world, rough(0.0));
@@ -73,7 +73,7 @@ fn what_is_struck_strikes_what_lies_behind_it() {
             assert!(apart > 0.18, "{apart}");
         }
     }
-    // All of it goes on with what it was given.
+    // The sum of momenta is the initial one.
     let sum: f32 = row.iter().map(|&first| velocity(&world, first).x).sum();
     assert!((sum - 40.0).abs() < 0.01, "{sum}");
     assert!(row.iter().all(|&first| velocity(&world, first).x > 3.0));

@@ -1,4 +1,4 @@
-//! What a world of body colliders does: rest, towers, slopes, conveyors, bounces, conservation, heaps, ragdolls.
+//! Scenes of body colliders: rest, towers, slopes, conveyors, bounces, conservation, heaps, ragdolls.
 
 mod contact_cache;
 mod drag;
@@ -37,7 +37,7 @@ fn add_box(world: &mut Simulation, size: Vec3, mass: f32, at: Vec3, turned: Quat
     add(world, &body, Shape::cuboid(size).unwrap(), at, turned)
 }
 
-/// Adds a body of one part as a body collider.
+/// Adds a body of one part as a body collider, and returns its first row.
 fn add(world: &mut Simulation, body: &Blueprint, shape: Shape, at: Vec3, turned: Quat) -> usize {
     let rows = body.transformed(turned, at).build(world).unwrap();
     let part = &body.parts[0];
@@ -49,13 +49,13 @@ fn add(world: &mut Simulation, body: &Blueprint, shape: Shape, at: Vec3, turned:
     first
 }
 
-/// A rotation about an axis, rad.
+/// A rotation about an axis by an angle, rad.
 fn turn(axis: Vec3, angle: f32) -> Quat {
     let axis = axis.normalize() * libm::sinf(0.5 * angle);
     Quat::from_xyzw(axis.x, axis.y, axis.z, libm::cosf(0.5 * angle))
 }
 
-/// A floor, and bodies of the same material.
+/// Adds a floor of a material, and gives it to all bodies.
 fn floor(world: &mut Simulation, material: Material) {
     let floor = Collider::fixed(Shape::half_space(), Frame::IDENTITY).with_material(material);
     world.colliders.push(floor);
@@ -70,7 +70,7 @@ fn elastic(restitution: f32) -> Material {
     Material::default().with_friction(0.0).with_restitution(restitution)
 }
 
-/// Makes every body of this.
+/// Gives a material to all bodies.
 fn contacts(world: &mut Simulation, material: Material) {
     *world.contacts = vec![BodyContacts { material, ..Default::default() }; 2000];
 }
@@ -81,14 +81,14 @@ fn step(world: &mut Simulation, seconds: f32) {
     }
 }
 
-/// Root of the mean square of the velocities, m/s.
+/// Root mean square of the velocities, m/s.
 fn speed(world: &Simulation) -> f32 {
     let particles = &world.particles;
     let sum: f32 = (0..particles.len()).map(|i| particles.velocity(i).length_squared()).sum();
     (sum / particles.len() as f32).sqrt()
 }
 
-/// Mean of eight rows.
+/// Mean position of eight rows, metres.
 fn centre(world: &Simulation, first: usize) -> Vec3 {
     (first..first + 8).map(|i| world.particles.position(i)).sum::<Vec3>() / 8.0
 }
@@ -107,7 +107,7 @@ fn throw(world: &mut Simulation, first: usize, velocity: Vec3, spin: Vec3) {
     }
 }
 
-/// Numbers from 0 to 1.
+/// Random numbers from 0 to 1.
 struct Dice(u32);
 
 impl Dice {

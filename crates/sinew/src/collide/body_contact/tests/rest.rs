@@ -1,4 +1,4 @@
-//! What lies still.
+//! Bodies at rest.
 
 use core::ops::Range;
 
@@ -79,8 +79,8 @@ fn far_from_the_origin_it_lies_as_still() {
     assert!(moved.length() < 1e-3 && speed(&world) < 1e-3);
 }
 
-/// Its bones share their joints, so that each of them gets a half of what friction asks there; what was believed to be held crept over the floor at
-/// up to a centimetre a second, for ever.
+/// Bones share their joints, so each of them gets half of the friction there; before the constraint residual was measured, the ragdoll crept over the floor
+/// at up to a centimetre a second, for ever.
 #[test]
 fn ragdolls_that_lie_on_the_ground_stay_there() {
     let mut world = Simulation::default();

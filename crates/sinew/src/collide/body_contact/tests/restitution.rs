@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The hull of a sphere of 0.5 m: corners of an octahedron whose edges were halved three times.
+/// A hull of a sphere of 0.5 m: an octahedron whose edges were halved three times.
 fn round_hull() -> Shape {
     let mut points = Vec::new();
     let n = 8;
@@ -19,8 +19,7 @@ fn round_hull() -> Shape {
     Shape::hull(&points).unwrap()
 }
 
-/// Drops something from 1 m (of its centre above where that is when it touches) and returns how high it gets, metres, and how fast it goes aside
-/// then.
+/// Drops a shape from 1 m, measured at its centre from where that is at contact, and returns how high it bounces, metres, and its sideways speed then.
 fn drop(shape: Shape, restitution: f32) -> (f32, f32) {
     let mut world = world();
     floor(&mut world, elastic(restitution));

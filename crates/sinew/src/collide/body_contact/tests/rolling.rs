@@ -1,21 +1,21 @@
-//! What is round rolls: its contact stays below it however it has turned (physics.md K1 to K3).
+//! Round shapes roll: the contact stays below them however they have turned (physics.md K1 to K3).
 
 use super::*;
 use crate::recipes::{BoxLayout, BoxSpec, box_3d};
 
-/// Adds what has the moments of inertia of a box of that size: 2/5 m r² with `√2.4 r` for a side, those of a cylinder with `√3 r` across it.
+/// Adds a shape with the moments of inertia of a box of this size: 2/5 m r² for sides of `√2.4 r`, those of a cylinder for `√3 r` across it.
 fn add_round(world: &mut Simulation, shape: Shape, size: Vec3, at: Vec3, turned: Quat) -> usize {
     let spec = BoxSpec { size, mass: 2.0, layout: BoxLayout::Equimomental, ..BoxSpec::default() };
     add(world, &box_3d(&spec).unwrap(), shape, at, turned)
 }
 
-/// A ball, whose inertia is that of a solid one.
+/// A ball with the inertia of a solid one.
 fn add_ball(world: &mut Simulation, radius: f32, at: Vec3) -> usize {
     let (ball, size) = (Shape::sphere(radius).unwrap(), Vec3::splat(radius * libm::sqrtf(2.4)));
     add_round(world, ball, size, at, Quat::IDENTITY)
 }
 
-/// How fast eight rows turn, rad/s.
+/// Angular velocity of eight rows, rad/s.
 fn spin(world: &Simulation, first: usize) -> Vec3 {
     let (at, moves) = (centre(world, first), velocity(world, first));
     Vec3::from_array(Vec3::AXES.map(|axis| {
@@ -29,22 +29,22 @@ fn spin(world: &Simulation, first: usize) -> Vec3 {
     }))
 }
 
-/// What was seen of what is round on a slope.
+/// Measured motion of a round shape on a slope.
 struct Rolled<'a> {
     name: &'a str,
-    /// What it has of `m r²` for a moment of inertia.
+    /// Its moment of inertia, as a multiple of `m r²`.
     inertia: f32,
-    /// How far and how fast it went down, metres and m/s.
+    /// Displacement and velocity down the slope, metres and m/s.
     gone: f32,
     speed: f32,
-    /// About the axis that it rolls about, rad/s.
+    /// Angular velocity about the rolling axis, rad/s.
     spin: f32,
-    /// How far it got from where it should be beside that, metres.
+    /// Displacement off the straight line down, metres.
     off: f32,
 }
 
-/// A ball, and a capsule and a cylinder across the slope, of 0.5 m radius, on slopes of so many degrees (a half-space, a box, two triangles) with a friction
-/// of so much of what they need to roll, `tan θ k / (1 + k)` with `k` for the inertia: after two seconds in so many substeps.
+/// A ball, and a capsule and a cylinder across the slope, of 0.5 m radius, on slopes of an angle (a half-space, a box, two triangles), with `share` of the
+/// friction that they need to roll, `tan θ k / (1 + k)` with `k` for the inertia: after two seconds at each number of substeps.
 fn on_slopes(degrees: f32, share: f32, substeps: &[u32], mut each: impl FnMut(Rolled)) {
     let radius = 0.5;
     let slope = turn(Vec3::Z, -degrees.to_radians());
@@ -109,7 +109,7 @@ fn what_is_round_rolls_down_a_slope_as_its_inertia_has_it() {
 fn where_friction_is_too_little_it_slips_and_turns_as_that_has_it() {
     for degrees in [5.0_f32, 20.0, 45.0] {
         let (sine, cosine) = libm::sincosf(degrees.to_radians());
-        // What presses in one of 40 substeps, 1.6e-6 m, is the rounding of a place that is five metres down: the spin is off by 3 to 6 % there (K9).
+        // The normal correction in one of 40 substeps, 1.6e-6 m, is the rounding of a position five metres down: the spin is off by 3 to 6 % there (K9).
         let substeps: &[u32] = if degrees < 20.0 { &[4, 10, 40] } else { &[4, 10] };
         on_slopes(degrees, 0.8, substeps, |rolled| {
             let Rolled { name, inertia, gone, speed, spin, off } = rolled;
@@ -119,7 +119,7 @@ fn where_friction_is_too_little_it_slips_and_turns_as_that_has_it() {
             assert!((gone / (2.0 * exact) - 1.0).abs() < 0.02, "{name}: {gone}");
             assert!((speed / (2.0 * exact) - 1.0).abs() < 0.02, "{name}: {speed}");
             assert!((spin / (2.0 * turns) - 1.0).abs() < 0.02, "{name}: {spin}");
-            // A capsule that slips is steered by nothing, and by rounding: a millimetre on six metres.
+            // A slipping capsule is guided by nothing, and disturbed by rounding: a millimetre on six metres.
             assert!(off < 3e-3, "{name}: {off}");
         });
     }
@@ -215,7 +215,7 @@ fn two_balls_that_spin_and_hit_each_other_keep_momentum_and_angular_momentum() {
         let (p, l) = ((after.0 - before.0).length(), (after.1 - before.1).length());
         assert!(p < 3e-4 && l < 3e-4, "{p} {l}");
         if material.friction == 0.0 {
-            // Nothing turns a ball that it only presses.
+            // Normal impulses alone do not turn a ball.
             let turned =
                 (spin(&world, a) - spins[0]).length() + (spin(&world, b) - spins[1]).length();
             assert!(turned < 2e-3, "{turned}");
@@ -225,7 +225,7 @@ fn two_balls_that_spin_and_hit_each_other_keep_momentum_and_angular_momentum() {
 
 #[test]
 fn a_ball_stays_on_a_ball_that_spins_below_it() {
-    // Without friction the lower one's spin is none of the upper one's business, which stands on its top for as long as its balance is.
+    // Without friction the spin of the lower ball does not affect the upper one, which stands on its top as long as its balance lasts.
     let mut world = world();
     floor(&mut world, rough(0.0));
     let low = add_ball(&mut world, 0.5, Vec3::Y * 0.5);

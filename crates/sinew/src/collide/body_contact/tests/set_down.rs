@@ -1,11 +1,11 @@
-//! Convex shapes set down exactly where they touch (physics.md K4): rounding must not decide whether they hold.
+//! Convex shapes set down exactly where they touch (physics.md K4): rounding must not decide whether they are held.
 
 use super::*;
 
-/// Sizes of the body that is set down, and of what it lies on, metres: a plate of twice its width.
+/// Size of the body that is set down, metres, and of the one below: a plate of twice that width.
 const SIZE: f32 = 0.5;
 
-/// A prism with so many sides, upright, of a diameter and a height.
+/// An upright prism with a number of sides, a diameter and a height.
 fn prism(sides: u32, across: f32, height: f32) -> Shape {
     let corners: Vec<Vec3> = (0..sides)
         .flat_map(|i| {
@@ -17,7 +17,7 @@ fn prism(sides: u32, across: f32, height: f32) -> Shape {
     Shape::hull(&corners).unwrap()
 }
 
-/// What has a flat top and a flat end, of a width, as high as that.
+/// Shapes with a flat top and bottom, of a width, and as high.
 fn flat(across: f32) -> [(&'static str, Shape); 4] {
     [
         ("box", Shape::cuboid(Vec3::splat(across)).unwrap()),
@@ -27,7 +27,7 @@ fn flat(across: f32) -> [(&'static str, Shape); 4] {
     ]
 }
 
-/// What may be set down: how high its middle is, and how it is turned for that.
+/// Shapes to set down: name, shape, height of the centre, and rotation for that.
 fn tops() -> Vec<(&'static str, Shape, f32, Quat)> {
     let (radius, lies) = (0.5 * SIZE, turn(Vec3::Z, core::f32::consts::FRAC_PI_2));
     let thin = 0.5 * radius;
@@ -39,8 +39,8 @@ fn tops() -> Vec<(&'static str, Shape, f32, Quat)> {
     tops
 }
 
-/// The worst of what was seen of a body that was set down, in so many places, with each of the gaps: how far it rose above where it touches, how deep it
-/// sank, and how fast it went sideways.
+/// The worst of a body that is set down in several places, with each of the gaps: its rise above the touching pose, its depth below that, and its sideways
+/// speed.
 fn worst(
     (top, tall, own): (&Shape, f32, Quat),
     below: &Shape,

@@ -1,9 +1,9 @@
-//! Coulomb's friction (physics.md F8).
+//! Coulomb friction (physics.md F8).
 
 use super::*;
 use crate::recipes::{BoxLayout, BoxSpec, box_3d};
 
-/// A box on a slope: how far it slid down in two seconds, and how far it would without friction but for Coulomb's.
+/// A box on a slope: its displacement down in two seconds, and the exact one under Coulomb friction.
 fn slide(friction: f32, tangent: f32) -> (f32, f32) {
     let mut world = world();
     let angle = libm::atanf(tangent);
@@ -27,7 +27,7 @@ fn a_box_slides_where_the_slope_is_steeper_than_its_friction_and_not_before() {
     for friction in [0.2, 0.5, 0.8] {
         let (still, _) = slide(friction, friction * 0.98);
         let (slid, exact) = slide(friction, friction * 1.1);
-        // So near to sliding it creeps, by less than a millimetre a second.
+        // This close to sliding it creeps, by less than a millimetre a second.
         assert!(still.abs() < 2e-3, "{still}");
         assert!((slid / exact - 1.0).abs() < 0.02, "{slid} {exact}");
     }
@@ -58,7 +58,7 @@ fn a_box_that_spins_on_the_floor_stops_where_it_is() {
     assert!(centre(&world, first).with_y(0.0).length() < 0.01 && speed(&world) < 1e-3);
 }
 
-/// It touches the floor in a point, about which it turned for ever: now as on a patch of a hundredth of its size.
+/// It touches the floor in a point, about which it used to turn for ever: now as on a patch of a hundredth of its size.
 #[test]
 fn a_ball_that_spins_on_the_floor_slows_down_as_on_a_small_patch_and_stops() {
     let mut world = world();
@@ -78,7 +78,7 @@ fn a_ball_that_spins_on_the_floor_slows_down_as_on_a_small_patch_and_stops() {
         sum / squares
     };
     throw(&mut world, first, Vec3::ZERO, Vec3::Y);
-    // M = μ m g · s / 100, with half the diagonal of the box around it; of a mass with the inertia of a cube of 1 m.
+    // M = μ m g · s / 100, with half the diagonal of its bounding box; for a mass with the inertia of a cube of 1 m.
     let size = radius * 3.0_f32.sqrt();
     let slowing = friction * 9.81 * size * 0.01 * 6.0;
     step(&mut world, 3.0);

@@ -1,9 +1,9 @@
-//! Who is beside a body collider in lanes must not matter to it: of others that touch nothing of it, no bit depends.
+//! Results do not depend on the neighbour lanes: no bit of a body collider depends on others that it does not touch.
 
 use super::*;
 
-/// Boxes that fall onto each other, some with a push into their neighbour, and balls of three particles that roll; between them in the order of
-/// creation, as many `others` far off, at rest.
+/// Boxes that fall onto each other, some with a push into their neighbour, and balls of three particles that roll; between them in the order of creation, as
+/// many `others` far away, at rest.
 fn heap(others: usize) -> (Simulation, Vec<usize>) {
     let mut world = world();
     floor(&mut world, rough(0.5));
@@ -15,7 +15,7 @@ fn heap(others: usize) -> (Simulation, Vec<usize>) {
             add_box(&mut world, Vec3::ONE, 1.0, at, Quat::IDENTITY);
             lain += 1;
         }
-        // Every fifth begins in its neighbour, and is pushed out of it.
+        // Every fifth begins inside its neighbour, and is pushed out of it.
         let apart = if k % 5 == 4 { 0.7 } else { 1.15 };
         let at =
             Vec3::new(0.4 * (k % 3) as f32, 0.7 + apart * (k / 2) as f32, 0.9 * (k % 2) as f32);

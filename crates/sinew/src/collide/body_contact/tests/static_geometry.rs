@@ -1,4 +1,4 @@
-//! What stands still is left out by kernels of their own: they say what the others say of something that stands still.
+//! Kernels for fixed geometry, which load no row of the second one, give the same results as the general ones.
 
 use glam::Vec4;
 
@@ -11,7 +11,7 @@ use super::*;
 use crate::constraints::checks::Random;
 use crate::lanes::{InstructionSet, LANES};
 
-/// Eight body colliders that press on one that stands in row 8, in so many points; row 9 is nothing.
+/// Eight body colliders that press on a static one in row 8, in `points` points each; row 9 is the null row.
 fn eight_on_one(points: usize, random: &mut Random) -> (WideContact, Bodies) {
     let mut bodies = Bodies::default();
     bodies.resize(LANES + 2, &[]);
@@ -53,7 +53,7 @@ fn eight_on_one(points: usize, random: &mut Random) -> (WideContact, Bodies) {
     (wide, bodies)
 }
 
-/// Holds, presses and holds; and what comes of it. Numbers, for which sign a zero has does not matter.
+/// Solves friction, normals and friction, and returns the rows and the state of the wide contact. As numbers: the sign of a zero does not matter.
 fn pressed(
     wide: &WideContact,
     bodies: &Bodies,
@@ -91,7 +91,7 @@ fn what_stands_still_is_to_kernels_that_leave_it_out_what_it_is_to_others() {
         let (asked, left_out) = (pressed(&wide, &bodies, false), pressed(&wide, &bodies, true));
         assert_eq!(asked.0, left_out.0, "{round}");
         assert_eq!(asked.1, left_out.1, "{round}");
-        // Something was pressed.
+        // Some impulse is not zero.
         let sums = asked.1[asked.1.len() - 4];
         assert!(sums.iter().any(|&sum| sum > 0.0), "{sums:?}");
     }

@@ -11,7 +11,7 @@ use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 
-/// Some substeps of contacts alone, by hand.
+/// Some substeps of contacts alone.
 fn substeps(
     world: &Simulation,
     body_colliders: &mut BodyContactSolver,

@@ -1,4 +1,5 @@
-//! What lies badly, but lies: on two thin corners, or wedged between two slopes. Both were found in heaps of a thousand boxes that would not rest.
+//! Unfavourable but stable supports: on two thin corners, or wedged between two slopes. Both were found in heaps of a thousand boxes that did not come to
+//! rest.
 
 use glam::Mat3;
 
@@ -14,7 +15,7 @@ fn facing(x: [f32; 3], y: [f32; 3]) -> Quat {
     Quat::from_mat3(&Mat3::from_cols(x, z.cross(x), z)).normalize()
 }
 
-/// Kinetic and potential energy of all, J.
+/// Kinetic and potential energy of all particles, J.
 fn energy(world: &Simulation) -> f64 {
     let particles = &world.particles;
     let of = |i: usize| {
@@ -24,9 +25,9 @@ fn energy(world: &Simulation) -> f64 {
     (0..particles.len()).map(of).sum()
 }
 
-/// It lies on a corner of each of two boxes, triangles of 3 cm by 15. Whenever it leaned to one side, the edges that crossed there were nearer than
-/// its face seemed to be, whose lowest corner is far away; so it was held in that one point of three, came down on the others a millimetre later, and
-/// was lifted out of them: it rocked for minutes.
+/// It lies on a corner of each of two boxes, triangles of 3 cm by 15. Whenever it leaned to one side, the edges that crossed there were nearer than its face
+/// was assumed to be, whose lowest corner is far away; so it was held in that one point of three, came down on the others a millimetre later, and was pushed
+/// out of them: it rocked for minutes.
 #[test]
 fn a_box_that_rocks_on_two_thin_corners_gains_nothing_and_comes_to_rest() {
     let mut world = world();
@@ -53,8 +54,8 @@ fn a_box_that_rocks_on_two_thin_corners_gains_nothing_and_comes_to_rest() {
     assert!(speed(&world) < 1e-3, "{}", speed(&world));
 }
 
-/// It leans on one box by a face and on another one by an edge, as steep as friction on either would never hold. Friction saw all of the fall of a
-/// substep on both, and acted against that alone.
+/// It leans on one box by a face and on another one by an edge, both too steep for friction on either one alone. Friction acted on both against all of the
+/// fall of a substep, and against that alone.
 #[test]
 fn a_box_wedged_between_two_slopes_does_not_creep() {
     let mut world = world();
