@@ -18,7 +18,7 @@ use super::super::world::World;
 use super::BodyContactSolver;
 use super::bodies::{ROTATION, SHIFT};
 use super::contact_cache::{CacheBuilder, ContactCache};
-use super::pose::certain;
+use super::pose::robust_rotation;
 use super::swept_bounds::{SweptBounds, WideSweptBounds};
 use super::wide_contact::{
     Contact, SWEEPS, WideContact, colour, keep_for_impacts, pack_contacts, put, set_levels,
@@ -28,7 +28,7 @@ use crate::lanes::LANES;
 use crate::particles::{NO_BODY, Particles};
 
 /// From this number of body colliders outside the grid on, the grid is filled anew: each of them is compared with each that leaves its swept bounds.
-const MANY: usize = 128;
+const REFILL_COUNT: usize = 128;
 
 impl BodyContactSolver {
     /// Finds at the start of a step all pairs and manifolds that may touch in it, and packs their contacts.
@@ -46,11 +46,11 @@ impl BodyContactSolver {
         }
         self.sensor_overlaps.clear();
         self.h = world.dt / world.substeps.max(1) as f32;
-        let is_new = self.dormant.0.begin(world, &self.groups, &self.met);
+        let is_new = self.dormant.0.begin(world, &self.groups, &self.in_contact);
         if is_new {
             self.cache.forget_dormant();
         }
-        self.groups.weigh(world.body_colliders, self.dormant.0.looked(), particles);
+        self.groups.update_masses(world.body_colliders, self.dormant.0.active(), particles);
         self.note_sleepers(world);
         super::static_geometry::list(world, &mut self.floor, &mut self.static_geometry);
         let rows = self.groups.padded() + self.static_geometry.len() + 1;
@@ -61,7 +61,7 @@ impl BodyContactSolver {
             return;
         }
         self.overlaps.update(world.body_colliders, &self.groups, particles, world.filter);
-        self.origin_offsets.take(&self.groups, self.dormant.0.looked(), particles);
+        self.origin_offsets.collect(&self.groups, self.dormant.0.active(), particles);
         self.note_initial_rotations(particles, world);
         self.extract_poses_afresh(particles, world);
         if !self.dormant.0.is_kept {
@@ -70,8 +70,8 @@ impl BodyContactSolver {
             self.swept.clear();
             self.swept.resize(self.groups.parts.len(), SweptBounds::default());
         }
-        for place in 0..self.dormant.0.looked().len() {
-            let number = self.dormant.0.looked()[place] as usize;
+        for place in 0..self.dormant.0.active().len() {
+            let number = self.dormant.0.active()[place] as usize;
             self.note_swept_bounds(number, particles, world, (0.0, 1.0));
         }
         self.place_static_geometry(world, 0.0, 0.0);
@@ -103,7 +103,7 @@ impl BodyContactSolver {
         };
         set_levels(contacts, groups.parts.len(), mass, loads);
         let colours = colour(contacts, groups.parts.len(), used);
-        let nothing = (bodies.rows.len() - 1) as u32;
+        let null_row = (bodies.rows.len() - 1) as u32;
         let centre =
             |row: u32| groups.parts.get(row as usize).map_or(Vec3::ZERO, |part| part.centre);
         let contacts = (&contacts[..], &cache.now[..], *h);
@@ -111,22 +111,22 @@ impl BodyContactSolver {
             let solid = number < groups.parts.len() as u32;
             if solid { groups.place(number as usize) as u32 } else { number }
         };
-        pack_contacts(contacts, (nothing, colours), [order, begins], wide_contacts, (row, centre));
+        pack_contacts(contacts, (null_row, colours), [order, begins], wide_contacts, (row, centre));
         self.missed.wide_contacts = wide_contacts.len();
         self.fresh = true;
-        self.met.clear();
-        self.met.resize(self.groups.groups.len(), 0);
-        self.note_met(0);
+        self.in_contact.clear();
+        self.in_contact.resize(self.groups.groups.len(), 0);
+        self.mark_in_contact(0);
     }
 
     /// Marks the body colliders of the contacts from `first` on, and those with single particles nearby.
-    fn note_met(&mut self, first: usize) {
-        let Self { contacts, groups, loose, met, .. } = self;
+    fn mark_in_contact(&mut self, first: usize) {
+        let Self { contacts, groups, loose, in_contact, .. } = self;
         let mut note = |number: u32| {
             // Static geometry has numbers after those of body colliders.
             if (number as usize) < groups.parts.len() {
                 let place = groups.place(number as usize);
-                met[place / LANES] |= 1 << (place % LANES);
+                in_contact[place / LANES] |= 1 << (place % LANES);
             }
         };
         for one in &contacts[first..] {
@@ -143,8 +143,8 @@ impl BodyContactSolver {
         asleep.extend_from_slice(dormant.0.kept());
         asleep.resize(groups.groups.len(), 0);
         let islands = world.islands;
-        let looked = dormant.0.looked().iter().map(|&number| number as usize);
-        let parts = looked.map(|number| (number, &groups.parts[number]));
+        let active = dormant.0.active().iter().map(|&number| number as usize);
+        let parts = active.map(|number| (number, &groups.parts[number]));
         for (number, part) in parts.filter(|(_, part)| part.immovable) {
             let first = groups.rows.get(part.entries.start);
             let island = first.and_then(|&row| islands.of.get(row as usize));
@@ -157,7 +157,7 @@ impl BodyContactSolver {
 
     /// Ends the broad phase of a step in which nothing moves: no pairs are found, and the cache stays as it is.
     fn rest(&mut self) {
-        self.dormant.0.forget();
+        self.dormant.0.invalidate();
         self.cache.in_order();
         self.wide_swept.clear();
         self.wide_swept.resize(self.groups.groups.len(), WideSweptBounds::default());
@@ -166,39 +166,40 @@ impl BodyContactSolver {
         self.wide_contacts.clear();
         self.loose.clear();
         self.outside_bounds.clear();
-        self.met.clear();
-        self.met.resize(self.groups.groups.len(), 0);
+        self.in_contact.clear();
+        self.in_contact.resize(self.groups.groups.len(), 0);
         self.missed.begin(0);
         self.missed.wide_contacts = 0;
     }
 
-    /// Extracts poses and velocities afresh, from the initial rotations; lanes that have not converged start once more from [`certain`].
+    /// Extracts poses and velocities afresh, from the initial rotations; lanes that have not converged start once more from [`robust_rotation`].
     fn extract_poses_afresh(&mut self, particles: &Particles, world: &World) {
         for number in 0..self.groups.groups.len() {
             let kept = self.dormant.0.kept_of(number);
             if kept != 0 && kept == self.groups.groups[number].sound {
                 continue;
             }
-            let (first, mut asks) = (number * LANES, 0xFF);
+            let (first, mut pending) = (number * LANES, 0xFF);
             let eight = (kept != 0).then(|| self.bodies.eight(first));
             for _ in 0..2 {
                 // Lanes that converged in the first pass keep their result: it must not depend on the other lanes.
-                let before = (asks != 0xFF).then(|| self.bodies.eight(first));
+                let before = (pending != 0xFF).then(|| self.bodies.eight(first));
                 let columns = [&particles.position[..], &particles.velocity];
                 let residual = self.extract_pose(number, columns, None, !0);
                 let Self { groups, bodies, .. } = self;
                 if let Some(before) = before {
-                    bodies.put_back(first, !asks, before);
+                    bodies.put_back(first, !pending, before);
                 }
-                asks &= residual;
-                if asks == 0 {
+                pending &= residual;
+                if pending == 0 {
                     break;
                 }
-                for lane in (0..LANES).filter(|lane| asks >> lane & 1 == 1) {
+                for lane in (0..LANES).filter(|lane| pending >> lane & 1 == 1) {
                     if let Some(solid) = groups.sound_in(number, lane) {
                         let (rest, row) = (&world.body_colliders[solid].rest, first + lane);
                         let near = bodies[row][ROTATION];
-                        bodies[row][ROTATION] = certain(groups, solid, rest, particles, near);
+                        bodies[row][ROTATION] =
+                            robust_rotation(groups, solid, rest, particles, near);
                     }
                 }
             }
@@ -222,30 +223,30 @@ impl BodyContactSolver {
             ..
         } = self;
         bounds.resize(swept.len(), (Vec3::NAN, Vec3::NAN));
-        for &number in dormant.looked() {
+        for &number in dormant.active() {
             bounds[number as usize] = swept[number as usize].bounds;
         }
         bounds.extend(static_geometry.iter().map(|geometry| geometry.bounds(world)));
-        let of_one = |i: usize| {
+        let same_body = |i: usize| {
             let body = |i: usize| swept.get(i).map_or(NO_BODY, |one| one.body);
             body(i) != NO_BODY && body(i) == body(i - 1)
         };
-        let way = |i: usize| swept.get(i).map_or(Vec3::ZERO, |one| one.velocity * world.dt);
-        clusters.0.pairs(bounds, of_one, way, nearby);
+        let travel = |i: usize| swept.get(i).map_or(Vec3::ZERO, |one| one.velocity * world.dt);
+        clusters.0.pairs(bounds, same_body, travel, nearby);
         pairs.clear();
         // Pairs of two dormant body colliders are known from the step before.
-        let is_looked_at = |pair: &[u32; 2]| {
+        let needs_query = |pair: &[u32; 2]| {
             (pair[0] as usize) < swept.len()
-                && !(dormant.is_kept && dormant.have_both(groups, *pair))
+                && !(dormant.is_kept && dormant.are_both_dormant(groups, *pair))
         };
-        let mut nearby = nearby.iter().copied().filter(is_looked_at).peekable();
+        let mut nearby = nearby.iter().copied().filter(needs_query).peekable();
         // Geometry without end is compared with every body collider. Both lists are sorted and are merged.
         endless.clear();
         endless.extend(
             (0..static_geometry.len() as u32).filter(|&i| static_geometry[i as usize].endless),
         );
-        let looked = dormant.looked().iter().map(|&number| number as usize);
-        for (a, one) in looked.map(|a| (a, &swept[a])).filter(|(_, one)| one.sound) {
+        let active = dormant.active().iter().map(|&number| number as usize);
+        for (a, one) in active.map(|a| (a, &swept[a])).filter(|(_, one)| one.sound) {
             for &number in &*endless {
                 if static_geometry[number as usize].is_below(one, groups.parts[a].reach, world, 0.0)
                 {
@@ -284,7 +285,7 @@ pub(super) struct MissedPairs {
     /// For each body collider the colours in use by missed manifolds, a bit for each.
     used: Vec<u64>,
     /// The two of each missed manifold as in [`Contact`], and the part (triangle) of the manifold; sorted.
-    met: Vec<[u32; 3]>,
+    found: Vec<[u32; 3]>,
     /// Body colliders whose bounds are no longer those in the grid.
     moved: Vec<u32>,
     pairs: Vec<[u32; 2]>,
@@ -296,7 +297,7 @@ impl MissedPairs {
         self.contacts = contacts;
         self.classes.clear();
         self.used.clear();
-        self.met.clear();
+        self.found.clear();
         self.moved.clear();
     }
 
@@ -312,7 +313,7 @@ impl MissedPairs {
         let from = first.partition_point(|one| [one.a, one.b] < [a, b]);
         let mut same = first[from..].iter().take_while(|one| [one.a, one.b] == [a, b]);
         same.any(|one| cache.part(one.cache_index) == part)
-            || self.met.binary_search(&[a, b, part]).is_ok()
+            || self.found.binary_search(&[a, b, part]).is_ok()
     }
 }
 
@@ -350,10 +351,10 @@ impl BodyContactSolver {
         }
         keep_for_impacts(&mut self.wide_contacts);
         let Self { missed, contacts, cache, .. } = self;
-        missed.met.extend(
+        missed.found.extend(
             contacts[first..].iter().map(|one| [one.a, one.b, cache.part(one.cache_index)]),
         );
-        missed.met.sort_unstable();
+        missed.found.sort_unstable();
         if !self.loose.none_collide() {
             self.note_contact_events();
             self.loose.broad_phase(&self.swept, &self.groups, particles, world, nearby);
@@ -361,7 +362,7 @@ impl BodyContactSolver {
             loose.bodies().for_each(|number| self.read_line(number as usize, particles));
             self.loose = loose;
         }
-        self.note_met(first);
+        self.mark_in_contact(first);
     }
 
     /// Extracts the pose of a line that this substep has skipped because it was in no contact.
@@ -371,10 +372,10 @@ impl BodyContactSolver {
         };
         let (group, lane) = (place / LANES, 1 << (place % LANES));
         let stays = self.rigid.lanes(group) | self.asleep[group];
-        if lane & !(self.read[group] | stays) == 0 {
+        if lane & !(self.extracted[group] | stays) == 0 {
             return;
         }
-        self.read[group] |= lane;
+        self.extracted[group] |= lane;
         let before = (stays != 0).then(|| self.bodies.eight(group * LANES));
         let columns = [&particles.position[..], &particles.start];
         self.extract_pose(group, columns, Some(0.0), lane);
@@ -387,7 +388,7 @@ impl BodyContactSolver {
     fn around(&mut self, these: &[u32], world: &World, share: f32, pairs: &mut Vec<[u32; 2]>) {
         let Self { swept, static_geometry, clusters, bounds, groups, missed, .. } = self;
         pairs.clear();
-        if missed.moved.len() + these.len() > MANY {
+        if missed.moved.len() + these.len() > REFILL_COUNT {
             clusters.0.fill(bounds);
             missed.moved.clear();
         } else {
@@ -436,10 +437,10 @@ impl BodyContactSolver {
         let (place, lane) = room.unwrap_or((end, 0));
         if room.is_none() {
             missed.classes.insert(end, one.class());
-            let nothing = (bodies.rows.len() - 1) as u32;
+            let null_row = (bodies.rows.len() - 1) as u32;
             wide_contacts.insert(
                 missed.wide_contacts + end,
-                WideContact::empty(nothing, one.fixed.is_some(), SWEEPS[one.level]),
+                WideContact::empty(null_row, one.fixed.is_some(), SWEEPS[one.level]),
             );
         }
         let solid = b < groups.parts.len();

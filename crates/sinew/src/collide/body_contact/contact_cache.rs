@@ -30,23 +30,23 @@ use super::super::words::{Reader, Write};
 /// keep theirs. A greater value would list pairs that never touch.
 pub(super) const SLACK: f32 = 0.03;
 /// Limit of staleness when a step begins, as a share of the limit within a step.
-const STALE: f32 = 0.5;
+const MAX_STALENESS: f32 = 0.5;
 /// Cosine of the angle between the old and the new normal, from which on a contact counts as the same.
-const SAME: f32 = 0.9;
+const SAME_NORMAL: f32 = 0.9;
 
 /// Turn of the two against each other up to which a manifold is valid, rad.
-const TURNED: f32 = 0.02;
+const MAX_TURN: f32 = 0.02;
 /// The same for their slip, as a share of their size.
-const SLID: f32 = 0.03;
+const MAX_SLIP: f32 = 0.03;
 /// Factor on the valid turn of round shapes: turning about the centre of the rounding moves no point, and the anchors are no farther from it than the shape
 /// is long.
-const ROUND: f32 = 2.5;
+const ROUND_FACTOR: f32 = 2.5;
 /// Factor on the rate of staleness of a manifold whose [slope](Manifold::slope) is 1. Its points are fixed to the two, and as one slides over the rim of the
-/// other it touches with other points, which are higher by the slope times the slip. With this factor no height is wrong by more than `SLID / STEEP` of the
-/// size, or by the slip of two substeps (`normal_solve`). Without it a box fell half a millimetre deep into a rim that its manifold did not have, and was
-/// thrown out of it, again and again, for minutes; a factor of three times as much computes a tenth more manifolds in a heap of boxes in random poses,
-/// without a gain.
-const STEEP: f32 = 100.0;
+/// other it touches with other points, which are higher by the slope times the slip. With this factor no height is wrong by more than `MAX_SLIP /
+/// SLOPE_FACTOR` of the size, or by the slip of two substeps (`normal_solve`). Without it a box fell half a millimetre deep into a rim that its manifold did
+/// not have, and was thrown out of it, again and again, for minutes; a factor of three times as much computes a tenth more manifolds in a heap of boxes in
+/// random poses, without a gain.
+const SLOPE_FACTOR: f32 = 100.0;
 
 /// Contact cache: the manifolds and friction anchors of body colliders in contact. Live state, to be saved and restored with the particles. Empty by default;
 /// friction then starts anew.
@@ -233,9 +233,10 @@ impl CachedManifold {
         // |R - S|² = 8 sin² ½φ.
         let turned = (0.5 * square).sqrt();
         let manifold = &self.manifold;
-        let staleness = turned / may_turn(manifold) + moved / may_slide(manifold, smaller);
+        let staleness = turned / turn_limit(manifold) + moved / slip_limit(manifold, smaller);
         let staleness = staleness * staleness_rate(manifold);
-        (moved + turned * size + reach <= self.reach && staleness < STALE).then_some(staleness)
+        (moved + turned * size + reach <= self.reach && staleness < MAX_STALENESS)
+            .then_some(staleness)
     }
 
     /// Whether a point of the manifold is nearer than `reach`, metres.
@@ -249,13 +250,13 @@ impl CachedManifold {
 }
 
 /// Turn of the two up to which a manifold is valid, rad.
-pub(super) fn may_turn(manifold: &Manifold) -> f32 {
-    if manifold.is_round() { ROUND * TURNED } else { TURNED }
+pub(super) fn turn_limit(manifold: &Manifold) -> f32 {
+    if manifold.is_round() { ROUND_FACTOR * MAX_TURN } else { MAX_TURN }
 }
 
 /// Slip of the two up to which a manifold is valid, metres; for shapes of a size, and at most that.
-pub(super) fn may_slide(manifold: &Manifold, size: f32) -> f32 {
-    manifold.free.min(size).max(SLID * size)
+pub(super) fn slip_limit(manifold: &Manifold, size: f32) -> f32 {
+    manifold.free.min(size).max(MAX_SLIP * size)
 }
 
 /// Factor on the rate at which a manifold becomes stale.
@@ -265,7 +266,7 @@ fn staleness_rate(manifold: &Manifold) -> f32 {
 
 /// The part of that factor, beyond 1, that comes of its slope.
 pub(super) fn steepness(manifold: &Manifold) -> f32 {
-    STEEP * manifold.slope
+    SLOPE_FACTOR * manifold.slope
 }
 
 impl FrictionAnchor {
@@ -287,7 +288,7 @@ pub(super) struct CacheBuilder {
     /// Keys of the manifolds that may be carried over without a query, ascending; whether this step does so; the first key not yet carried; and the first
     /// manifold of the step before that may have it.
     dormant: Vec<ContactKey>,
-    carries: bool,
+    carries_dormant: bool,
     next_dormant: usize,
     from_dormant: usize,
 }
@@ -301,15 +302,15 @@ impl CacheBuilder {
 
     /// Returns the manifolds to the cache.
     pub(super) fn give(&mut self, cache: &mut ContactCache) {
-        self.settle();
+        self.merge_missed();
         core::mem::swap(&mut self.now, &mut cache.contacts);
         self.now.clear();
     }
 
-    /// Begins a step: the present manifolds become those of the step before. With `carries`, the [listed](Self::note_dormant) ones are carried over without a
-    /// query.
-    pub(super) fn begin(&mut self, carries: bool) {
-        self.carries = carries;
+    /// Begins a step: the present manifolds become those of the step before. With `carries_dormant`, the [listed](Self::note_dormant) ones are carried over
+    /// without a query.
+    pub(super) fn begin(&mut self, carries_dormant: bool) {
+        self.carries_dormant = carries_dormant;
         core::mem::swap(&mut self.was, &mut self.now);
         self.now.clear();
         self.next = 0;
@@ -328,8 +329,8 @@ impl CacheBuilder {
 
     /// Carries over the listed manifolds before a key; without one, all.
     fn carry_dormant(&mut self, before: Option<&ContactKey>) {
-        let Self { was, now, dormant, carries, next_dormant, from_dormant, .. } = self;
-        if !*carries {
+        let Self { was, now, dormant, carries_dormant, next_dormant, from_dormant, .. } = self;
+        if !*carries_dormant {
             return;
         }
         while let Some(key) = dormant.get(*next_dormant) {
@@ -364,7 +365,7 @@ impl CacheBuilder {
     }
 
     /// Prepares to add manifolds of a key: carries over the listed ones before it.
-    pub(super) fn come_to(&mut self, key: &ContactKey) {
+    pub(super) fn advance_to(&mut self, key: &ContactKey) {
         self.carry_dormant(Some(key));
     }
 
@@ -384,7 +385,7 @@ impl CacheBuilder {
     pub(super) fn add(&mut self, mut one: CachedManifold, from: usize, axes: &Mat3) {
         let was = self.cached(self.first_from(from, &one.key), &one.key);
         let normal = *axes * one.manifold.normal;
-        if let Some(was) = was.filter(|was| was.friction_anchor.up.dot(normal) > SAME) {
+        if let Some(was) = was.filter(|was| was.friction_anchor.up.dot(normal) > SAME_NORMAL) {
             one.friction_anchor = was.friction_anchor;
         }
         self.now.push(one);
@@ -423,7 +424,7 @@ impl CacheBuilder {
     }
 
     /// Merges the missed manifolds into the sorted ones.
-    fn settle(&mut self) {
+    fn merge_missed(&mut self) {
         let Self { was, now, sorted, .. } = self;
         if now.len() <= *sorted {
             return;
@@ -447,6 +448,6 @@ impl CacheBuilder {
 
 /// Sorts manifolds by key. Not inlined: sorting is much code, and its callers are compiled several times.
 #[inline(never)]
-pub(super) fn sort(remembered: &mut [CachedManifold]) {
-    remembered.sort_unstable_by_key(|one| one.key);
+pub(super) fn sort(manifolds: &mut [CachedManifold]) {
+    manifolds.sort_unstable_by_key(|one| one.key);
 }

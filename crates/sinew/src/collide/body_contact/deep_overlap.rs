@@ -45,10 +45,10 @@ impl BodyContactSolver {
     ) {
         let Self { wide_contacts, groups, deep_overlaps, .. } = self;
         deep_overlaps.clear();
-        let home = |row: u32| groups.island_of(row, islands);
+        let island_of = |row: u32| groups.island_of(row, islands);
         for wide in wide_contacts.iter().filter(|wide| wide.depenetrated != 0) {
-            for lane in (0..LANES).filter(|&lane| wide.left[lane] > depth) {
-                let (a, b) = (home(wide.a[lane]), home(wide.b[lane]));
+            for lane in (0..LANES).filter(|&lane| wide.remaining_overlap[lane] > depth) {
+                let (a, b) = (island_of(wide.a[lane]), island_of(wide.b[lane]));
                 deep_overlaps.pairs.extend(a.map(|a| (a, b)));
             }
         }

@@ -24,28 +24,28 @@ pub(super) struct DormantColliders {
 
 impl DormantColliders {
     /// Makes the next step compute everything again.
-    pub(super) fn forget(&mut self) {
+    pub(super) fn invalidate(&mut self) {
         (self.number, self.is_kept) = (0, false);
     }
 
-    /// Begins a step. `met` has for each group a bit for each body collider with a contact in the step before. Returns whether the set of dormant islands has
-    /// changed.
-    pub(super) fn begin(&mut self, world: &World, groups: &BodyGroups, met: &[u32]) -> bool {
+    /// Begins a step. `in_contact` has for each group a bit for each body collider with a contact in the step before. Returns whether the set of dormant
+    /// islands has changed.
+    pub(super) fn begin(&mut self, world: &World, groups: &BodyGroups, in_contact: &[u32]) -> bool {
         let islands = world.islands;
         // Sensors report overlaps with sleeping bodies in each step.
-        let waits = world.colliders.iter().any(|collider| collider.sensor);
-        let number = if waits { 0 } else { islands.dormant_number };
+        let has_sensors = world.colliders.iter().any(|collider| collider.sensor);
+        let number = if has_sensors { 0 } else { islands.dormant_number };
         let is_new = self.number != number;
         if is_new || self.all.len() != groups.parts.len() {
             self.number = number;
-            self.find(world, groups);
+            self.classify(world, groups);
         }
-        let met = self.lanes.iter().zip(met).any(|(own, met)| own & met != 0);
-        self.is_kept = number != 0 && !is_new && !met;
+        let touched = self.lanes.iter().zip(in_contact).any(|(own, bits)| own & bits != 0);
+        self.is_kept = number != 0 && !is_new && !touched;
         is_new
     }
 
-    fn find(&mut self, world: &World, groups: &BodyGroups) {
+    fn classify(&mut self, world: &World, groups: &BodyGroups) {
         let Self { number, lanes, others, all, .. } = self;
         let islands = world.islands;
         lanes.clear();
@@ -71,7 +71,7 @@ impl DormantColliders {
     }
 
     /// Numbers of the body colliders that this step computes, ascending.
-    pub(super) fn looked(&self) -> &[u32] {
+    pub(super) fn active(&self) -> &[u32] {
         if self.is_kept { &self.others } else { &self.all }
     }
 
@@ -86,14 +86,14 @@ impl DormantColliders {
     }
 
     /// Whether a body collider is dormant, kept or not.
-    pub(super) fn has(&self, groups: &BodyGroups, number: usize) -> bool {
+    pub(super) fn is_dormant(&self, groups: &BodyGroups, number: usize) -> bool {
         let place = groups.place(number);
         self.number != 0 && self.lanes[place / LANES] >> (place % LANES) & 1 == 1
     }
 
     /// Whether both of a pair are dormant, or the second is static or kinematic geometry, which has numbers after those of body colliders.
-    pub(super) fn have_both(&self, groups: &BodyGroups, [a, b]: [u32; 2]) -> bool {
-        let stands = b as usize >= groups.parts.len();
-        self.has(groups, a as usize) && (stands || self.has(groups, b as usize))
+    pub(super) fn are_both_dormant(&self, groups: &BodyGroups, [a, b]: [u32; 2]) -> bool {
+        let is_geometry = b as usize >= groups.parts.len();
+        self.is_dormant(groups, a as usize) && (is_geometry || self.is_dormant(groups, b as usize))
     }
 }

@@ -75,11 +75,11 @@ pub(super) struct BodyGroup {
 #[derive(Clone, Debug, Default)]
 pub(super) struct WideMass {
     /// One by the sum of the weights that determine the centre, 1/kg.
-    pub(super) middle: LaneArray,
+    pub(super) inverse_weight: LaneArray,
     /// The centre in the body collider's own frame, metres.
     pub(super) centre: [LaneArray; 3],
     /// 1 where the pinned particles alone determine the centre.
-    pub(super) held: LaneArray,
+    pub(super) pin_centred: LaneArray,
     pub(super) inverse_mass: LaneArray,
     /// xx, yy, zz, xy, xz, yz about its centre, in the body collider's own axes, kg·m².
     pub(super) inertia: [LaneArray; 6],
@@ -131,19 +131,29 @@ pub(super) struct BodyGroups {
     /// For each row of the simulation whether it belongs to a body collider.
     pub(super) solid: Vec<bool>,
     /// Inverse masses from which the mass properties were computed, 1/kg.
-    weighed: Vec<f32>,
+    inverse_masses: Vec<f32>,
 }
 
 impl BodyGroups {
     /// Lays out body colliders. Invalid ones keep their number and take no part.
     pub(super) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
-        let Self { groups, slots, parts, places, order, rows, sharers, sharing, solid, weighed } =
-            self;
+        let Self {
+            groups,
+            slots,
+            parts,
+            places,
+            order,
+            rows,
+            sharers,
+            sharing,
+            solid,
+            inverse_masses,
+        } = self;
         groups.clear();
         slots.clear();
         parts.clear();
         rows.clear();
-        weighed.clear();
+        inverse_masses.clear();
         solid.clear();
         solid.resize(particles.len(), false);
         let mut count = vec![0_u32; particles.len()];
@@ -165,7 +175,7 @@ impl BodyGroups {
         sharers.clear();
         sharers.extend(rows.iter().map(|&row| count[row as usize]));
         *sharing = sharing_of(parts, rows, sharers);
-        weighed.resize(rows.len(), f32::NAN);
+        inverse_masses.resize(rows.len(), f32::NAN);
         let count = |number: u32| parts[number as usize].entries.len();
         let mut sorted: Vec<u32> = (0..parts.len() as u32).collect();
         sorted.sort_by_key(|&number| count(number));
@@ -228,7 +238,7 @@ impl BodyGroups {
             });
         }
         for (part, solid) in parts.iter_mut().zip(body_colliders).filter(|(part, _)| part.sound) {
-            (part.far, part.side) = apart(&solid.rest);
+            (part.far, part.side) = reference_particles(&solid.rest);
         }
         for (group, eight) in groups.iter_mut().zip(order.chunks(LANES)) {
             let sound = |part: &&CompiledCollider| part.sound;
@@ -242,7 +252,7 @@ impl BodyGroups {
     }
 
     /// Recomputes the mass properties of those of `these` whose particles have changed their masses. A function of the present masses alone.
-    pub(super) fn weigh(
+    pub(super) fn update_masses(
         &mut self,
         body_colliders: &[BodyCollider],
         these: &[u32],
@@ -253,19 +263,19 @@ impl BodyGroups {
             let Some(part) = self.parts.get(number).filter(|part| part.sound) else { continue };
             let entries = part.entries.clone();
             let now = |i: usize| particles.position[self.rows[i] as usize].w;
-            if entries.clone().any(|i| self.weighed[i].to_bits() != now(i).to_bits()) {
+            if entries.clone().any(|i| self.inverse_masses[i].to_bits() != now(i).to_bits()) {
                 for i in entries {
-                    self.weighed[i] = particles.position[self.rows[i] as usize].w;
+                    self.inverse_masses[i] = particles.position[self.rows[i] as usize].w;
                 }
-                self.weigh_one(number, solid);
+                self.update_mass(number, solid);
             }
         }
     }
 
-    fn weigh_one(&mut self, number: usize, solid: &BodyCollider) {
+    fn update_mass(&mut self, number: usize, solid: &BodyCollider) {
         let place = self.place(number);
         let part = &mut self.parts[number];
-        let inverses = &self.weighed[part.entries.clone()];
+        let inverses = &self.inverse_masses[part.entries.clone()];
         let sharers = &self.sharers[part.entries.clone()];
         let weights = ColliderMass::of(&solid.rest, inverses, sharers);
         part.centre = weights.centre.as_vec3();
@@ -275,9 +285,9 @@ impl BodyGroups {
         let (group, lane) = (&mut self.groups[place / LANES], place % LANES);
         group.pinned |= weights.pins > 0;
         let mass = &mut group.mass;
-        mass.middle[lane] = weights.middle as f32;
+        mass.inverse_weight[lane] = weights.inverse_weight as f32;
         set(&mut mass.centre, lane, part.centre);
-        mass.held[lane] = if weights.pins > 0 { 1.0 } else { 0.0 };
+        mass.pin_centred[lane] = if weights.pins > 0 { 1.0 } else { 0.0 };
         mass.free[lane] = if weights.pins > 0 { 0.0 } else { 1.0 };
         mass.inverse_mass[lane] = weights.inverse_mass as f32;
         mass.pin_reach[lane] = weights.pin_reach as f32;
@@ -302,8 +312,8 @@ impl BodyGroups {
     }
 
     /// The inverse mass, 1/kg, from which the mass properties of an entry of [`rows`](Self::rows) were computed.
-    pub(super) fn weighed(&self, entry: usize) -> f32 {
-        self.weighed[entry]
+    pub(super) fn inverse_mass(&self, entry: usize) -> f32 {
+        self.inverse_masses[entry]
     }
 
     /// Whether two body colliders have a particle in common.
@@ -361,7 +371,7 @@ fn sharing_of(parts: &[CompiledCollider], rows: &[u32], sharers: &[u32]) -> Vec<
 }
 
 /// The index of the particle farthest from the first one, and of the one farthest from the line through these two.
-fn apart(rest: &[Vec3]) -> (usize, Option<usize>) {
+fn reference_particles(rest: &[Vec3]) -> (usize, Option<usize>) {
     let arm = |i: usize| rest[i].as_dvec3() - rest[0].as_dvec3();
     let mut far = (0, 0.0);
     for i in 1..rest.len() {
@@ -428,7 +438,7 @@ struct ColliderMass {
     /// Mass of the free particles.
     mass: f64,
     centre: DVec3,
-    middle: f64,
+    inverse_weight: f64,
     inverse_mass: f64,
     pin_reach: f64,
     inertia: [[f64; 3]; 3],
@@ -449,7 +459,7 @@ impl ColliderMass {
             pins,
             mass,
             centre: DVec3::ZERO,
-            middle: 0.0,
+            inverse_weight: 0.0,
             inverse_mass: if pins == 0 { 1.0 / mass } else { 0.0 },
             pin_reach: 0.0,
             inertia: Default::default(),
@@ -458,9 +468,9 @@ impl ColliderMass {
             regularisation: Default::default(),
         };
         let pull = |i: usize| this.pull(inverses[i], sharers[i]);
-        let decides = |i: usize| if pins == 0 || inverses[i] <= 0.0 { pull(i) } else { 0.0 };
-        let sum: f64 = (0..rest.len()).map(decides).sum();
-        let centre: DVec3 = (0..rest.len()).map(|i| rest[i].as_dvec3() * (decides(i) / sum)).sum();
+        let weight = |i: usize| if pins == 0 || inverses[i] <= 0.0 { pull(i) } else { 0.0 };
+        let sum: f64 = (0..rest.len()).map(weight).sum();
+        let centre: DVec3 = (0..rest.len()).map(|i| rest[i].as_dvec3() * (weight(i) / sum)).sum();
         let arm = |i: usize| rest[i].as_dvec3() - centre;
         let inertia = inertia_of((0..rest.len()).map(|i| (arm(i), free(i))));
         let all = inertia_of((0..rest.len()).map(|i| (arm(i), pull(i))));
@@ -473,9 +483,10 @@ impl ColliderMass {
         let inverse = match pins {
             0 => led,
             1 => inverse_and_regularisation(inertia).0,
-            2 => {
-                axis().map_or_else(|| inverse_and_regularisation(inertia).0, |e| about(e, inertia))
-            }
+            2 => axis().map_or_else(
+                || inverse_and_regularisation(inertia).0,
+                |e| inverse_about(e, inertia),
+            ),
             _ => [[0.0; 3]; 3],
         };
         let off_axis = |i: usize| match (pins, axis()) {
@@ -484,7 +495,16 @@ impl ColliderMass {
             _ => arm(i).length(),
         };
         let pin_reach = (0..rest.len()).map(off_axis).fold(0.0, f64::max);
-        Self { centre, middle: 1.0 / sum, pin_reach, inertia, inverse, led, regularisation, ..this }
+        Self {
+            centre,
+            inverse_weight: 1.0 / sum,
+            pin_reach,
+            inertia,
+            inverse,
+            led,
+            regularisation,
+            ..this
+        }
     }
 
     /// Weight of a particle in the extraction of the pose, kg.
@@ -534,7 +554,7 @@ fn inverse_and_regularisation(inertia: [[f64; 3]; 3]) -> ([[f64; 3]; 3], [[f64; 
 }
 
 /// The inverse inertia of a body that can turn only about the axis `e`.
-fn about(e: DVec3, inertia: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+fn inverse_about(e: DVec3, inertia: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let e = e.to_array();
     let mut moment = 0.0;
     let mut trace = 0.0;

@@ -153,7 +153,7 @@ pub(crate) struct BodyContactSolver {
     order: Vec<u32>,
     begins: Vec<u32>,
     loads: Vec<f32>,
-    /// For each row of a body collider its depth in another one or in static geometry, metres. Scratch of [`overlaps`](Self::overlaps).
+    /// For each row of a body collider its depth in another one or in static geometry, metres. Scratch of the method `overlaps`.
     deepest: Vec<f32>,
     deep_overlaps: DeepOverlaps,
     /// Islands of which a part was stopped abruptly in this substep, ascending.
@@ -161,8 +161,8 @@ pub(crate) struct BodyContactSolver {
     impacts: ImpactScratch,
     rigid: RigidIslands,
     /// For each group a bit for each body collider that has a contact in this step; and for each whose pose was extracted in this substep.
-    met: Vec<u32>,
-    read: Vec<u32>,
+    in_contact: Vec<u32>,
+    extracted: Vec<u32>,
     /// For each group whether one of its body colliders sticks. Scratch of friction.
     sticking: Vec<bool>,
     /// For each group a bit for each body collider that sleeps. It keeps the pose that was extracted when the step began.
@@ -179,7 +179,7 @@ impl BodyContactSolver {
     pub(crate) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
         self.groups.compile(body_colliders, particles);
         self.overlaps.reset();
-        self.dormant.0.forget();
+        self.dormant.0.invalidate();
         self.wide_contacts.clear();
         self.contacts.clear();
         self.loose.clear();
@@ -228,16 +228,16 @@ impl BodyContactSolver {
         self.follow_kinematic_geometry(world, from);
         let most = |share: (f32, f32)| in_substep(share, h, world.g());
         let (recover, max_depenetration) = (most(RECOVERED), most(MAX_DEPENETRATION));
-        let elastic_pop = MAX_DEPENETRATION.0 * world.g() * h * h;
+        let elastic_depenetration = MAX_DEPENETRATION.0 * world.g() * h * h;
         let Self { wide_contacts, bodies, instructions, fresh, .. } = self;
         if core::mem::take(fresh) {
             predict_impulses(wide_contacts, bodies, *instructions);
         }
         solve_all_friction(wide_contacts, false, max_depenetration, bodies, *instructions);
-        let pops = [max_depenetration, elastic_pop];
+        let limits = [max_depenetration, elastic_depenetration];
         let sweeps = wide_contacts.iter().map(|wide| wide.sweeps).max().unwrap_or(0);
         for sweep in 0..sweeps {
-            solve_normals(wide_contacts, bodies, h, recover, pops, sweep, *instructions);
+            solve_normals(wide_contacts, bodies, h, recover, limits, sweep, *instructions);
         }
         self.note_stopped(world.islands, (h, world.g()));
         let Self { wide_contacts, bodies, instructions, .. } = self;
@@ -305,7 +305,9 @@ impl BodyContactSolver {
         deepest.clear();
         deepest.resize(groups.padded(), 0.0);
         for wide in wide_contacts.iter() {
-            for (&row, &left) in wide.a.iter().chain(&wide.b).zip(wide.left.iter().cycle()) {
+            for (&row, &left) in
+                wide.a.iter().chain(&wide.b).zip(wide.remaining_overlap.iter().cycle())
+            {
                 // Static geometry and the null row come after the rows of body colliders.
                 if let Some(deepest) = deepest.get_mut(row as usize) {
                     *deepest = deepest.max(left);
@@ -362,16 +364,16 @@ impl BodyContactSolver {
     /// their swept bounds.
     fn extract_poses(&mut self, particles: &Particles, time: f32) {
         self.outside_bounds.clear();
-        self.read.clear();
-        self.read.resize(self.groups.groups.len(), !0);
+        self.extracted.clear();
+        self.extracted.resize(self.groups.groups.len(), !0);
         for number in 0..self.groups.groups.len() {
             let first = number * LANES;
             let (mut left, lanes, asleep) = (0, self.rigid.lanes(number), self.asleep[number]);
             let mut read = !0;
             if self.groups.groups[number].lines {
-                left = self.lines_left(number, &particles.position, time) & !(lanes | asleep);
-                read = (self.met[number] | left) & !(lanes | asleep);
-                self.read[number] = read;
+                left = self.lines_outside(number, &particles.position, time) & !(lanes | asleep);
+                read = (self.in_contact[number] | left) & !(lanes | asleep);
+                self.extracted[number] = read;
             }
             if read != 0 && lanes | asleep != self.groups.groups[number].sound {
                 let before = (asleep != 0).then(|| self.bodies.eight(first));
@@ -410,7 +412,7 @@ impl BodyContactSolver {
                 correct_states(mass, state, bodies, first, *h, *instructions);
             }
             let lanes = lanes | self.asleep[number];
-            if lanes != group.sound && self.read[number] != 0 {
+            if lanes != group.sound && self.extracted[number] != 0 {
                 self.apply_pose_delta(number, !lanes, &mut particles.position, None);
             }
         }

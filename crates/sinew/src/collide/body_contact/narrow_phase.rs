@@ -25,7 +25,7 @@ use crate::lanes::{LANES, SetLanes};
 use crate::particles::{NO_BODY, Particles};
 
 /// Limit of queued pairs, so that their data stay in the fastest cache.
-const AT_ONCE: usize = 64;
+const MAX_PENDING: usize = 64;
 
 /// Queued pairs, and the buffers to compute them. Scratch.
 #[derive(Default)]
@@ -57,7 +57,7 @@ impl BodyContactSolver {
                 continue;
             }
             pending.push(Comparison { query, from, source });
-            if pending.len() >= AT_ONCE {
+            if pending.len() >= MAX_PENDING {
                 self.add_pending(world, is_new);
             }
         }
@@ -67,15 +67,15 @@ impl BodyContactSolver {
     /// Searches the cache for the manifolds of a query. Returns their first position there, and where the manifolds of this step come from.
     #[inline(always)]
     fn find_source(&mut self, query: &PairQuery, world: &World) -> (usize, ManifoldSource) {
-        let PairQuery { pair, ref key, ref here, size, reach, stuck } = *query;
+        let PairQuery { pair, ref key, ref here, size, reach, immovable } = *query;
         let from = self.cache.seek(key);
-        if stuck {
+        if immovable {
             return (from, ManifoldSource::CarriedOver);
         }
         let shapes = shapes(pair, world, &self.static_geometry);
         let known = self.cache.cached(from, key);
-        let held = known.filter(|known| known.content_hashes == content_hashes(shapes));
-        let held = held.and_then(|known| {
+        let valid = known.filter(|known| known.content_hashes == content_hashes(shapes));
+        let valid = valid.and_then(|known| {
             let staleness = known.staleness(here, size, reach)?;
             Some(ManifoldSource::Cached { staleness, near: known.is_near(here, reach) })
         });
@@ -84,7 +84,7 @@ impl BodyContactSolver {
             let boxes = boxes.push(shapes, here, reach + SLACK * size.1);
             boxes.map_or(ManifoldSource::Computed, ManifoldSource::BoxPair)
         };
-        (from, held.unwrap_or_else(&mut compared))
+        (from, valid.unwrap_or_else(&mut compared))
     }
 
     /// Compares the queued boxes, and adds the manifolds of all queued pairs.
@@ -111,7 +111,7 @@ impl BodyContactSolver {
         world: &World,
     ) -> usize {
         let PairQuery { pair, ref key, ref here, size, reach, .. } = *query;
-        self.cache.come_to(key);
+        self.cache.advance_to(key);
         let first = self.cache.now.len();
         match *source {
             ManifoldSource::CarriedOver => self.cache.carry_over(key, from),
@@ -154,7 +154,7 @@ impl BodyContactSolver {
     /// Lists the manifolds of a dormant pair, from `first` on, as ones to carry over without a query in the next steps, if the set of dormant islands is new.
     #[inline(always)]
     fn note_dormant(&mut self, pair: [u32; 2], first: usize, is_new: bool) {
-        if is_new && self.dormant.0.have_both(&self.groups, pair) {
+        if is_new && self.dormant.0.are_both_dormant(&self.groups, pair) {
             self.cache.note_dormant(first);
         }
     }
@@ -287,7 +287,7 @@ impl BodyContactSolver {
             here: one.frame.from_within(&there),
             size: (part.reach, part.reach.min(their.reach)),
             reach: one.reach_of(other, (1.0 - missed.unwrap_or(0.0)) * world.dt) + off,
-            stuck: part.immovable && their.immovable
+            immovable: part.immovable && their.immovable
                 || are_pinned_together(groups, [a, b], [solid, with], [&one.frame, &there]),
         })
     }
@@ -326,8 +326,8 @@ impl BodyContactSolver {
             here: seen_from,
             size: (part.reach, part.reach),
             reach: one.reach((1.0 - share) * world.dt) + geometry.carries(one, world, share),
-            stuck: part.immovable
-                || is_nailed(groups, a, solid, [&one.frame, &here], &geometry.shape),
+            immovable: part.immovable
+                || is_pinned_inside(groups, a, solid, [&one.frame, &here], &geometry.shape),
         })
     }
 
@@ -339,7 +339,8 @@ impl BodyContactSolver {
         world: &World,
         share: f32,
     ) {
-        let Some(query) = self.query(pair, particles, world, Some(share)).filter(|it| !it.stuck)
+        let Some(query) =
+            self.query(pair, particles, world, Some(share)).filter(|it| !it.immovable)
         else {
             return;
         };
@@ -374,7 +375,7 @@ struct PairQuery {
     /// Distance up to which they may touch in the step, metres.
     reach: f32,
     /// Whether neither can be moved by the other.
-    stuck: bool,
+    immovable: bool,
 }
 
 /// A queued pair, and where its manifolds come from.
@@ -448,7 +449,7 @@ fn centres(groups: &BodyGroups, one: &Contact) -> [Vec3; 2] {
 
 /// Whether a segment is pinned inside static geometry, or nearer to it than its own thickness. Such a contact is ignored: about its pin it has no lever, so
 /// recovering the overlap would turn the segment by any angle and fling what hangs on it.
-fn is_nailed(
+fn is_pinned_inside(
     groups: &BodyGroups,
     number: usize,
     solid: &BodyCollider,
@@ -456,7 +457,7 @@ fn is_nailed(
     shape: &Shape,
 ) -> bool {
     let part = &groups.parts[number];
-    let pinned = |i: &usize| groups.weighed(part.entries.start + i) == 0.0;
+    let pinned = |i: &usize| groups.inverse_mass(part.entries.start + i) == 0.0;
     if part.side.is_some() || !(0..solid.rest.len()).any(|i| pinned(&i)) {
         return false;
     }
@@ -476,7 +477,7 @@ fn are_pinned_together(
     frames: [&Frame; 2],
 ) -> bool {
     let parts = numbers.map(|number| &groups.parts[number]);
-    let pinned = |of: usize, i: usize| groups.weighed(parts[of].entries.start + i) == 0.0;
+    let pinned = |of: usize, i: usize| groups.inverse_mass(parts[of].entries.start + i) == 0.0;
     let has_pin = |of: usize| (0..solids[of].rest.len()).any(|i| pinned(of, i));
     if parts.iter().any(|part| part.side.is_some()) || !(has_pin(0) && has_pin(1)) {
         return false;
@@ -513,7 +514,7 @@ impl BodyContactSolver {
     /// Recomputes, at the poses where this substep began after a fraction `share` of the step, the manifolds of pairs that have turned or slid on each other
     /// beyond the validity of their points.
     ///
-    /// Manifolds whose points are farther apart than other points can have come nearer meanwhile (`WideContact::elsewhere`) are not touching and are not
+    /// Manifolds whose points are farther apart than other points can have come nearer meanwhile (`WideContact::other_approach`) are not touching and are not
     /// recomputed: so most pairs that fly past each other never are.
     pub(super) fn refresh_manifolds(&mut self, world: &World, share: f32) {
         let Self {

@@ -78,18 +78,18 @@ kernel!(
         // Overlap from the start of the substep that may be recovered in it, metres.
         recover: f32,
         // Recovered overlap beyond which the resulting speed is taken off, metres; and the same for contacts with a restitution.
-        pops: [f32; 2],
+        depenetration_limits: [f32; 2],
         // Number of the sweep in the substep: sweep 0 is over all wide contacts, later ones over those that take more.
         sweep: u32,
     ) {
         for wide in wide_contacts.iter_mut().filter(|wide| sweep < wide.sweeps) {
             // Most have two points at the most, and missing points do not affect the others.
             let third = L::load(&wide.missing[2]).lt(L::splat(FAR));
-            let how = (h, recover, pops, sweep);
+            let context = (h, recover, depenetration_limits, sweep);
             if third.any() {
-                solve_wide_contact::<L, 4>(wide, bodies, how);
+                solve_wide_contact::<L, 4>(wide, bodies, context);
             } else {
-                solve_wide_contact::<L, 2>(wide, bodies, how);
+                solve_wide_contact::<L, 2>(wide, bodies, context);
             }
         }
     }
@@ -99,7 +99,7 @@ kernel!(
 fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     wide: &mut WideContact,
     bodies: &mut Bodies,
-    (h, recover, [max_depenetration, elastic_pop], sweep): (f32, f32, [f32; 2], u32),
+    (h, recover, [max_depenetration, elastic_depenetration], sweep): (f32, f32, [f32; 2], u32),
 ) {
     let (none, one) = (L::zero(), L::splat(1.0));
     let mut a = Rows::<L>::load(bodies, &wide.a);
@@ -131,13 +131,13 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     let (t, u) = tangents(n);
     let recover = L::splat(recover);
     let max_depenetration =
-        L::mask(wide.elastic).select(L::splat(elastic_pop), L::splat(max_depenetration));
+        L::mask(wide.elastic).select(L::splat(elastic_depenetration), L::splat(max_depenetration));
     let mut depenetrated = [none; POINTS];
     let mut left = [none; POINTS];
 
-    let stiff = L::load(&wide.stiff);
+    let stiff = L::load(&wide.inverse_slip);
     let across = (drift - n * before).length() * stiff;
-    let turned = spin.length() * L::load(&wide.bent);
+    let turned = spin.length() * L::load(&wide.inverse_turn);
     let moved = turned + across;
     let steep = (moved * L::load(&wide.steepness)).min(L::splat(STEEP_SHARE));
     let staleness = moved + steep;
@@ -147,8 +147,8 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     let plane = PatchPlane { t, u, apart: (apart.dot(t), apart.dot(u)) };
     let (mut turning, mut spinning) = (plane.tilt(a.turn), plane.tilt(a.spin));
     if let Some(b) = &b {
-        turning = turning.less(&plane, b.turn);
-        spinning = spinning.less(&plane, b.spin);
+        turning = turning.minus(&plane, b.turn);
+        spinning = spinning.minus(&plane, b.spin);
     }
     let mut c = [none; POINTS];
     let mut at = [(none, none); POINTS];
@@ -172,9 +172,9 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     // Distance of the nearest points if they go on as in this substep, as a multiple of the valid slip; 0 if it is unknown. Where other points cannot be
     // nearer than that, nothing touches, and a stale manifold will do.
     let predicted_gap =
-        none - (most + before.max(none)) * stiff - staleness * L::load(&wide.elsewhere);
+        none - (most + before.max(none)) * stiff - staleness * L::load(&wide.other_approach);
     let predicted_gap = L::splat(-0.5 * FAR).lt(most).and(predicted_gap);
-    let may_be_nearer = L::load(&wide.elsewhere) * total_staleness;
+    let may_be_nearer = L::load(&wide.other_approach) * total_staleness;
     let holds = total_staleness.lt(L::splat(1.0)).or(may_be_nearer.lt(predicted_gap));
     wide.stale = !holds.bits() & 0xFF;
     if sweep == 0 && !none.lt(most).any() {
@@ -182,7 +182,7 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         wide.sum = [0.0; LANES];
         wide.depenetrated = 0;
         wide.force = [[0.0; LANES]; 4];
-        wide.left = [0.0; LANES];
+        wide.remaining_overlap = [0.0; LANES];
         wide.let_go(n);
         return;
     }
@@ -205,12 +205,13 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         patch.regularise(&at);
     }
     // Impulses of earlier sweeps of the substep may be taken back: they are accumulated, and their sums are clamped at zero.
-    let mut had = [none; POINTS];
+    let mut accumulated = [none; POINTS];
     if sweep > 0 {
         let mut moments = Vector::new(none, none, none);
         for i in 0..POINTS {
-            had[i] = L::load(&wide.force[i]);
-            moments += Vector::new(had[i], had[i] * at[i].0, had[i] * at[i].1);
+            accumulated[i] = L::load(&wide.force[i]);
+            moments +=
+                Vector::new(accumulated[i], accumulated[i] * at[i].0, accumulated[i] * at[i].1);
         }
         let moved = patch.about(none, none).times(moments);
         for i in 0..POINTS {
@@ -226,7 +227,7 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         x = x + force[i] * at[i].0;
         y = y + force[i] * at[i].1;
         z = z + force[i] * height[i];
-        let by = force[i] - had[i];
+        let by = force[i] - accumulated[i];
         more += Vector::new(by, by * at[i].0, by * at[i].1);
     }
 
@@ -237,13 +238,13 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     a.shift += n * (more.x * a.inverse_mass);
     a.turn += patch.a.turned(more.y, more.z);
     let mut size = a.shift.length_squared() + a.turn.length_squared();
-    let mut hit = none.lt(a.depenetration_mark);
+    let mut marked = none.lt(a.depenetration_mark);
     if let (Some(b), Some(side)) = (&mut b, &patch.b) {
         old_b = (b.shift, b.turn);
         b.shift -= n * (more.x * b.inverse_mass);
         b.turn -= side.turned(more.y - apart_t * more.x, more.z - apart_u * more.x);
         size = size + b.shift.length_squared() + b.turn.length_squared();
-        hit = hit.or(none.lt(b.depenetration_mark));
+        marked = marked.or(none.lt(b.depenetration_mark));
     }
     let good = good.and(size.lt(L::splat(1e30)));
     good.and(sum).store(&mut wide.sum);
@@ -251,10 +252,10 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     for i in 0..POINTS {
         deepest = deepest.max(none.lt(force[i]).and(left[i]));
     }
-    deepest.store(&mut wide.left);
-    let hit = good.and(hit.or(pressed(&depenetrated, &force)));
-    wide.depenetrated = hit.bits();
-    if wide.kept || wide.sweeps > 1 || hit.any() {
+    deepest.store(&mut wide.remaining_overlap);
+    let marked = good.and(marked.or(pressed(&depenetrated, &force)));
+    wide.depenetrated = marked.bits();
+    if wide.kept || wide.sweeps > 1 || marked.any() {
         wide.force = [[0.0; LANES]; 4];
         for i in 0..POINTS {
             good.and(force[i]).store(&mut wide.force[i]);
@@ -268,7 +269,7 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         wide.let_go(n);
         return;
     }
-    let mark = hit.and(one);
+    let mark = marked.and(one);
     let (shift, turn) = (a.shift.or_else(good, old.0), a.turn.or_else(good, old.1));
     let first = [shift.with(a.inverse_mass), turn.with(a.depenetration_mark.max(mark))];
     L::put_records(&mut bodies.rows, &wide.a, first);
@@ -391,7 +392,7 @@ impl<L: Lanes> PatchPlane<L> {
 impl<L: Lanes> Tilt<L> {
     /// The tilt relative to a turn `b` of the second one.
     #[inline(always)]
-    fn less(self, plane: &PatchPlane<L>, b: Vector<L>) -> Self {
+    fn minus(self, plane: &PatchPlane<L>, b: Vector<L>) -> Self {
         let (bt, bu) = (b.dot(plane.t), b.dot(plane.u));
         let at_centre = plane.apart.1 * bt - plane.apart.0 * bu;
         Self { t: self.t - bt, u: self.u - bu, at_centre }
@@ -635,7 +636,7 @@ pub(super) fn solve_normal_impulses<L: Lanes, const POINTS: usize>(
         pulls = pulls.or(outside.and(none.lt(left)));
     }
     if pulls.any() {
-        one_by_one((&q, extra), &g, c, pulls, &mut force);
+        gauss_seidel((&q, extra), &g, c, pulls, &mut force);
     }
     force
 }
@@ -668,7 +669,7 @@ fn centred<L: Lanes, const POINTS: usize>(
 /// Projected Gauss–Seidel over the points, where a mask is set.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "rows and columns of the same points")]
-fn one_by_one<L: Lanes, const POINTS: usize>(
+fn gauss_seidel<L: Lanes, const POINTS: usize>(
     (q, extra): (&Symmetric<L>, L),
     g: &[(L, L); POINTS],
     c: &[L; POINTS],

@@ -55,10 +55,10 @@ use crate::particles::Particles;
 use crate::pose::rotation;
 
 /// Bound of a squared Newton step, rad²: such a step leaves an error of its cube, below the round-off of `f32`.
-const DONE: f32 = 1e-5;
+const CONVERGED: f32 = 1e-5;
 /// The most Newton steps: within a step, and afresh.
 const STEPS: u32 = 3;
-const FRESH: u32 = 8;
+const FRESH_STEPS: u32 = 8;
 
 impl BodyContactSolver {
     /// Computes an initial rotation of each valid body collider.
@@ -101,8 +101,9 @@ kernel!(
         turned: &mut [Vec4; LANES],
     ) -> u32 {
         let RotationReference { rows: [first, far, side], rest } = rotation_reference;
-        let first = places::<L>(position, first);
-        let (far, side) = (places(position, far) - first, places(position, side) - first);
+        let first = gather_positions::<L>(position, first);
+        let (far, side) =
+            (gather_positions(position, far) - first, gather_positions(position, side) - first);
         let (x, is_long) = unit(far);
         let (z, is_wide) = unit(far.cross(side));
         let [a, b, c] = rest;
@@ -114,7 +115,7 @@ kernel!(
 );
 
 #[inline(always)]
-fn places<L: Lanes>(position: &[Vec4], rows: &[u32; LANES]) -> Vector<L> {
+fn gather_positions<L: Lanes>(position: &[Vec4], rows: &[u32; LANES]) -> Vector<L> {
     Vector::of(L::rows(position, rows)).0
 }
 
@@ -177,7 +178,7 @@ fn initial_rotation(
 }
 
 /// The rotation of a body collider by the slow robust method in `f64`, for lanes whose Newton steps have not converged.
-pub(super) fn certain(
+pub(super) fn robust_rotation(
     groups: &BodyGroups,
     number: usize,
     rest: &[Vec3],
@@ -254,12 +255,12 @@ impl BodyContactSolver {
     }
 
     /// Returns a bit for each line of a group that has left its swept bounds, `time` seconds after the step began.
-    pub(super) fn lines_left(&self, number: usize, position: &[Vec4], time: f32) -> u32 {
+    pub(super) fn lines_outside(&self, number: usize, position: &[Vec4], time: f32) -> u32 {
         let Self { groups, origin_offsets, wide_swept, .. } = self;
         let group = &groups.groups[number];
         let slots = &groups.slots[group.slots.clone()];
         let (origin_offsets, swept) = (origin_offsets.of(group), &wide_swept[number]);
-        lines_left(&group.mass, slots, origin_offsets, position, swept, time, self.instructions)
+        lines_outside(&group.mass, slots, origin_offsets, position, swept, time, self.instructions)
     }
 
     /// Applies the pose deltas of the body colliders in `lanes` to their particles, or changes their velocities instead. Deltas of scattered groups and
@@ -390,7 +391,7 @@ impl Work for ExtractPose<'_> {
         match wide_swept {
             // Lines were checked before the extraction.
             Some(_) if group.lines => 0,
-            Some((wide_swept, time)) => wide_swept.left::<L>(centre, q, time),
+            Some((wide_swept, time)) => wide_swept.outside::<L>(centre, q, time),
             None => residual,
         }
     }
@@ -398,7 +399,7 @@ impl Work for ExtractPose<'_> {
 
 kernel!(
     /// Returns a bit for each line that has left its swept bounds. All lines are checked, since most touch nothing and are not extracted.
-    fn lines_left<L: Lanes>(
+    fn lines_outside<L: Lanes>(
         mass: &WideMass,
         slots: &[Slot],
         origin_offsets: Option<&[[LaneArray; 3]]>,
@@ -412,16 +413,16 @@ kernel!(
         if let Some([own, theirs]) = origin_offsets {
             (from, to) = (from + load(own), to + load(theirs));
         }
-        let held = L::zero().lt(L::load(&mass.held));
+        let held = L::zero().lt(L::load(&mass.pin_centred));
         let line = to - from;
         // As in `centre`, whose first summand is zero here.
         let pull = L::load(&other.pull);
         let free = L::zero().lt(other_w);
-        let decides = held.select(free.select(L::zero(), pull), pull);
-        let centre = from + line * decides * L::load(&mass.middle);
+        let weight = held.select(free.select(L::zero(), pull), pull);
+        let centre = from + line * weight * L::load(&mass.inverse_weight);
         let length = line.length();
         let line = line * L::zero().lt(length).and(L::splat(1.0) / length);
-        wide_swept.lines_left::<L>(centre, line, time)
+        wide_swept.lines_outside::<L>(centre, line, time)
     }
 );
 
@@ -442,7 +443,7 @@ impl ParticleSource<'_> {
         mass: &WideMass,
         gathered: &mut Vec<Gathered>,
     ) -> (Vector<L>, Vector<L>) {
-        let held = L::zero().lt(L::load(&mass.held));
+        let held = L::zero().lt(L::load(&mass.pin_centred));
         gathered.resize(self.slots.len(), Gathered::default());
         let (mut near, mut sum, mut step) = (zero::<L>(), zero::<L>(), zero::<L>());
         for (number, (slot, kept)) in self.slots.iter().zip(gathered).enumerate() {
@@ -454,11 +455,11 @@ impl ParticleSource<'_> {
             store(moved, &mut kept.moved);
             w.store(&mut kept.inverse_mass);
             let (pull, free) = (L::load(&slot.pull), L::zero().lt(w));
-            let decides = held.select(free.select(L::zero(), pull), pull);
-            sum += (q - near) * decides;
-            step += moved * decides;
+            let weight = held.select(free.select(L::zero(), pull), pull);
+            sum += (q - near) * weight;
+            step += moved * weight;
         }
-        let middle = L::load(&mass.middle);
+        let middle = L::load(&mass.inverse_weight);
         (near + sum * middle, step * middle)
     }
 
@@ -511,7 +512,7 @@ fn nearest<L: Lanes>(
     let regularisation = Symmetric::<L>::load(&mass.regularisation);
     // A converged lane keeps its value while others go on: its result must not depend on its neighbour lanes.
     let (mut q, mut going) = (from, L::zero().same(L::zero()));
-    for _ in 0..if fresh { FRESH } else { STEPS } {
+    for _ in 0..if fresh { FRESH_STEPS } else { STEPS } {
         let s = Matrix::of(q).transposed_times(moments);
         let half = L::splat(-0.5);
         let along = Vector::new(s.y.y + s.z.z, s.x.x + s.z.z, s.x.x + s.y.y);
@@ -532,7 +533,7 @@ fn nearest<L: Lanes>(
         for (old, new) in q.iter_mut().zip(next) {
             *old = good.select(new, *old);
         }
-        going = good.and(square.lt(L::splat(DONE))).select(L::zero(), going);
+        going = good.and(square.lt(L::splat(CONVERGED))).select(L::zero(), going);
         if !going.any() {
             break;
         }
@@ -542,7 +543,7 @@ fn nearest<L: Lanes>(
 
 impl OriginOffsets {
     /// Collects the origins of particles where they differ within a body collider; `these` are the numbers of all that may have changed.
-    pub(super) fn take(&mut self, groups: &BodyGroups, these: &[u32], particles: &Particles) {
+    pub(super) fn collect(&mut self, groups: &BodyGroups, these: &[u32], particles: &Particles) {
         let were_even = self.origin_offsets.is_empty();
         self.origin_offsets.clear();
         let origin = |row: u32| particles.origin[row as usize];
@@ -551,8 +552,8 @@ impl OriginOffsets {
             let first = rows.first().map_or(Vec3::ZERO, |&first| origin(first));
             rows.iter().all(|&row| origin(row) == first)
         };
-        let looked = |number: &u32| even(&groups.parts[*number as usize]);
-        if if were_even { these.iter().all(looked) } else { groups.parts.iter().all(even) } {
+        let is_even = |number: &u32| even(&groups.parts[*number as usize]);
+        if if were_even { these.iter().all(is_even) } else { groups.parts.iter().all(even) } {
             return;
         }
         for group in &groups.groups {
@@ -633,7 +634,7 @@ impl Work for ApplyPoseDelta<'_> {
             return;
         }
         let r = Matrix::of(rotation);
-        let field = field::<L>(group, turn, &r, sums, velocity.is_none());
+        let field = delta_matrix::<L>(group, turn, &r, sums, velocity.is_none());
         let centre = load(&sums.centre);
         for (number, slot) in slots.iter().enumerate() {
             let (q, w) = Vector::of(L::rows(position, &slot.rows));
@@ -665,7 +666,7 @@ impl Work for ApplyPoseDelta<'_> {
 
 /// `D`, which maps arms to displacements, of body colliders with the rotations `r`.
 #[inline(always)]
-fn field<L: Lanes>(
+fn delta_matrix<L: Lanes>(
     group: &BodyGroup,
     turn: Vector<L>,
     r: &Matrix<L>,

@@ -14,10 +14,10 @@ use crate::particles::{NO_BODY, Particles};
 use crate::pose::pose;
 
 /// Number of parts up to which all pairs of a body are compared in advance.
-const MOST: usize = 64;
+const MAX_PARTS: usize = 64;
 
 /// Clearance that two parts need in the rest shape to collide at all, as a share of the smaller one's reach.
-const CLEAR: f32 = 0.01;
+const CLEARANCE: f32 = 0.01;
 
 /// The pairs that overlap at rest. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -73,7 +73,7 @@ impl RestOverlaps {
         self.body_colliders.sort_unstable();
         let all = core::mem::take(&mut self.body_colliders);
         for own in all.chunk_by(|one, other| one.0 == other.0) {
-            if (2..=MOST).contains(&own.len()) {
+            if (2..=MAX_PARTS).contains(&own.len()) {
                 self.compare(own, body_colliders, groups, particles);
             }
         }
@@ -110,7 +110,7 @@ impl RestOverlaps {
                     continue;
                 }
                 let (shape, with) = (&body_colliders[one].shape, &body_colliders[other].shape);
-                let clear = CLEAR * groups.parts[one].reach.min(groups.parts[other].reach);
+                let clear = CLEARANCE * groups.parts[one].reach.min(groups.parts[other].reach);
                 let (here, mut overlap) = (frame_a.from_within(&frame_b), false);
                 collide(shape, with, &here, clear, &mut scratch.0, &mut |manifold| {
                     overlap |= manifold.points().iter().any(|point| point.distance < clear);

@@ -169,7 +169,7 @@ impl BodyContactSolver {
         pinned.extend(rows.filter_map(|row| all.of.get(row).copied()));
         pinned.sort_unstable();
         for (number, (group, state)) in groups.groups.iter().zip(states).enumerate() {
-            let (mut asks, mut reach, mut tolerance) = (0, [0.0; LANES], [0.0; LANES]);
+            let (mut eligible, mut reach, mut tolerance) = (0, [0.0; LANES], [0.0; LANES]);
             let awake = group.sound & !asleep[number];
             for lane in (0..LANES).filter(|lane| awake >> lane & 1 == 1) {
                 let Some(solid) = groups.sound_in(number, lane) else { continue };
@@ -180,11 +180,11 @@ impl BodyContactSolver {
                 let part = &groups.parts[solid];
                 let rows = &groups.rows[part.entries.clone()];
                 let Some(rate) = rate_of(rows, particles, island, &step) else { continue };
-                asks |= 1 << lane;
+                eligible |= 1 << lane;
                 (reach[lane], tolerance[lane]) = (part.reach, island.settings.tolerance);
                 state.rate[lane] = rate;
             }
-            if asks == 0 {
+            if eligible == 0 {
                 continue;
             }
             let read = ReadStates {
@@ -201,7 +201,7 @@ impl BodyContactSolver {
                 h: step.h,
                 gathered,
             };
-            state.lanes = asks & with(*instructions, read);
+            state.lanes = eligible & with(*instructions, read);
             *count += state.lanes.count_ones() as usize;
             for lane in (0..LANES).filter(|lane| state.lanes >> lane & 1 == 1) {
                 if let Some(solid) = groups.sound_in(number, lane) {
@@ -451,14 +451,14 @@ fn rate_of(rows: &[u32], particles: &Particles, island: &Island, step: &RigidSte
     let alike = |&row: &u32| particles.damping[row as usize] == rate;
     // Particles of no body, and of bodies without settings, use the defaults.
     let body = step.bodies.get(particles.body[first] as usize).copied().unwrap_or_default();
-    let asks = body.representation == Representation::Auto;
+    let is_auto = body.representation == Representation::Auto;
     let keeps_momenta = settings.keep_spin || settings.gradient_at == GradientAt::StepStart;
     let may = island.free
         && !island.asleep
         && !island.rigid
         && !island.measured
         && island.one_origin
-        && asks
+        && is_auto
         && keeps_momenta
         && !settings.statics
         && settings.integrator == Integrator::Verlet

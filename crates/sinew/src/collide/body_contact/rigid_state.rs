@@ -52,7 +52,7 @@ const MOST: f32 = 0.5;
 /// The same limit when a step begins, half a radian: faster bodies go as particles.
 const FAST: f32 = 0.061;
 /// Bound of a squared relative Newton step: such a step leaves an error of its square, which is round-off.
-const DONE: f32 = 1e-7;
+const CONVERGED: f32 = 1e-7;
 /// `v²` up to which the first two terms are exact in `f32`, and the share of the angular momentum that the second one may have for that: turns of two
 /// hundredths of a radian in a substep.
 const SLOW: f32 = 1e-4;
@@ -191,7 +191,7 @@ fn turn_of<L: Lanes>(
         let good = going.and(square.le(L::splat(MOST)));
         v = next.or_else(good, v);
         w = good.select((one - square).sqrt(), w);
-        let done = further.length_squared().le(square * L::splat(DONE));
+        let done = further.length_squared().le(square * L::splat(CONVERGED));
         going = good.and(done.select(L::zero(), good));
     }
     (v, w)
@@ -276,7 +276,7 @@ impl Work for ReadStates<'_> {
             speeds += (v - pace) * pull;
             good = good.and(own.same(lag));
         }
-        let middle = L::load(&mass.middle);
+        let middle = L::load(&mass.inverse_weight);
         let (centre, shift) = (near + sum * middle, pace + speeds * middle);
         let moments = Moments::of(slots, centre, shift, |number, slot| {
             let kept = &gathered[number];
@@ -420,7 +420,7 @@ impl Work for AdvanceStates<'_> {
             let (v, w) = turn_of(own, &inertia, &inverse);
             rotation = rotation.further(v, w);
             turn = [v.x, v.y, v.z, w];
-            left |= wide_swept.left::<L>(centre, rotation.whole, time);
+            left |= wide_swept.outside::<L>(centre, rotation.whole, time);
         }
         store(centre, &mut state.centre);
         store(remainder, &mut state.remainder);
@@ -473,7 +473,8 @@ impl Work for ShowStates<'_> {
         ];
         put(bodies, first, state.lanes, fields);
         let centre = load::<L>(&state.centre);
-        wide_swept.map_or(0, |(swept, time)| swept.left::<L>(centre, rotation, time) & state.lanes)
+        wide_swept
+            .map_or(0, |(swept, time)| swept.outside::<L>(centre, rotation, time) & state.lanes)
     }
 }
 
@@ -663,7 +664,7 @@ kernel!(
             });
             let missing = r.transposed_times_vector(load::<L>(&state.momentum) - written.momentum);
             more = r.times(inverse.times(missing));
-            faster = dropped - written.velocity * L::load(&group.mass.middle);
+            faster = dropped - written.velocity * L::load(&group.mass.inverse_weight);
         }
         let whole = !group.scattered && lanes == 0xFF;
         for slot in slots {

@@ -22,7 +22,7 @@ use crate::lanes::LANES;
 /// rest carry some ten times their own weight.
 const SUDDEN: (f32, f32) = (15.0, 0.1);
 /// Ratio of its impulse to the mean of the substeps before, from which on a contact counts as just begun: the mean reaches that after some eight substeps.
-const HARDER: f32 = 1.1;
+const BEGUN_RATIO: f32 = 1.1;
 /// Share of its radius by which a round shape may be drawn in, in a substep.
 const DRAWN_IN: f32 = 0.25;
 
@@ -71,7 +71,7 @@ impl BodyContactSolver {
 
 /// Whether a manifold presses harder than before. It is not known for manifolds without friction.
 fn has_begun(wide: &WideContact, lane: usize) -> bool {
-    wide.friction[lane] > 0.0 && wide.sum[lane] > HARDER * wide.friction_limit[lane]
+    wide.friction[lane] > 0.0 && wide.sum[lane] > BEGUN_RATIO * wide.friction_limit[lane]
 }
 
 /// How far the colliding shapes may be drawn in, metres; infinite if neither is round.

@@ -15,11 +15,11 @@ use crate::particles::{NO_BODY, Particles};
 
 /// Speculative margin for jolts as a multiple of what gravity alone moves in a step, `g dt²`. In a hundred ragdolls that roll down stairs some always exceed
 /// it; a wider margin lists pairs that never touch, which costs more than to query those few again.
-const JOLTED: f32 = 2.0;
+const JOLT_MARGIN: f32 = 2.0;
 /// The same as a share of the distance travelled in the step: jolts happen without gravity, too.
-const SWERVED: f32 = 0.1;
+const PATH_MARGIN: f32 = 0.1;
 /// The same as a share of the collider's reach, so that round-off does not count as leaving the bounds.
-const SHAKEN: f32 = 1e-3;
+const SIZE_MARGIN: f32 = 1e-3;
 
 /// Pose, velocity and bounds of a body collider at its last broad-phase query.
 #[derive(Clone, Copy, Debug)]
@@ -126,10 +126,10 @@ impl WideSweptBounds {
         (self.speculative_margin[lane], self.reach[lane]) = (swept.speculative_margin, reach);
     }
 
-    /// Like [`left`](Self::left), for body colliders of two particles, from their centres and the directions from the first to the second particle. Turns
+    /// Like [`outside`](Self::outside), for body colliders of two particles, from their centres and the directions from the first to the second particle. Turns
     /// about their own line are left out: they move no point of a capsule.
     #[inline(always)]
-    pub(super) fn lines_left<L: Lanes>(
+    pub(super) fn lines_outside<L: Lanes>(
         &self,
         centre: Vector<L>,
         line: Vector<L>,
@@ -143,7 +143,12 @@ impl WideSweptBounds {
 
     /// Returns a bit for each lane that is farther from its extrapolated path than its margin, `time` seconds after the step began.
     #[inline(always)]
-    pub(super) fn left<L: Lanes>(&self, centre: Vector<L>, [x, y, z, w]: [L; 4], time: f32) -> u32 {
+    pub(super) fn outside<L: Lanes>(
+        &self,
+        centre: Vector<L>,
+        [x, y, z, w]: [L; 4],
+        time: f32,
+    ) -> u32 {
         let [was_x, was_y, was_z, was_w] = &self.rotation;
         let was = Vector::new(L::load(was_x), L::load(was_y), L::load(was_z));
         let now = Vector::new(x, y, z);
@@ -179,21 +184,22 @@ impl BodyContactSolver {
         let (centre, step, spin) = (centre.truncate(), step.truncate(), spin.truncate());
         let (q, dt) = (bodies[place][ROTATION], world.dt);
         let (velocity, left) = (step * rate, dt * (1.0 - share));
-        let way = velocity * left;
+        let travel = velocity * left;
         let spun = spin.length() * rate * part.reach * left;
-        let jolted = JOLTED * world.g() * dt * dt;
-        let speculative_margin = spun + jolted + SWERVED * way.length() + SHAKEN * part.reach;
+        let jolted = JOLT_MARGIN * world.g() * dt * dt;
+        let speculative_margin =
+            spun + jolted + PATH_MARGIN * travel.length() + SIZE_MARGIN * part.reach;
         let origin = particles.origin[row];
         let r = rotation(q);
         let frame = Frame { translation: centre - r * part.centre, rotation: r };
         let sound = centre.is_finite()
-            && way.is_finite()
+            && travel.is_finite()
             && speculative_margin.is_finite()
             && q.is_finite();
         let (low, high) = world.body_colliders[number].shape.bounds_in(&frame);
         // Far from the world's origin the sum with its own origin is rounded.
         let wide = speculative_margin + 1e-6 * (origin.abs().max_element() + 1.0);
-        let (low, high) = (low + way.min(Vec3::ZERO), high + way.max(Vec3::ZERO));
+        let (low, high) = (low + travel.min(Vec3::ZERO), high + travel.max(Vec3::ZERO));
         let bounds = (low + origin - wide, high + origin + wide);
         let bounds = if sound { bounds } else { (Vec3::NAN, Vec3::NAN) };
         let body = particles.body[row];

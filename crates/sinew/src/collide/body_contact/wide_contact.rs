@@ -16,7 +16,7 @@ use glam::{Mat3, Vec3};
 
 use super::super::impact::ContactParticipant;
 use super::super::material::CombinedMaterial;
-use super::contact_cache::{CachedManifold, FrictionAnchor, may_slide, may_turn, steepness};
+use super::contact_cache::{CachedManifold, FrictionAnchor, slip_limit, steepness, turn_limit};
 use super::turn::{LaneArray, set, store};
 use crate::constraints::PlanarDrag;
 use crate::lanes::{LANES, Lanes, Vector};
@@ -142,11 +142,11 @@ fn by_colour(
     }
 }
 
-/// Packs manifolds into wide contacts, by colour, for substeps of `h` seconds. `nothing` is the null row, `order` and `begins` are scratch; `row` maps a body
+/// Packs manifolds into wide contacts, by colour, for substeps of `h` seconds. `null_row` is the null row, `order` and `begins` are scratch; `row` maps a body
 /// collider or static geometry to its row in `bodies`, `centre` a body collider to the centre in its own frame.
 pub(super) fn pack_contacts(
     (contacts, cache, h): (&[Contact], &[CachedManifold], f32),
-    (nothing, colours): (u32, u32),
+    (null_row, colours): (u32, u32),
     [order, begins]: [&mut Vec<u32>; 2],
     wide_contacts: &mut Vec<WideContact>,
     (row, centre): (impl Fn(u32) -> u32, impl Fn(u32) -> Vec3),
@@ -157,7 +157,11 @@ pub(super) fn pack_contacts(
     for &number in order.iter() {
         let one = &contacts[number as usize];
         if lane == LANES || one.class() != class {
-            wide_contacts.push(WideContact::empty(nothing, one.fixed.is_some(), SWEEPS[one.level]));
+            wide_contacts.push(WideContact::empty(
+                null_row,
+                one.fixed.is_some(),
+                SWEEPS[one.level],
+            ));
             (class, lane) = (one.class(), 0);
         }
         if let Some(wide) = wide_contacts.last_mut() {
@@ -225,10 +229,10 @@ pub(super) fn put_manifold(
     set(&mut wide.normal, lane, normal);
     set(&mut wide.offset, lane, one.offset);
     wide.steepness[lane] = steepness(&known.manifold);
-    let (turn, slide) = (may_turn(&known.manifold), may_slide(&known.manifold, one.size));
-    (wide.bent[lane], wide.stiff[lane]) = (1.0 / turn, 1.0 / slide);
+    let (turn, slide) = (turn_limit(&known.manifold), slip_limit(&known.manifold, one.size));
+    (wide.inverse_turn[lane], wide.inverse_slip[lane]) = (1.0 / turn, 1.0 / slide);
     wide.torsional_radius[lane] = one.torsional_radius;
-    wide.elsewhere[lane] = 2.0 * one.size * turn / slide;
+    wide.other_approach[lane] = 2.0 * one.size * turn / slide;
     wide.staleness[lane] = 0.0;
     wide.stale &= !(1 << lane);
     let points = known.manifold.points();
@@ -281,12 +285,12 @@ pub(super) struct WideContact {
     pub(super) offset: [LaneArray; 3],
     pub(super) friction: LaneArray,
     /// One by the slip up to which the manifold is valid, 1/m.
-    pub(super) stiff: LaneArray,
+    pub(super) inverse_slip: LaneArray,
     /// One by the turn up to which the manifold is valid, 1/rad.
-    pub(super) bent: LaneArray,
+    pub(super) inverse_turn: LaneArray,
     /// Distance, per unit of staleness and as a multiple of the valid slip, by which other points of the two may have approached more than those of the
     /// manifold: a turn of `φ` moves these apart by up to `r φ` and others together by as much.
-    pub(super) elsewhere: LaneArray,
+    pub(super) other_approach: LaneArray,
     /// Part of the rate of staleness that comes of the slope: [`steepness`].
     pub(super) steepness: LaneArray,
     /// Turn and slip of the two since the manifold was computed, as a share of what is valid: a touching manifold is recomputed from 1 on.
@@ -328,16 +332,16 @@ pub(super) struct WideContact {
     /// Sum of the impulses in this step, kg·m.
     pub(super) total: LaneArray,
     /// Depth of the pressing points when the substep began, metres: what the substep before has left.
-    pub(super) left: LaneArray,
+    pub(super) remaining_overlap: LaneArray,
 }
 
 impl WideContact {
-    /// A wide contact without manifolds; `nothing` is the null row.
-    pub(super) fn empty(nothing: u32, fixed: bool, sweeps: u32) -> Self {
+    /// A wide contact without manifolds; `null_row` is the null row.
+    pub(super) fn empty(null_row: u32, fixed: bool, sweeps: u32) -> Self {
         let (none, vector) = ([0.0; LANES], [[0.0; LANES]; 3]);
         Self {
-            a: [nothing; LANES],
-            b: [nothing; LANES],
+            a: [null_row; LANES],
+            b: [null_row; LANES],
             number: [u32::MAX; LANES],
             fixed,
             sweeps,
@@ -350,9 +354,9 @@ impl WideContact {
             missing: [[FAR; LANES]; 4],
             offset: vector,
             friction: none,
-            stiff: none,
-            bent: none,
-            elsewhere: none,
+            inverse_slip: none,
+            inverse_turn: none,
+            other_approach: none,
             steepness: none,
             staleness: none,
             stale: 0,
@@ -373,7 +377,7 @@ impl WideContact {
             accumulated_slip: [none; 4],
             sticking: 0,
             total: none,
-            left: none,
+            remaining_overlap: none,
         }
     }
 }

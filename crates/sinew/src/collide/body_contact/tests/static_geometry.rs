@@ -44,7 +44,8 @@ fn eight_on_one(points: usize, random: &mut Random) -> (WideContact, Bodies) {
         wide.radius[lane] = random.number().max(0.0) * 0.2;
         wide.friction_limit[lane] = random.number().max(0.0) * 1e-3;
         (wide.friction[lane], wide.own[lane], wide.torsional_radius[lane]) = (0.5, 1.0, 1e-2);
-        (wide.stiff[lane], wide.bent[lane], wide.steepness[lane]) = (10.0, 10.0, 0.0);
+        (wide.inverse_slip[lane], wide.inverse_turn[lane], wide.steepness[lane]) =
+            (10.0, 10.0, 0.0);
         for accumulated_slip in &mut wide.accumulated_slip {
             accumulated_slip[lane] = 1e-4 * random.number();
         }
