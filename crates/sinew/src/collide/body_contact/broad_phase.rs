@@ -447,9 +447,9 @@ impl BodyContactSolver {
         let rows = [groups.place(a), if solid { groups.place(b) } else { b }];
         let centre =
             |number: usize| groups.parts.get(number).map_or(Vec3::ZERO, |part| part.centre);
-        let known = &cache.now[one.cache_index as usize];
+        let cached = &cache.now[one.cache_index as usize];
         let to = (&mut wide_contacts[missed.wide_contacts + place], lane);
         let rows = rows.map(|row| row as u32);
-        put(to, (number as u32, rows), (one, known), [centre(a), centre(b)], *h);
+        put(to, (number as u32, rows), (one, cached), [centre(a), centre(b)], *h);
     }
 }

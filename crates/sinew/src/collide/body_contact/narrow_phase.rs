@@ -73,11 +73,11 @@ impl BodyContactSolver {
             return (from, ManifoldSource::CarriedOver);
         }
         let shapes = shapes(pair, world, &self.static_geometry);
-        let known = self.cache.cached(from, key);
-        let valid = known.filter(|known| known.content_hashes == content_hashes(shapes));
-        let valid = valid.and_then(|known| {
-            let staleness = known.staleness(here, size, reach)?;
-            Some(ManifoldSource::Cached { staleness, near: known.is_near(here, reach) })
+        let cached = self.cache.cached(from, key);
+        let valid = cached.filter(|cached| cached.content_hashes == content_hashes(shapes));
+        let valid = valid.and_then(|cached| {
+            let staleness = cached.staleness(here, size, reach)?;
+            Some(ManifoldSource::Cached { staleness, near: cached.is_near(here, reach) })
         });
         let boxes = &mut self.narrow_phase.0.boxes;
         let mut compared = || {
@@ -537,9 +537,9 @@ impl BodyContactSolver {
         for (number, wide) in wide_contacts.iter_mut().enumerate() {
             for lane in SetLanes(wide.stale) {
                 let Some(one) = contacts.get_mut(wide.number[lane] as usize) else { continue };
-                let known = &mut cache.now[one.cache_index as usize];
+                let cached = &mut cache.now[one.cache_index as usize];
                 // Those with one manifold for each triangle are computed once a step.
-                if known.reach < 0.0 {
+                if cached.reach < 0.0 {
                     continue;
                 }
                 let (a, b) = (one.a as usize, one.b as usize);
@@ -562,25 +562,25 @@ impl BodyContactSolver {
                     }
                 };
                 let seen_from = own.from_within(&theirs);
-                (known.seen_from, known.reach) = (seen_from, reach);
+                (cached.seen_from, cached.reach) = (seen_from, reach);
                 if boxes.push([shape, other], &seen_from, reach).is_some() {
                     stale.push((number, lane));
                     continue;
                 }
-                known.manifold = Default::default();
+                cached.manifold = Default::default();
                 collide(shape, other, &seen_from, reach, manifolds, &mut |manifold| {
-                    known.manifold = *manifold;
+                    cached.manifold = *manifold;
                 });
-                put_manifold(wide, lane, (one, known), centres(groups, one));
+                put_manifold(wide, lane, (one, cached), centres(groups, one));
             }
         }
         let found = boxes.collide(*instructions);
         for (&(number, lane), manifold) in stale.iter().zip(found) {
             let wide = &mut wide_contacts[number];
             let one = &contacts[wide.number[lane] as usize];
-            let known = &mut cache.now[one.cache_index as usize];
-            known.manifold = *manifold;
-            put_manifold(wide, lane, (one, known), centres(groups, one));
+            let cached = &mut cache.now[one.cache_index as usize];
+            cached.manifold = *manifold;
+            put_manifold(wide, lane, (one, cached), centres(groups, one));
         }
     }
 

@@ -73,7 +73,7 @@ impl BodyContactSolver {
             // Particles of one body collider have different origins: no rotation is computed in lanes.
             let rotation_reference =
                 group.rotation_reference.as_ref().filter(|_| origin_offsets.of(group).is_none());
-            let known = rotation_reference.map_or(0, |rotation_reference| {
+            let computed = rotation_reference.map_or(0, |rotation_reference| {
                 let position = &particles.position;
                 initial_rotations(rotation_reference, position, &mut turned, *instructions)
             });
@@ -82,7 +82,7 @@ impl BodyContactSolver {
                     continue;
                 }
                 let row = &mut bodies[number * LANES + lane];
-                if known >> lane & 1 == 1 {
+                if computed >> lane & 1 == 1 {
                     row[ROTATION] = turned;
                 } else if let Some(solid) = groups.sound_in(number, lane) {
                     let rest = &world.body_colliders[solid].rest;
@@ -629,8 +629,8 @@ impl Work for ApplyPoseDelta<'_> {
         let (shift, turn) = (Vector::of(shift).0, Vector::of(turn).0);
         let lanes = L::mask(lanes);
         let (shift, turn) = (shift.or_else(lanes, zero()), turn.or_else(lanes, zero()));
-        let much = shift.length_squared() + turn.length_squared();
-        if !L::zero().lt(much).any() {
+        let square = shift.length_squared() + turn.length_squared();
+        if !L::zero().lt(square).any() {
             return;
         }
         let r = Matrix::of(rotation);
@@ -728,7 +728,7 @@ mod tests {
 
     /// Eight lanes give the same bits as single body colliders, on each instruction set; collinear or non-finite particles give no rotation.
     #[test]
-    fn eight_are_turned_as_each_alone_is() {
+    fn initial_rotations_in_lanes_match_single_ones() {
         let mut state = 3_u64;
         let mut next = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -755,17 +755,17 @@ mod tests {
             for set in [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2] {
                 let mut turned = [Vec4::ZERO; LANES];
                 let (rotation_reference, position) = (&rotation_reference, &position[..]);
-                let known = initial_rotations(rotation_reference, position, &mut turned, set);
+                let computed = initial_rotations(rotation_reference, position, &mut turned, set);
                 for lane in 0..LANES {
                     let ([a, b, c], [p, q, r]) = (rest[lane], here[lane]);
                     let frames = (frame(b - a, c - a), frame(q - p, r - p));
                     let (Some(from), Some(to)) = frames else {
                         odd += 1;
-                        assert_eq!(known >> lane & 1, 0, "{set:?}, round {round}, lane {lane}");
+                        assert_eq!(computed >> lane & 1, 0, "{set:?}, round {round}, lane {lane}");
                         continue;
                     };
                     let alone = quaternion(&(to * from.transpose()));
-                    assert_eq!(known >> lane & 1, 1, "{set:?}, round {round}, lane {lane}");
+                    assert_eq!(computed >> lane & 1, 1, "{set:?}, round {round}, lane {lane}");
                     let bits = |q: Vec4| q.to_array().map(f32::to_bits);
                     assert_eq!(bits(turned[lane]), bits(alone), "{set:?}, round {round}");
                 }

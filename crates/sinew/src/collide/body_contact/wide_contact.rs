@@ -115,8 +115,8 @@ fn by_colour(
     begins: &mut Vec<u32>,
 ) {
     let class = |one: &Contact| {
-        let known = &cache[one.cache_index as usize];
-        let kind = match (known.friction_anchor.is_loaded(), known.manifold.points().len() > 2) {
+        let cached = &cache[one.cache_index as usize];
+        let kind = match (cached.friction_anchor.is_loaded(), cached.manifold.points().len() > 2) {
             (true, true) => 0,
             (true, false) => 1,
             (false, false) => 2,
@@ -165,9 +165,9 @@ pub(super) fn pack_contacts(
             (class, lane) = (one.class(), 0);
         }
         if let Some(wide) = wide_contacts.last_mut() {
-            let known = &cache[one.cache_index as usize];
+            let cached = &cache[one.cache_index as usize];
             let rows = [row(one.a), row(one.b)];
-            put((wide, lane), (number, rows), (one, known), [centre(one.a), centre(one.b)], h);
+            put((wide, lane), (number, rows), (one, cached), [centre(one.a), centre(one.b)], h);
         }
         lane += 1;
     }
@@ -185,31 +185,31 @@ pub(super) fn keep_for_impacts(wide_contacts: &mut [WideContact]) {
 pub(super) fn put(
     (wide, lane): (&mut WideContact, usize),
     (number, rows): (u32, [u32; 2]),
-    (one, known): (&Contact, &CachedManifold),
+    (one, cached): (&Contact, &CachedManifold),
     centres: [Vec3; 2],
     h: f32,
 ) {
     (wide.a[lane], wide.b[lane]) = (rows[0], rows[1]);
     wide.number[lane] = number;
-    put_manifold(wide, lane, (one, known), centres);
+    put_manifold(wide, lane, (one, cached), centres);
     wide.staleness[lane] = one.staleness;
     wide.friction[lane] = one.combined_material.friction;
     wide.elastic |= u32::from(one.combined_material.restitution > 0.0) << lane;
     wide.against_static |= u32::from(one.geometry.is_some()) << lane;
     let drags = one.combined_material.drag != PlanarDrag::default();
     wide.kept |= one.reports_events || one.combined_material.restitution > 0.0 || drags;
-    wide.set_friction_anchor(lane, &known.friction_anchor, h);
+    wide.set_friction_anchor(lane, &cached.friction_anchor, h);
 }
 
 /// Writes the manifold of a contact into a lane.
 pub(super) fn put_manifold(
     wide: &mut WideContact,
     lane: usize,
-    (one, known): (&Contact, &CachedManifold),
+    (one, cached): (&Contact, &CachedManifold),
     [centre_a, centre_b]: [Vec3; 2],
 ) {
     let seen = |v: Vec3| one.fixed.map_or(v, |axes| axes * v);
-    let manifold = &known.manifold;
+    let manifold = &cached.manifold;
     // Of a fixed second one no rotation is loaded, so its axis cannot be used.
     let axial = [manifold.axial[0], manifold.axial[1] & one.fixed.is_none()];
     let [own, theirs] = manifold.radii;
@@ -223,26 +223,26 @@ pub(super) fn put_manifold(
         (false, true) => 0.0,
         _ => 0.5,
     };
-    let normal = known.manifold.normal;
+    let normal = cached.manifold.normal;
     let of_first = theirs > 0.0 && own == 0.0;
-    let normal = if of_first { known.seen_from.turn_back(normal) } else { seen(normal) };
+    let normal = if of_first { cached.seen_from.turn_back(normal) } else { seen(normal) };
     set(&mut wide.normal, lane, normal);
     set(&mut wide.offset, lane, one.offset);
-    wide.steepness[lane] = steepness(&known.manifold);
-    let (turn, slide) = (turn_limit(&known.manifold), slip_limit(&known.manifold, one.size));
+    wide.steepness[lane] = steepness(&cached.manifold);
+    let (turn, slide) = (turn_limit(&cached.manifold), slip_limit(&cached.manifold, one.size));
     (wide.inverse_turn[lane], wide.inverse_slip[lane]) = (1.0 / turn, 1.0 / slide);
     wide.torsional_radius[lane] = one.torsional_radius;
     wide.other_approach[lane] = 2.0 * one.size * turn / slide;
     wide.staleness[lane] = 0.0;
     wide.stale &= !(1 << lane);
-    let points = known.manifold.points();
+    let points = cached.manifold.points();
     if points.is_empty() {
         wide.friction_limit[lane] = 0.0;
     }
     for i in 0..wide.missing.len() {
         let (mut on_a, mut on_b, mut missing) = (Vec3::ZERO, Vec3::ZERO, FAR);
         if let Some(point) = points.get(i) {
-            let [a, b] = manifold.anchors_about(point, &known.seen_from, axial);
+            let [a, b] = manifold.anchors_about(point, &cached.seen_from, axial);
             (on_a, on_b, missing) = (a - centre_a, seen(b - centre_b), 0.0);
         }
         set(&mut wide.on_a[i], lane, on_a);

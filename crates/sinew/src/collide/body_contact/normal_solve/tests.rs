@@ -33,12 +33,12 @@ impl Work for Both<'_> {
         let c = [some(-1e-4, 1e-3), some(-1e-3, 1e-3)];
         let at = [(some(-1.0, 1.0), some(-1.0, 1.0)), (some(-1.0, 1.0), some(-1.0, 1.0))];
         let far = L::splat(-1e9);
-        let speculative_margin = (some(-1.0, 1.0), some(-1.0, 1.0));
+        let missing_at = (some(-1.0, 1.0), some(-1.0, 1.0));
         let two = solve_normal_impulses(&patch, &c, &at);
         let four = solve_normal_impulses(
             &patch,
             &[c[0], c[1], far, far],
-            &[at[0], at[1], speculative_margin, speculative_margin],
+            &[at[0], at[1], missing_at, missing_at],
         );
         let store = |force: L| {
             let mut to = [0.0; LANES];
@@ -50,7 +50,7 @@ impl Work for Both<'_> {
 }
 
 #[test]
-fn two_points_press_as_they_do_beside_two_that_are_missing() {
+fn missing_points_do_not_change_the_impulses_of_others() {
     let mut random = Random::new(7);
     let mut pressed = [0; 3];
     for _ in 0..500 {
@@ -108,7 +108,7 @@ impl Work for AsOne<'_> {
 /// A manifold had the same corner twice. The middle of the two, rounded, was as far from them as they were from each other, and the resulting tilt threw
 /// boxes out of a heap at a kilometre a second.
 #[test]
-fn points_that_are_as_good_as_one_press_as_one() {
+fn nearly_coincident_points_press_as_one() {
     let mut random = Random::new(3);
     for distance in [0.0, 1e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
         for _ in 0..500 {

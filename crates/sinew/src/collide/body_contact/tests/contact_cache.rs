@@ -48,7 +48,7 @@ fn stacks_on_slopes_do_not_creep() {
 }
 
 #[test]
-fn what_is_restored_with_its_memory_goes_on_bit_for_bit_and_without_it_does_not() {
+fn a_world_restored_with_its_contact_cache_continues_bit_for_bit() {
     let mut world = stack(3, 20.0);
     step(&mut world, 1.0);
     let (mut restored, mut blank) = (world.clone(), world.clone());
@@ -64,7 +64,7 @@ fn what_is_restored_with_its_memory_goes_on_bit_for_bit_and_without_it_does_not(
 }
 
 #[test]
-fn what_is_remembered_goes_by_names_and_not_by_places() {
+fn cached_manifolds_are_found_by_id_and_not_by_position() {
     let mut world = stack(3, 20.0);
     step(&mut world, 1.0);
     let mut parts = world.clone();
@@ -94,7 +94,7 @@ fn a_box_falls_when_the_block_beneath_it_shrinks() {
 }
 
 #[test]
-fn a_box_that_is_carried_off_comes_to_lie_where_it_is_put() {
+fn a_box_that_is_moved_rests_where_it_is_put() {
     let mut world = world();
     floor(&mut world, rough(0.5));
     let first = add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * 0.5, Quat::IDENTITY);
@@ -112,7 +112,7 @@ fn a_box_that_is_carried_off_comes_to_lie_where_it_is_put() {
 }
 
 #[test]
-fn sleepers_remember() {
+fn sleeping_bodies_keep_their_contact_cache() {
     let mut world = stack(3, 20.0);
     *world.sleep = vec![Sleep::allowed(); 3];
     step(&mut world, 3.0);
@@ -125,7 +125,7 @@ fn sleepers_remember() {
 }
 
 #[test]
-fn a_slope_with_a_mesh_for_its_surface_is_as_good() {
+fn stacks_on_a_mesh_slope_do_not_creep() {
     let mut world = stack(3, 15.0);
     let frame = world.colliders[0].start;
     // A mesh of two triangles, which gives two manifolds.
@@ -162,7 +162,7 @@ fn a_box_falls_when_the_one_triangle_beneath_it_is_lowered() {
 /// The points of a manifold are fixed to the two. Where a box leans on the rim of another and slides, it soon touches there with other points, which are
 /// higher or lower: this box was thrown out of a rim in which it was half a millimetre deep already.
 #[test]
-fn what_slides_over_a_rim_is_known_to_be_as_high_as_it_is() {
+fn a_manifold_sliding_over_a_rim_keeps_the_right_height() {
     let half = Vec3::splat(0.25);
     let shape = Shape::cuboid(half * 2.0).unwrap();
     let (size, reach) = (half.length(), 0.02);
@@ -181,9 +181,9 @@ fn what_slides_over_a_rim_is_known_to_be_as_high_as_it_is() {
             friction_anchor: Default::default(),
         })
     };
-    let height = |known: &CachedManifold, here: &Frame| {
-        let of = |point: &Point| known.manifold.normal.dot(here.point(point.on_a) - point.on_b);
-        known.manifold.points().iter().map(of).fold(f32::INFINITY, f32::min)
+    let height = |cached: &CachedManifold, here: &Frame| {
+        let of = |point: &Point| cached.manifold.normal.dot(here.point(point.on_a) - point.on_b);
+        cached.manifold.points().iter().map(of).fold(f32::INFINITY, f32::min)
     };
     let (mut slid, mut slides) = (0.0_f32, 0);
     for (lean, degrees) in [(0.03, 20.0), (0.06, 35.0), (0.09, 50.0_f32)] {
@@ -191,16 +191,17 @@ fn what_slides_over_a_rim_is_known_to_be_as_high_as_it_is() {
         for (dx, dz) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.7, -0.7), (0.7, 0.7)] {
             let at = |way: f32| Vec3::new(0.15 + dx * way, 0.51, 0.1 + dz * way);
             let frame = |way: f32| Frame::new(at(way), rotation);
-            let Some(known) = find(&frame(0.0)).filter(|known| known.manifold.slope > 0.0) else {
+            let Some(cached) = find(&frame(0.0)).filter(|cached| cached.manifold.slope > 0.0)
+            else {
                 continue;
             };
             for n in 0..2000 {
                 let here = frame(1e-5 * n as f32);
-                if known.staleness(&here, (size, size), 0.0).is_none() {
+                if cached.staleness(&here, (size, size), 0.0).is_none() {
                     break;
                 }
                 let now = find(&here).expect("it is as near as before");
-                let wrong = (height(&known, &here) - height(&now, &here)).abs();
+                let wrong = (height(&cached, &here) - height(&now, &here)).abs();
                 assert!(wrong < 2e-4 * size, "{wrong} m after {n} steps, {lean}, {dx} {dz}");
                 slid = slid.max(1e-5 * n as f32);
             }

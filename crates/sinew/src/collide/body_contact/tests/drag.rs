@@ -48,7 +48,7 @@ fn a_plane_drags_solids_once_and_no_more() {
 }
 
 #[test]
-fn what_drags_all_stops_what_slides_and_a_drag_across_what_bounces() {
+fn full_drag_along_stops_sliding_and_across_stops_bouncing() {
     let mut sticking = world();
     floor(&mut sticking, sticky(1.0, 0.0));
     let (speed, spin) = slide(&mut sticking);
@@ -68,7 +68,7 @@ fn what_drags_all_stops_what_slides_and_a_drag_across_what_bounces() {
 }
 
 #[test]
-fn what_drags_each_other_keeps_its_momenta() {
+fn drag_between_bodies_keeps_momenta() {
     let mut world = world();
     world.forces.gravity = Vec3::ZERO;
     contacts(&mut world, sticky(0.9, 0.5));

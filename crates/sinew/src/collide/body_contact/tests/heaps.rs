@@ -114,7 +114,7 @@ fn a_fast_box_does_not_go_through_a_thin_wall() {
 }
 
 #[test]
-fn a_body_whose_numbers_broke_does_not_spoil_its_neighbours() {
+fn a_non_finite_body_does_not_affect_its_neighbours() {
     let mut world = world();
     floor(&mut world, rough(0.5));
     let firsts: Vec<_> = (0..9)

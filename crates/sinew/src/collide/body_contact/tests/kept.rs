@@ -41,7 +41,7 @@ fn two_free_boxes_keep_momentum_and_angular_momentum_when_they_hit_each_other() 
 }
 
 #[test]
-fn two_bodies_of_solids_that_share_particles_keep_it_too() {
+fn bones_that_share_particles_keep_momenta_when_hit() {
     // Two bones with a shared joint, hit by a box.
     let mut world = world();
     world.forces.gravity = Vec3::ZERO;

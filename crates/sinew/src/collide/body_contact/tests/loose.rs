@@ -18,7 +18,7 @@ fn with_particle(seed: ParticleSeed, material: Material) -> (Simulation, usize, 
 }
 
 #[test]
-fn a_particle_pushes_a_box_and_what_they_have_together_is_kept() {
+fn a_particle_pushes_a_box_and_momentum_is_kept() {
     let seed = ParticleSeed::at(Vec3::new(-1.0, 0.3, 0.1)).with_radius(0.1);
     for (e, v) in [(0.0, 3.0), (1.0, 3.0), (0.5, 80.0)] {
         let material = rough(0.5).with_restitution(e);
@@ -40,7 +40,7 @@ fn a_particle_pushes_a_box_and_what_they_have_together_is_kept() {
 }
 
 #[test]
-fn a_particle_that_does_not_ask_goes_through() {
+fn a_particle_without_collision_passes_through() {
     let seed = ParticleSeed::at(Vec3::X * -1.0).with_radius(0.1).with_velocity(Vec3::X * 3.0);
     let (mut world, _, row) = with_particle(seed, rough(0.5));
     let body = world.particles.body(row).unwrap() as usize;

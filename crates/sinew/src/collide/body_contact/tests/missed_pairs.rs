@@ -22,7 +22,7 @@ fn obstacles() -> [Shape; 4] {
 }
 
 #[test]
-fn what_is_struck_does_not_pass_through_what_it_is_thrown_at() {
+fn a_struck_body_does_not_pass_through_an_obstacle() {
     for (number, shape) in obstacles().into_iter().enumerate() {
         let mut world = world();
         world.forces.gravity = Vec3::ZERO;
@@ -54,7 +54,7 @@ fn what_is_struck_does_not_pass_through_what_it_is_thrown_at() {
 }
 
 #[test]
-fn what_is_struck_strikes_what_lies_behind_it() {
+fn a_struck_body_strikes_the_next_one() {
     // A row of boxes with gaps of 5 cm: within one step an impact passes from one to the next.
     let mut world = world();
     world.forces.gravity = Vec3::ZERO;

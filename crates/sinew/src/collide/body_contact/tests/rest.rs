@@ -68,7 +68,7 @@ fn a_heavy_box_lies_on_a_light_one() {
 }
 
 #[test]
-fn far_from_the_origin_it_lies_as_still() {
+fn a_box_far_from_the_origin_rests_as_well() {
     let mut world = world();
     let far = Vec3::new(5000.0, 0.0, -3000.0);
     floor(&mut world, rough(0.5));

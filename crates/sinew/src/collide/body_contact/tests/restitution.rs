@@ -43,7 +43,7 @@ fn drop(shape: Shape, restitution: f32) -> (f32, f32) {
 }
 
 #[test]
-fn what_is_round_bounces_to_e_squared_of_its_height() {
+fn a_round_body_bounces_to_e_squared_of_its_height() {
     for shape in [Shape::sphere(0.5).unwrap(), round_hull()] {
         for e in [0.3, 0.5, 0.8, 1.0] {
             let (top, aside) = drop(shape.clone(), e);
@@ -63,7 +63,7 @@ fn a_box_that_falls_flat_bounces_flat() {
 }
 
 #[test]
-fn what_bounces_without_loss_never_rises_above_where_it_fell_from() {
+fn an_elastic_bounce_never_rises_above_the_start() {
     for (substeps, shape) in [
         (2, Shape::sphere(0.5).unwrap()),
         (10, round_hull()),

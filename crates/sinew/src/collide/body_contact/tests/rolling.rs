@@ -140,7 +140,7 @@ fn a_ball_rolls_on_over_the_level_and_gains_nothing() {
 }
 
 #[test]
-fn a_ball_that_slides_is_slowed_as_coulomb_has_it_and_rolls_from_five_sevenths_on() {
+fn a_sliding_ball_rolls_from_five_sevenths_of_its_speed_on() {
     for (friction, substeps) in [(0.3, 4), (0.3, 10), (0.3, 40), (0.1, 10)] {
         let mut world = world();
         world.settings.substeps = substeps;
@@ -175,7 +175,7 @@ fn without_friction_a_ball_keeps_its_spin() {
 }
 
 #[test]
-fn a_ball_that_rolls_is_the_same_on_a_box_and_under_one() {
+fn a_ball_rolls_the_same_on_a_box_and_under_one() {
     // A plate on four balls, pushed: all of them roll at half its speed.
     let mut world = world();
     floor(&mut world, rough(0.8));

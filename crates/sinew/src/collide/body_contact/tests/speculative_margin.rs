@@ -26,7 +26,7 @@ fn heap(others: usize) -> (Simulation, Vec<usize>) {
 }
 
 #[test]
-fn who_is_beside_it_in_lanes_does_not_matter_to_a_solid() {
+fn neighbour_lanes_do_not_change_a_body_collider() {
     let ((mut alone, first), (mut among, second)) = (heap(0), heap(1));
     for tick in 0..180 {
         step(&mut alone, 1.0 / 60.0);
@@ -37,7 +37,7 @@ fn who_is_beside_it_in_lanes_does_not_matter_to_a_solid() {
 }
 
 #[test]
-fn what_is_thrown_out_of_its_way_far_off_does_not_matter() {
+fn missed_pairs_far_away_do_not_change_a_body_collider() {
     let ((mut alone, first), (mut among, second)) = (heap(0), heap(0));
     // One after the other hits a box that lies there.
     for k in 0..8 {

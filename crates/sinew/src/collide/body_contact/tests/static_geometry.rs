@@ -85,15 +85,15 @@ fn pressed(
 }
 
 #[test]
-fn what_stands_still_is_to_kernels_that_leave_it_out_what_it_is_to_others() {
+fn kernels_for_fixed_geometry_match_the_general_ones() {
     let mut random = Random::new(21);
     for round in 0..100 {
         let (wide, bodies) = eight_on_one(1 + round % 4, &mut random);
-        let (asked, left_out) = (pressed(&wide, &bodies, false), pressed(&wide, &bodies, true));
-        assert_eq!(asked.0, left_out.0, "{round}");
-        assert_eq!(asked.1, left_out.1, "{round}");
+        let (general, left_out) = (pressed(&wide, &bodies, false), pressed(&wide, &bodies, true));
+        assert_eq!(general.0, left_out.0, "{round}");
+        assert_eq!(general.1, left_out.1, "{round}");
         // Some impulse is not zero.
-        let sums = asked.1[asked.1.len() - 4];
+        let sums = general.1[general.1.len() - 4];
         assert!(sums.iter().any(|&sum| sum > 0.0), "{sums:?}");
     }
 }
