@@ -185,12 +185,12 @@ impl BodyContactSolver {
                 // Lanes that converged in the first pass keep their result: it must not depend on the other lanes.
                 let before = (pending != 0xFF).then(|| self.bodies.eight(first));
                 let columns = [&particles.position[..], &particles.velocity];
-                let residual = self.extract_pose(number, columns, None, !0);
+                let unconverged = self.extract_pose(number, columns, None, !0);
                 let Self { groups, bodies, .. } = self;
                 if let Some(before) = before {
                     bodies.put_back(first, !pending, before);
                 }
-                pending &= residual;
+                pending &= unconverged;
                 if pending == 0 {
                     break;
                 }

@@ -278,23 +278,11 @@ impl BodyContactSolver {
     /// Reports contact events and sensor overlaps.
     pub(crate) fn report(&mut self, impacts: &mut Impacts) {
         self.note_contact_events();
-        for contact_events in self.contact_events.drain(..) {
-            impacts.add(
-                contact_events.participants,
-                contact_events.point,
-                contact_events.normal,
-                contact_events.impulse,
-                false,
-            );
+        for event in self.contact_events.drain(..) {
+            impacts.add(event.participants, event.point, event.normal, event.impulse, false);
         }
-        for sensor_overlaps in self.sensor_overlaps.drain(..) {
-            impacts.add(
-                sensor_overlaps.participants,
-                sensor_overlaps.point,
-                sensor_overlaps.normal,
-                0.0,
-                true,
-            );
+        for overlap in self.sensor_overlaps.drain(..) {
+            impacts.add(overlap.participants, overlap.point, overlap.normal, 0.0, true);
         }
     }
 

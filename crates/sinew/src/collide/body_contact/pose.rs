@@ -360,7 +360,7 @@ impl Work for ExtractPose<'_> {
         }
         let rows = from_row(first);
         let [.., rotation] = L::records::<FIELDS>(&bodies.rows, &rows);
-        let (q, residual) = match (slots, &gathered[..]) {
+        let (q, unconverged) = match (slots, &gathered[..]) {
             ([one, other], [from, to, ..]) if group.lines => {
                 let rest = load::<L>(&other.rest) - load(&one.rest);
                 along_line(rest, load(&to.position) - load(&from.position), rotation, lanes)
@@ -392,7 +392,7 @@ impl Work for ExtractPose<'_> {
             // Lines were checked before the extraction.
             Some(_) if group.lines => 0,
             Some((wide_swept, time)) => wide_swept.outside::<L>(centre, q, time),
-            None => residual,
+            None => unconverged,
         }
     }
 }
@@ -559,14 +559,14 @@ impl OriginOffsets {
         for group in &groups.groups {
             let slots = &groups.slots[group.slots.clone()];
             for slot in slots {
-                let mut lift = [LaneArray::default(); 3];
+                let mut offset = [LaneArray::default(); 3];
                 for lane in 0..slot.rows.len() {
                     let by = origin(slot.rows[lane]) - origin(slots[0].rows[lane]);
-                    for (to, from) in lift.iter_mut().zip(by.to_array()) {
+                    for (to, from) in offset.iter_mut().zip(by.to_array()) {
                         to[lane] = from;
                     }
                 }
-                self.origin_offsets.push(lift);
+                self.origin_offsets.push(offset);
             }
         }
     }

@@ -96,8 +96,8 @@ impl RestOverlaps {
             let points = solid.rows.iter().zip(&*solid.rest);
             let points = points.map(|(&row, &rest)| (particles.rest[row as usize], rest, 1.0));
             // Particles without a rest position give no frame.
-            if let Some(contacts) = pose(points, Quat::IDENTITY) {
-                let frame = Frame::new(contacts.translation, contacts.rotation);
+            if let Some(rest_pose) = pose(points, Quat::IDENTITY) {
+                let frame = Frame::new(rest_pose.translation, rest_pose.rotation);
                 frames.push((number, frame, solid.shape.bounds_in(&frame)));
             }
         }

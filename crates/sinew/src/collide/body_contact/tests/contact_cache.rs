@@ -81,7 +81,7 @@ fn cached_manifolds_are_found_by_id_and_not_by_position() {
 #[test]
 fn a_box_falls_when_the_block_beneath_it_shrinks() {
     let mut world = world();
-    contacts(&mut world, rough(0.5));
+    set_material(&mut world, rough(0.5));
     let block = |half: f32| Shape::cuboid(Vec3::new(4.0, half * 2.0, 4.0)).unwrap();
     world.colliders.push(Collider::fixed(block(0.5), Frame::IDENTITY));
     let first = add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * 1.0, Quat::IDENTITY);
@@ -148,7 +148,7 @@ fn a_box_falls_when_the_one_triangle_beneath_it_is_lowered() {
         Shape::mesh([corners, far].concat(), vec![[0, 1, 2], [3, 4, 5]]).unwrap()
     };
     let mut world = world();
-    contacts(&mut world, rough(0.5));
+    set_material(&mut world, rough(0.5));
     world.colliders.push(Collider::fixed(triangle(0.0), Frame::IDENTITY));
     let first = add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * 0.5, Quat::IDENTITY);
     step(&mut world, 1.0);

@@ -71,7 +71,7 @@ fn full_drag_along_stops_sliding_and_across_stops_bouncing() {
 fn drag_between_bodies_keeps_momenta() {
     let mut world = world();
     world.forces.gravity = Vec3::ZERO;
-    contacts(&mut world, sticky(0.9, 0.5));
+    set_material(&mut world, sticky(0.9, 0.5));
     for (x, v) in [(-0.5, Vec3::new(1.0, 2.0, 0.0)), (0.501, Vec3::ZERO)] {
         let first = add_box(&mut world, Vec3::ONE, 1.0, Vec3::X * x, Quat::IDENTITY);
         (first..first + 8).for_each(|i| world.particles.set_velocity(i, v));

@@ -18,7 +18,7 @@ fn two_free_boxes_keep_momentum_and_angular_momentum_when_they_hit_each_other() 
     for material in [rough(0.0), rough(0.6), elastic(1.0), rough(0.4).with_restitution(0.5)] {
         let mut world = world();
         world.forces.gravity = Vec3::ZERO;
-        contacts(&mut world, material);
+        set_material(&mut world, material);
         let a =
             add_box(&mut world, Vec3::new(1.0, 0.6, 0.4), 1.0, Vec3::ZERO, turn(Vec3::ONE, 0.7));
         let b =
@@ -46,7 +46,7 @@ fn bones_that_share_particles_keep_momenta_when_hit() {
     let mut world = world();
     world.forces.gravity = Vec3::ZERO;
     // Without friction: that would turn a bone about its line, which two particles cannot represent.
-    contacts(&mut world, rough(0.0));
+    set_material(&mut world, rough(0.0));
     let mut rows = Vec::new();
     for at in [Vec3::new(-1.0, 0.0, 0.0), Vec3::ZERO, Vec3::new(1.0, 0.0, 0.0)] {
         rows.push(world.particles.push(crate::ParticleSeed::at(at)).unwrap());

@@ -59,7 +59,7 @@ fn a_box_with_pinned_particles_turns_about_them_when_it_is_hit() {
     for pins in [&[0][..], &[0, 2], &[0, 2, 4]] {
         let mut world = world();
         world.forces.gravity = Vec3::ZERO;
-        contacts(&mut world, rough(0.5));
+        set_material(&mut world, rough(0.5));
         let spec = BoxSpec { layout: BoxLayout::Equimomental, ..BoxSpec::default() };
         let mut body = box_3d(&spec).unwrap();
         for &pin in pins {

@@ -12,7 +12,7 @@ fn with_particle(seed: ParticleSeed, material: Material) -> (Simulation, usize, 
     let body = world.bodies.len() as u32;
     world.bodies.push(BodySettings::default());
     world.particles.set_body(row, Some(body));
-    contacts(&mut world, material);
+    set_material(&mut world, material);
     world.contacts[body as usize].with_bodies = true;
     (world, first, row)
 }

@@ -26,7 +26,7 @@ fn a_struck_body_does_not_pass_through_an_obstacle() {
     for (number, shape) in obstacles().into_iter().enumerate() {
         let mut world = world();
         world.forces.gravity = Vec3::ZERO;
-        contacts(&mut world, rough(0.3));
+        set_material(&mut world, rough(0.3));
         let frame = match number {
             // A half-space is solid below its plane; turned, towards greater x.
             3 => Frame::new(Vec3::X * 0.7, turn(Vec3::Z, core::f32::consts::FRAC_PI_2)),
@@ -58,7 +58,7 @@ fn a_struck_body_strikes_the_next_one() {
     // A row of boxes with gaps of 5 cm: within one step an impact passes from one to the next.
     let mut world = world();
     world.forces.gravity = Vec3::ZERO;
-    contacts(&mut world, rough(0.0));
+    set_material(&mut world, rough(0.0));
     let row: Vec<usize> = (0..6)
         .map(|k| {
             let at = Vec3::X * (0.25 * k as f32);

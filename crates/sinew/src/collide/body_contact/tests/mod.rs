@@ -59,7 +59,7 @@ fn turn(axis: Vec3, angle: f32) -> Quat {
 fn floor(world: &mut Simulation, material: Material) {
     let floor = Collider::fixed(Shape::half_space(), Frame::IDENTITY).with_material(material);
     world.colliders.push(floor);
-    contacts(world, material);
+    set_material(world, material);
 }
 
 fn rough(friction: f32) -> Material {
@@ -71,7 +71,7 @@ fn elastic(restitution: f32) -> Material {
 }
 
 /// Gives a material to all bodies.
-fn contacts(world: &mut Simulation, material: Material) {
+fn set_material(world: &mut Simulation, material: Material) {
     *world.contacts = vec![BodyContacts { material, ..Default::default() }; 2000];
 }
 

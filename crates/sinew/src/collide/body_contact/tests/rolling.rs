@@ -74,7 +74,7 @@ fn on_slopes(degrees: f32, share: f32, substeps: &[u32], mut each: impl FnMut(Ro
             let below = Frame::new(frame.point(Vec3::Y * *height), slope);
             let stands = Collider::fixed(plate.clone(), below).with_material(rough(friction));
             world.colliders.push(stands);
-            contacts(&mut world, rough(friction));
+            set_material(&mut world, rough(friction));
             let (at, lies) = (frame.point(Vec3::Y * radius), core::f32::consts::FRAC_PI_2);
             let shape = shape.clone().unwrap();
             let name =
@@ -203,7 +203,7 @@ fn two_balls_that_spin_and_hit_each_other_keep_momentum_and_angular_momentum() {
     for material in [rough(0.0), rough(0.6), elastic(1.0), rough(0.4).with_restitution(0.5)] {
         let mut world = world();
         world.forces.gravity = Vec3::ZERO;
-        contacts(&mut world, material);
+        set_material(&mut world, material);
         let a = add_ball(&mut world, 0.5, Vec3::ZERO);
         let b = add_ball(&mut world, 0.5, Vec3::new(1.5, 0.3, 0.1));
         throw(&mut world, a, Vec3::X * 2.0, Vec3::new(1.0, 3.0, -2.0));

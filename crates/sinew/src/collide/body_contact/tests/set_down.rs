@@ -52,7 +52,7 @@ fn worst(
     for &gap in gaps {
         for _ in 0..places {
             let mut world = world();
-            contacts(&mut world, rough(0.5));
+            set_material(&mut world, rough(0.5));
             let (aside, yaws) = (dice.vector() - 0.5, [dice.next(), dice.next()]);
             let [yaw, turned] = yaws.map(|share| turn(Vec3::Y, 6.0 * share));
             let height = if is_body {

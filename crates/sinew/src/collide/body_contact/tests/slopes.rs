@@ -10,7 +10,7 @@ fn slide(friction: f32, tangent: f32) -> (f32, f32) {
     let turned = turn(Vec3::Z, -angle);
     let floor = Collider::fixed(Shape::half_space(), Frame::new(Vec3::ZERO, turned));
     world.colliders.push(floor.with_material(rough(friction)));
-    contacts(&mut world, rough(friction));
+    set_material(&mut world, rough(friction));
     let frame = Frame::new(Vec3::ZERO, turned);
     let first =
         add_box(&mut world, Vec3::new(1.0, 0.5, 1.0), 2.0, frame.point(Vec3::Y * 0.25), turned);
