@@ -27,9 +27,9 @@ impl Collinear {
     }
 }
 
-/// Projection onto the line along the unit vector `e` through the barycentre moves particle `i` by `e (e·r) - r`, with `r = q - q̄`. The total cost is `Σ m (r²
-/// - (e·r)²) = tr S - eᵀ S e`, with `S` as for [`Coplanar`](super::Coplanar). It is least for the eigenvector of the greatest eigenvalue. Momentum is kept, `Σ
-/// m r = 0`, and so is angular momentum, `Σ m r × e (e·r) = (S e) × e = 0`.
+/// Projection onto the line along the unit vector `e` through the barycentre moves particle `i` by `e (e·r) - r`, with `r = q - q̄`. The total cost is
+/// `Σ m (r² - (e·r)²) = tr S - eᵀ S e`, with `S` as for [`Coplanar`](super::Coplanar). It is least for the eigenvector of the greatest eigenvalue. Momentum is
+/// kept, `Σ m r = 0`, and so is angular momentum, `Σ m r × e (e·r) = (S e) × e = 0`.
 impl Equation for Collinear {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let Some(Spread { centre, values, axes }) = Spread::of(points) else { return 0.0 };

@@ -74,8 +74,8 @@ impl Cone {
 
 /// `C = θ - max` outside the cone, radians, and zero inside.
 ///
-/// `between` gives the derivatives of the angle θ between the axis `A` and `s = d - c`: `g = ∂θ/∂A` and `∂θ/∂s`. The axis is `A = αu + βv + γ u×v` with `u = x
-/// - o`, `v = y - o`, so by the product rule `g·dA = αg·du + βg·dv + γ(g·(du×v) + g·(u×dv))`, and with the triple products permuted cyclically
+/// `between` gives the derivatives of the angle θ between the axis `A` and `s = d - c`: `g = ∂θ/∂A` and `∂θ/∂s`. The axis is
+/// `A = αu + βv + γ u×v` with `u = x - o`, `v = y - o`, so by the product rule `g·dA = αg·du + βg·dv + γ(g·(du×v) + g·(u×dv))`, and with the triple products permuted cyclically
 ///
 /// ```text
 /// ∂θ/∂x = αg + γ v×g        ∂θ/∂y = βg + γ g×u        ∂θ/∂o = -∂θ/∂x - ∂θ/∂y

@@ -148,8 +148,8 @@ fn project_degenerate(positions: &mut [Vec4], a: usize, b: usize, rest: f32) -> 
 
 /// Projects one hard rod along its direction at the start of the substep (SHAKE), and returns its error before the projection, metres.
 ///
-/// If the force of a rod acts along the rod at the *start* of the step, Verlet conserves angular momentum and energy. Required is the multiple `s` of `d = p_b
-/// - p_a`, the rod at the start, with `‖d* - s (w_a + w_b) d‖ = L` for `d* = q_b - q_a`. To first order in `s`, `‖d*‖² - 2 s (w_a + w_b) d*·d = L²`:
+/// If the force of a rod acts along the rod at the *start* of the step, Verlet conserves angular momentum and energy. Required is the multiple `s` of
+/// `d = p_b - p_a`, the rod at the start, with `‖d* - s (w_a + w_b) d‖ = L` for `d* = q_b - q_a`. To first order in `s`, `‖d*‖² - 2 s (w_a + w_b) d*·d = L²`:
 ///
 /// ```text
 /// s = (‖d*‖² - L²) / (2 (w_a + w_b) d*·d)        q_a += w_a s d,  q_b -= w_b s d

@@ -1,4 +1,4 @@
-//! Particles as columns of x, y, z and w (SoA), with access to eight consecutive entries at a time and few bounds checks.
+//! Particles as columns of x, y, z and w (`SoA`), with access to eight consecutive entries at a time and few bounds checks.
 //!
 //! Even and odd rows are stored apart, so that pairs of neighbouring rows `(2k, 2k + 1)` are also contiguous: eight even rows, and eight odd ones.
 #![allow(unsafe_code)]

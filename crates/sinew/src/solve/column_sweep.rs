@@ -1,4 +1,4 @@
-//! A sweep over large cloth with its particles in columns (SoA) from beginning to end: a run of its rows, and the [parts](super::parts) that are tied to them.
+//! A sweep over large cloth with its particles in columns (`SoA`) from beginning to end: a run of its rows, and the [parts](super::parts) that are tied to them.
 
 use core::ops::Range;
 

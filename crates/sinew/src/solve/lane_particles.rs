@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 use crate::lanes::{LANES, Lanes};
 
-/// `x y z w` of one particle of each body, in SoA order, on cache lines of its own.
+/// `x y z w` of one particle of each body, in `SoA` order, on cache lines of its own.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct LaneParticles([[f32; LANES]; 4]);

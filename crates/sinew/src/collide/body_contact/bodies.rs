@@ -24,7 +24,7 @@ pub(super) const SPIN: usize = 6;
 pub(super) const ROTATION: usize = 7;
 
 /// One row for each body collider, padded to a multiple of eight; then one for each collider and plane; and a null row. A contact needs nearly all fields of
-/// two bodies at arbitrary places, so a row is contiguous (AoS) and not spread over columns.
+/// two bodies at arbitrary places, so a row is contiguous (`AoS`) and not spread over columns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     pub(super) rows: Vec<Record>,
