@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyParticles, Bound, ConstraintOf, CreationOrder, WindSurface};
+use bevy_sinew::sinew::Frame;
+use bevy_sinew::sinew::pose::pose;
+use bevy_sinew::{BodyParticles, Bound, ConstraintOf, CreationOrder, SinewWorld, WindSurface};
 
 /// The entities with this name, in the order of their creation.
 pub(crate) fn all_named(world: &mut World, name: &str) -> Vec<Entity> {
@@ -37,11 +39,28 @@ pub(crate) fn points_of(world: &mut World, name: &str) -> Vec<Vec3> {
     points
 }
 
-/// Depth of the lowest particle below a level, millimetres; 0 if none is below it.
-pub(crate) fn deepest_below(world: &mut World, level: f32) -> f64 {
-    let mut particles = world.query::<&Particle>();
-    let depths = particles.iter(world).map(|particle| f64::from(level - particle.position.y));
-    depths.fold(0.0, f64::max) * 1e3
+/// Depth of the lowest body below a level, millimetres; 0 if none is below it. Of a body that collides by its shape it is the shape's, whose particles may lie
+/// outside of it: those beside a knee, which carry a bone's inertia, do.
+pub(crate) fn deepest_below(world: &World, level: f32) -> f64 {
+    let Some(solver) = world.get_resource::<SinewWorld>() else { return 0.0 };
+    let simulation = solver.simulation();
+    let particles = &simulation.particles;
+    let mut has_shape = vec![false; particles.len()];
+    let mut lowest = level;
+    for collider in simulation.body_colliders() {
+        let rows = collider.rows.iter().map(|&row| row as usize);
+        let points = rows.clone().zip(&*collider.rest);
+        let points = points.map(|(i, &rest)| (particles.position(i), rest, particles.mass(i)));
+        let Some(pose) = pose(points, Quat::IDENTITY) else { continue };
+        rows.for_each(|i| has_shape[i] = true);
+        let rotation = Mat3::from_quat(pose.rotation);
+        let frame = Frame { translation: pose.translation, rotation };
+        lowest = lowest.min(collider.shape.bounds_in(&frame).0.y);
+    }
+    for i in (0..particles.len()).filter(|&i| !has_shape[i]) {
+        lowest = lowest.min(particles.position(i).y);
+    }
+    f64::from(level - lowest) * 1e3
 }
 
 /// Whether the bodies of a name are clear of the ground: each particle by more than its radius and a centimetre.
