@@ -96,9 +96,9 @@ pub(crate) struct Island {
     /// Most sweeps, in each sweep of large cloth, over the parts tied to it.
     pub(crate) sweeps_of_parts: u32,
     /// Whether one of its bodies may touch particles of another body in this step; valid only for islands that take microsteps.
-    pub(crate) meets_others: bool,
+    pub(crate) may_touch_others: bool,
     /// The same, contacts of a body with itself included.
-    pub(crate) meets_any: bool,
+    pub(crate) may_touch_any: bool,
     /// Whether a body collider has pressed on one of its particles in this step; valid only for islands that take microsteps.
     pub(crate) pressed: bool,
 }

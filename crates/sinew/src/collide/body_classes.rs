@@ -83,7 +83,7 @@ impl BodyClasses {
 
     /// The class of all rows, if there is only one.
     #[inline]
-    pub(super) fn of_everyone(&self) -> Option<usize> {
+    pub(super) fn common(&self) -> Option<usize> {
         self.of_row.is_empty().then_some(0)
     }
 

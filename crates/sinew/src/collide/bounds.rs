@@ -37,7 +37,7 @@ pub(super) enum PlaneOrBox {
 impl PlaneOrBox {
     /// The plane or axis-aligned box of a collider; `None` if its shape is another, or it moves.
     pub(super) fn of(collider: &Collider) -> Option<Self> {
-        if !collider.shape.is_endless() || collider.start != collider.end {
+        if !collider.shape.is_unbounded() || collider.start != collider.end {
             return None;
         }
         let frame = &collider.end;
@@ -75,7 +75,7 @@ impl Bounds {
     }
 
     /// Adds a bound for each class for which `friction` returns a coefficient.
-    pub(super) fn hold_back(&mut self, bound: PlaneOrBox, friction: impl Fn(usize) -> Option<f32>) {
+    pub(super) fn add(&mut self, bound: PlaneOrBox, friction: impl Fn(usize) -> Option<f32>) {
         let mut is_used = false;
         for (number, class) in self.classes.iter_mut().enumerate() {
             let Some(friction) = friction(number) else { continue };
@@ -103,7 +103,7 @@ impl Bounds {
     }
 
     /// The planes that bound a class; `None` if boxes or the plane of a 2D world constrain it too.
-    pub(super) fn planes_alone(&self, class: usize) -> Option<&[Plane]> {
+    pub(super) fn only_planes(&self, class: usize) -> Option<&[Plane]> {
         let Some(class) = self.classes.get(class) else { return Some(&[]) };
         (class.boxes.is_empty() && self.plane_constraint.is_none()).then_some(&class.planes)
     }
@@ -114,9 +114,9 @@ impl Bounds {
     }
 
     /// Applies the drag of planes to particles that touch them, before a substep of `h` seconds is predicted.
-    pub(super) fn drag(&self, particles: &mut Particles, solid: &[bool], h: f32) {
+    pub(super) fn drag(&self, particles: &mut Particles, excluded: &[bool], h: f32) {
         for plane in &self.drags {
-            plane.drag.apply(particles, (plane.normal, plane.offset), solid, h);
+            plane.drag.apply(particles, (plane.normal, plane.offset), excluded, h);
         }
     }
 
@@ -214,7 +214,7 @@ mod tests {
     fn hold(bound: PlaneOrBox, friction: f32, particles: &mut Particles) -> f32 {
         let mut bounds = Bounds::default();
         bounds.begin(&Boundaries::default(), 1);
-        bounds.hold_back(bound, |_| Some(friction));
+        bounds.add(bound, |_| Some(friction));
         bounds.of(0).project(&mut Places::all(particles), 0, f32::INFINITY)
     }
 

@@ -71,12 +71,12 @@ impl Collider {
 
     /// Its pose at a fraction `share` of the step, 0 to 1: constant linear velocity, constant angular velocity about one axis.
     pub fn frame_at(&self, share: f32) -> Frame {
-        on_the_way(&self.start, &self.end, share)
+        interpolate_frame(&self.start, &self.end, share)
     }
 }
 
 /// The pose at a fraction of the way from one frame to another, at constant linear and angular velocity.
-pub(super) fn on_the_way(start: &Frame, end: &Frame, share: f32) -> Frame {
+pub(super) fn interpolate_frame(start: &Frame, end: &Frame, share: f32) -> Frame {
     if start == end || share >= 1.0 {
         return *end;
     }

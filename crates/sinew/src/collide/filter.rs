@@ -46,7 +46,7 @@ impl ContactFilter {
     }
 
     /// Makes the next [`update`](Self::update) recompute the joined bodies: constraints between bodies were added or removed.
-    pub(crate) fn forget_joints(&mut self) {
+    pub(crate) fn invalidate_joints(&mut self) {
         self.joined_at = None;
     }
 
@@ -101,7 +101,7 @@ impl ContactFilter {
         if body == other_body && body != NO_BODY {
             return self.body(body).with_itself;
         }
-        self.body(body).meets(self.body(other_body)) && !self.are_tied(a, b)
+        self.body(body).collides_with(self.body(other_body)) && !self.are_tied(a, b)
     }
 
     /// Whether constraints between two rows of different bodies keep them from touching.

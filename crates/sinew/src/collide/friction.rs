@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::recovery::recovered_way;
+use super::recovery::limit_correction;
 use crate::lanes::Number;
 use crate::particles::Places;
 
@@ -20,7 +20,7 @@ pub(super) fn push(
 ) -> f32 {
     let i = places.at(row);
     let moved = (places.position[i] - places.start[i]).truncate();
-    let normal_part = recovered_way(normal_part, moved, recover);
+    let normal_part = limit_correction(normal_part, moved, recover);
     let depth = normal_part.length();
     // The square underflows to zero: dividing by it would be NaN.
     if depth * depth == 0.0 {

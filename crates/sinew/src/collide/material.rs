@@ -183,7 +183,7 @@ impl BodyContacts {
 
     /// Whether two bodies may touch, as far as no constraint between them prevents it.
     #[inline(always)]
-    pub(crate) fn meets(&self, other: &Self) -> bool {
+    pub(crate) fn collides_with(&self, other: &Self) -> bool {
         self.with_bodies
             && other.with_bodies
             && !self.disabled

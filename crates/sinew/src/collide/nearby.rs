@@ -152,8 +152,8 @@ impl Nearby {
         }
     }
 
-    /// Finds the bodies and regions that take part in this step. Rows that are marked in `aside` do not collide by themselves.
-    pub(super) fn broad_phase(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
+    /// Finds the bodies and regions that take part in this step. Rows that are marked in `excluded` do not collide by themselves.
+    pub(super) fn broad_phase(&mut self, particles: &Particles, world: &World, excluded: &[bool]) {
         let contacts = world.filter.bodies();
         self.particles.clear(contacts.len());
         self.shapes.clear(contacts.len());
@@ -163,13 +163,13 @@ impl Nearby {
         // Where everything that collides does so by a shape, there is nothing to find.
         let is_free = |(row, &body): (usize, &u32)| {
             let own = contacts.get(body as usize);
-            !aside.get(row).is_some_and(|&aside| aside)
+            !excluded.get(row).is_some_and(|&excluded| excluded)
                 && own.is_some_and(|own| particles.radius[row] > 0.0 || own.surface)
         };
         if !particles.body.iter().enumerate().any(is_free) {
             return;
         }
-        self.measure(particles, world, aside);
+        self.measure(particles, world, excluded);
         if !self.bodies.iter().any(|body| body.free) {
             return;
         }
@@ -184,7 +184,7 @@ impl Nearby {
         }
         for &[a, b] in &*pairs {
             let [a, b] = [a as usize, b as usize];
-            if !((bodies[a].free || bodies[b].free) && contacts[a].meets(&contacts[b])) {
+            if !((bodies[a].free || bodies[b].free) && contacts[a].collides_with(&contacts[b])) {
                 continue;
             }
             for [one, other] in [[a, b], [b, a]] {
@@ -214,7 +214,7 @@ impl Nearby {
         if !(0..bodies.len()).any(is_large) {
             return;
         }
-        let meet = |&&[a, b]: &&[u32; 2]| contacts[a as usize].meets(&contacts[b as usize]);
+        let meet = |&&[a, b]: &&[u32; 2]| contacts[a as usize].collides_with(&contacts[b as usize]);
         let both_ways = pairs.iter().filter(meet).flat_map(|&[a, b]| [[a, b], [b, a]]);
         large_pairs.extend(both_ways.filter(|&[body, other]| {
             let other = &bodies[other as usize];
@@ -306,7 +306,7 @@ impl Nearby {
     }
 
     /// Computes the bounds of each body that takes part, including the targets of its pins.
-    fn measure(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
+    fn measure(&mut self, particles: &Particles, world: &World, excluded: &[bool]) {
         let contacts = world.filter.bodies();
         self.bodies.clear();
         self.bodies.resize(contacts.len(), BodyExtent::EMPTY);
@@ -317,14 +317,14 @@ impl Nearby {
                 continue;
             }
             let (extent, radius) = (&mut self.bodies[body as usize], particles.radius[row]);
-            let aside = aside.get(row).is_some_and(|&aside| aside);
+            let excluded = excluded.get(row).is_some_and(|&excluded| excluded);
             extent.add(at, radius);
-            extent.has_shapes |= aside;
+            extent.has_shapes |= excluded;
             let speed = particles.velocity[row].truncate().length_squared();
             extent.fastest = extent.fastest.max(speed);
             extent.velocity += particles.velocity[row].truncate();
             extent.particles += 1;
-            extent.free |= !aside && (radius > 0.0 || own.surface);
+            extent.free |= !excluded && (radius > 0.0 || own.surface);
         }
         for (extent, &overhang) in self.bodies.iter_mut().zip(&self.overhangs) {
             (extent.low, extent.high) = (extent.low - overhang, extent.high + overhang);
@@ -545,9 +545,12 @@ mod tests {
             };
             let mut nearby = Nearby::default();
             nearby.compile(&self.shapes, &self.particles);
-            let mut aside = vec![false; self.particles.len()];
-            self.shapes.iter().flat_map(|of| &of.rows).for_each(|&row| aside[row as usize] = true);
-            nearby.broad_phase(&self.particles, &world, &aside);
+            let mut excluded = vec![false; self.particles.len()];
+            self.shapes
+                .iter()
+                .flat_map(|of| &of.rows)
+                .for_each(|&row| excluded[row as usize] = true);
+            nearby.broad_phase(&self.particles, &world, &excluded);
             nearby
         }
 

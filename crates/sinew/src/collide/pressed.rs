@@ -15,7 +15,7 @@ pub(crate) trait PressedCloth {
 
     /// Projects the constraints of the particles of some rows, in any order and with duplicates, moving others too; all of them are then projected out of the
     /// particle contacts in `beside`. Returns whether any particle was moved. The list may be reordered and shortened.
-    fn hold(
+    fn project(
         &mut self,
         particles: &mut Particles,
         beside: (&ParticleContacts, &mut [NormalImpulse]),
@@ -86,7 +86,7 @@ impl PressedCloth for () {
         None
     }
 
-    fn hold(
+    fn project(
         &mut self,
         _: &mut Particles,
         _: (&ParticleContacts, &mut [NormalImpulse]),

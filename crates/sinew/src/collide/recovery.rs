@@ -21,7 +21,7 @@ pub(super) fn in_substep((falls, speed): (f32, f32), h: f32, g: f32) -> f32 {
 /// The contact of a sphere that moved `from` one point `to` another, with its depth limited to the approach of this substep plus `recover` metres. `None` if
 /// nothing is left to correct.
 #[inline]
-pub(super) fn recovered(
+pub(super) fn limit_depth(
     touched: ShapeTouch,
     shape: &Shape,
     (from, to, radius): (Vec3, Vec3, f32),
@@ -41,9 +41,9 @@ fn is_inside(shape: &Shape, at: Vec3, radius: f32, recover: f32) -> bool {
     shape.touch(at, at, radius).is_some_and(|touched| touched.depth > recover)
 }
 
-/// As [`recovered`], for a correction by planes and boxes.
+/// As [`limit_depth`], for a correction by planes and boxes.
 #[inline]
-pub(super) fn recovered_way(out: Vec3, moved: Vec3, recover: f32) -> Vec3 {
+pub(super) fn limit_correction(out: Vec3, moved: Vec3, recover: f32) -> Vec3 {
     let depth = out.length();
     if depth <= recover {
         return out;

@@ -20,8 +20,8 @@ pub(crate) struct Contacts {
     pub(crate) particle_contacts: ParticleContacts,
     pub(crate) normal_impulses: Vec<NormalImpulse>,
     /// For each row whether it does not collide as a particle: it belongs to a body collider, or contacts of its body are disabled.
-    aside: Vec<bool>,
-    /// For each row whether it takes no part in `pairs`: it is aside, or triangles do all that its pairs would.
+    excluded: Vec<bool>,
+    /// For each row whether it takes no part in `pairs`: it is excluded, or triangles do all that its pairs would.
     unpaired: Vec<bool>,
     nearby: Nearby,
     pairs: Pairs,
@@ -45,8 +45,8 @@ impl Contacts {
     }
 
     /// Whether a row does not collide as a particle: it belongs to a body collider, which collides in its place, or contacts of its body are disabled.
-    pub(crate) fn is_aside(&self, row: u32) -> bool {
-        self.aside.get(row as usize).is_some_and(|&aside| aside)
+    pub(crate) fn is_excluded(&self, row: u32) -> bool {
+        self.excluded.get(row as usize).is_some_and(|&excluded| excluded)
     }
 
     /// Begins a step: runs the broad phases, and borrows the contact cache until the step [ends](Self::keep). Bodies that collide by their
@@ -59,37 +59,40 @@ impl Contacts {
     ) {
         let World { filter, dt, .. } = world;
         self.impacts.clear();
-        self.set_aside(particles, filter);
+        self.mark_excluded(particles, filter);
         let normal_impulses = &mut self.normal_impulses;
-        self.particle_contacts.begin(particles, &world, &self.aside, normal_impulses);
-        self.nearby.broad_phase(particles, &world, &self.aside);
-        let Self { aside, unpaired, nearby, .. } = self;
+        self.particle_contacts.begin(particles, &world, &self.excluded, normal_impulses);
+        self.nearby.broad_phase(particles, &world, &self.excluded);
+        let Self { excluded, unpaired, nearby, .. } = self;
         self.body_contact.broad_phase(particles, &world, nearby, contact_cache);
-        self.triangles.broad_phase(particles, surfaces, (filter, nearby), aside, dt);
-        unpaired.clone_from(aside);
+        self.triangles.broad_phase(particles, surfaces, (filter, nearby), excluded, dt);
+        unpaired.clone_from(excluded);
         self.triangles.mark_corners(filter, particles.len(), unpaired);
         self.pairs.broad_phase(particles, (filter, nearby), &particles.rest, unpaired, dt);
     }
 
     /// Whether a body may touch particles of another body in this step.
-    pub(crate) fn may_meet_others(&self, body: u32) -> bool {
+    pub(crate) fn may_touch_others(&self, body: u32) -> bool {
         self.nearby.to_particles().has_other(body)
     }
 
     /// Whether a body may touch particles in this step, of another body or its own.
-    pub(crate) fn may_meet_any(&self, body: u32) -> bool {
+    pub(crate) fn may_touch_any(&self, body: u32) -> bool {
         self.nearby.to_particles().has(body)
     }
 
     /// Marks the rows that do not collide as particles.
-    fn set_aside(&mut self, particles: &Particles, filter: &ContactFilter) {
-        let Self { aside, body_contact, .. } = self;
-        aside.clear();
-        aside.extend_from_slice(body_contact.rows());
+    fn mark_excluded(&mut self, particles: &Particles, filter: &ContactFilter) {
+        let Self { excluded, body_contact, .. } = self;
+        excluded.clear();
+        excluded.extend_from_slice(body_contact.rows());
         if filter.bodies().iter().any(|body| body.disabled) {
-            aside.resize(particles.len(), false);
+            excluded.resize(particles.len(), false);
             let disabled = particles.body.iter().map(|&body| filter.body(body).disabled);
-            aside.iter_mut().zip(disabled).for_each(|(aside, disabled)| *aside |= disabled);
+            excluded
+                .iter_mut()
+                .zip(disabled)
+                .for_each(|(excluded, disabled)| *excluded |= disabled);
         }
     }
 

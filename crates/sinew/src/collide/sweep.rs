@@ -15,7 +15,7 @@ use parry3d::shape as parry;
 use super::frame::Frame;
 use super::manifold::{ManifoldScratch, collide};
 use super::shape::Shape;
-use super::shape::convert::{pose, theirs};
+use super::shape::convert::{pose, to_parry};
 use super::shape::gap::{Gap, Relative, RoundedCore};
 
 /// What a cast shape can hit, in world coordinates, metres.
@@ -149,7 +149,7 @@ impl Shape {
                 let triangle =
                     &mut |corners| call(ConvexPiece::Convex(RoundedCore::triangle(corners)), &at);
                 let keep = |low, high| swept.overlaps(low, high);
-                if shape.is_endless() {
+                if shape.is_unbounded() {
                     shape
                         .half_spaces()
                         .for_each(|wall| call(ConvexPiece::HalfSpace, &at.of(&wall)));
@@ -202,7 +202,7 @@ impl Shape {
                 let (local, at) = relative_to_first(corners);
                 let (relative, triangle) =
                     (Relative::new(frame, &at), RoundedCore::triangle(local));
-                if let Some(out) = own.way_out(&relative, &triangle) {
+                if let Some(out) = own.separation(&relative, &triangle) {
                     call(&WorldGap::new(&out, &at).hit);
                 }
             }
@@ -211,21 +211,22 @@ impl Shape {
     }
 
     /// Whether the shape touches a triangle.
-    pub(crate) fn meets_triangle(&self, frame: &Frame, corners: &[Vec3; 3]) -> bool {
+    pub(crate) fn overlaps_triangle(&self, frame: &Frame, corners: &[Vec3; 3]) -> bool {
         if self.is_convex() {
-            let mut meets = false;
-            self.contacts(frame, 0.0, &Obstacle::Triangle(*corners), &mut |_| meets = true);
-            return meets;
+            let mut overlaps = false;
+            self.contacts(frame, 0.0, &Obstacle::Triangle(*corners), &mut |_| overlaps = true);
+            return overlaps;
         }
-        if self.is_endless() {
+        if self.is_unbounded() {
             let below = |wall: Frame| corners.iter().any(|&c| frame.of(&wall).local(c).y <= 0.0);
             return self.half_spaces().any(below);
         }
         let (local, at) = relative_to_first(corners);
-        let [a, b, c] = local.map(theirs);
+        let [a, b, c] = local.map(to_parry);
         let (triangle, relative) = (parry::Triangle::new(a, b, c), pose(&frame.from_within(&at)));
-        let meets = query::intersection_test(&Pose::IDENTITY, &triangle, &relative, self.parry());
-        frame.is_valid() && at.is_valid() && meets.is_ok_and(|meets| meets.intersecting)
+        let overlaps =
+            query::intersection_test(&Pose::IDENTITY, &triangle, &relative, self.parry());
+        frame.is_valid() && at.is_valid() && overlaps.is_ok_and(|overlaps| overlaps.intersecting)
     }
 
     /// The nearest of the [contacts](Self::contacts).
@@ -275,7 +276,7 @@ impl SweepHit {
     /// Whether this hit comes before another in a cast. Of hits at the same distance one may hide the other: what lies behind the plane of a face is an edge of
     /// that face or of a neighbouring one, on which the shape would only get stuck.
     pub(crate) fn is_before(&self, other: &Self, motion: &SweepMotion) -> bool {
-        if (self.distance - other.distance).abs() <= motion.at_once() {
+        if (self.distance - other.distance).abs() <= motion.tie_tolerance() {
             let ahead = |one: &Self, other: &Self| (one.point - other.point).dot(other.normal);
             let (own, theirs) = (ahead(self, other), ahead(other, self));
             if own.min(theirs) < COPLANAR && (own - theirs).abs() > 1e-8 {
@@ -288,7 +289,7 @@ impl SweepHit {
 
 impl SweepMotion<'_> {
     /// Hits whose distances differ by no more than this count as simultaneous, metres.
-    pub(crate) fn at_once(&self) -> f32 {
+    pub(crate) fn tie_tolerance(&self) -> f32 {
         0.02 * self.clearance
     }
 

@@ -31,19 +31,19 @@ impl PlanarDrag {
     }
 
     /// Damps the velocities of particles that touch a plane with this drag over a substep of `h` seconds: `v_t ← v_t (1 - along)^h`, `v_n ← v_n (1 -
-    /// across)^h`. Rows flagged in `solid` belong to bodies with collision shapes of their own and are skipped.
+    /// across)^h`. Rows flagged in `excluded` belong to bodies with collision shapes of their own and are skipped.
     pub(crate) fn apply(
         self,
         particles: &mut Particles,
         (normal, offset): (Vec3, f32),
-        solid: &[bool],
+        excluded: &[bool],
         h: f32,
     ) {
         let lost = self.lost_in(h);
         for i in 0..particles.len() {
             let above = particles.height(i, normal, offset) - particles.radius[i];
-            let is_solid = solid.get(i).is_some_and(|&solid| solid);
-            if above > TOUCH || is_solid || particles.position[i].w == 0.0 {
+            let is_excluded = excluded.get(i).is_some_and(|&excluded| excluded);
+            if above > TOUCH || is_excluded || particles.position[i].w == 0.0 {
                 continue;
             }
             let velocity = particles.velocity[i].truncate();

@@ -34,7 +34,7 @@ impl Simulation {
         let given = Given { distances, constraints, particles: particles.len() };
         let body = |row: u32| particles.body.get(row as usize);
         if !changes.are_few() || changes.any_between(given, |a, b| body(a) != body(b)) {
-            filter.forget_joints();
+            filter.invalidate_joints();
         }
         if !changes.are_few() || particles_came_or_went {
             contacts.compile(body_colliders, particles);
@@ -271,13 +271,13 @@ impl Simulation {
         near_shapes.dedup();
         for island in list.iter_mut().filter(|island| island.takes_microsteps()) {
             let mut last = NO_BODY;
-            (island.meets_others, island.meets_any, island.pressed) = (false, false, false);
+            (island.may_touch_others, island.may_touch_any, island.pressed) = (false, false, false);
             for &row in &members[island.members.clone()] {
                 let body = particles.body[row as usize];
                 // Neighbours mostly share their body.
                 if core::mem::replace(&mut last, body) != body {
-                    island.meets_others |= contacts.may_meet_others(body);
-                    island.meets_any |= contacts.may_meet_any(body);
+                    island.may_touch_others |= contacts.may_touch_others(body);
+                    island.may_touch_any |= contacts.may_touch_any(body);
                 }
             }
         }

@@ -99,14 +99,14 @@ impl Simulation {
         filter: &Filter,
     ) -> Option<Hit> {
         let direction = direction.try_normalize()?;
-        let way = SweepMotion {
+        let motion = SweepMotion {
             direction,
             length: max,
             clearance: 0.0,
             start: AtStart::Overlapped,
             along: &[],
         };
-        Some(self.sweep(shape, frame, &way, filter)?.hit())
+        Some(self.sweep(shape, frame, &motion, filter)?.hit())
     }
 
     /// Shape cast with a given [`SweepMotion`]. Of several simultaneous hits the first found counts.
@@ -114,28 +114,28 @@ impl Simulation {
         &self,
         shape: &Shape,
         frame: &Frame,
-        way: &SweepMotion,
+        motion: &SweepMotion,
         filter: &Filter,
     ) -> Option<SweptHit> {
-        if !(frame.is_valid() && way.length >= 0.0) {
+        if !(frame.is_valid() && motion.length >= 0.0) {
             return None;
         }
         // Longer ways are cut: no bounding box can enclose an infinite one.
-        let mut way = SweepMotion { length: way.length.min(1e6), ..*way };
+        let mut motion = SweepMotion { length: motion.length.min(1e6), ..*motion };
         let (low, high) = shape.bounds_in(frame);
-        let by = way.direction * way.length;
-        let around = (low.min(low + by) - way.clearance, high.max(high + by) + way.clearance);
+        let by = motion.direction * motion.length;
+        let around = (low.min(low + by) - motion.clearance, high.max(high + by) + motion.clearance);
         let mut first: Option<SweptHit> = None;
         self.obstacles(around, filter, &mut |participant, row, obstacle| {
-            let Some(at) = shape.sweep(frame, &way, obstacle) else { return };
+            let Some(at) = shape.sweep(frame, &motion, obstacle) else { return };
             let nearest = first.map_or(at.distance, |first| first.at.distance.min(at.distance));
-            if first.is_none_or(|first| at.is_before(&first.at, &way)) {
+            if first.is_none_or(|first| at.is_before(&first.at, &motion)) {
                 first = Some(SweptHit { participant, row, at });
             }
             if let Some(first) = &mut first {
                 first.at.distance = nearest;
             }
-            way.length = way.length.min(at.distance + way.at_once());
+            motion.length = motion.length.min(at.distance + motion.tie_tolerance());
         });
         first
     }
@@ -151,7 +151,7 @@ impl Simulation {
             let collides = match obstacle {
                 Obstacle::Shape(..) => true,
                 // Particles and triangles of a body collider collide by its shape.
-                Obstacle::Triangle(_) => !row.is_some_and(|row| self.is_aside(row)),
+                Obstacle::Triangle(_) => !row.is_some_and(|row| self.is_excluded(row)),
                 Obstacle::Ball(_, radius) => *radius > 0.0,
             };
             if collides {
@@ -212,7 +212,7 @@ impl Simulation {
             let i = row as usize;
             let obstacle = Obstacle::Ball(self.particles.position(i), self.particles.radius[i]);
             if in_reach(&obstacle)
-                && !self.is_aside(row)
+                && !self.is_excluded(row)
                 && let Some(participant) = self.counts_row(row, filter)
             {
                 call(participant, Some(row), &obstacle);
@@ -263,8 +263,8 @@ impl Simulation {
             let overlaps = match obstacle {
                 Obstacle::Shape(theirs, at) => overlap(shape, theirs, &frame.from_within(at)),
                 Obstacle::Triangle(corners) => {
-                    !row.is_some_and(|row| self.is_aside(row))
-                        && shape.meets_triangle(frame, corners)
+                    !row.is_some_and(|row| self.is_excluded(row))
+                        && shape.overlaps_triangle(frame, corners)
                 }
                 Obstacle::Ball(at, radius) => shape.nearest(frame.local(*at)).distance <= *radius,
             };
@@ -334,8 +334,8 @@ impl Simulation {
     }
 
     /// Whether a row does not collide by itself: it is part of a body collider, which collides in its place, or its body takes no part in contacts.
-    fn is_aside(&self, row: u32) -> bool {
-        self.scratch.contacts.is_aside(row)
+    fn is_excluded(&self, row: u32) -> bool {
+        self.scratch.contacts.is_excluded(row)
     }
 }
 

@@ -402,7 +402,7 @@ impl Simulation {
                 broad.fill(visited_bounds);
                 for place in lying() {
                     near.clear();
-                    broad.around(&visited_bounds[place as usize], visited_bounds, near);
+                    broad.query(&visited_bounds[place as usize], visited_bounds, near);
                     // A pair of still islands was found by the first of them.
                     let others = near.iter().filter(|&&other| other > place || moves(other));
                     pairs.extend(others.map(|&other| [place, other]));

@@ -164,8 +164,8 @@ const PARALLEL: f32 = 1e-5;
 impl Slide<'_> {
     fn cast(&self, direction: Vec3, length: f32, along: &[SweepHit]) -> Option<SweptHit> {
         let (clearance, start) = (self.config.skin, AtStart::Entered);
-        let way = SweepMotion { direction, length, clearance, start, along };
-        self.world.sweep(self.shape, &self.frame, &way, self.filter)
+        let motion = SweepMotion { direction, length, clearance, start, along };
+        self.world.sweep(self.shape, &self.frame, &motion, self.filter)
     }
 
     /// Pushes the shape out of what overlaps it and its skin, as far as there is room.
@@ -188,8 +188,8 @@ impl Slide<'_> {
             let direction = push / length;
             // The push must not lead through what it does not touch yet.
             let (clearance, start) = (0.1 * skin, AtStart::Passed);
-            let way = SweepMotion { direction, length, clearance, start, along: &[] };
-            let met = self.world.sweep(self.shape, &self.frame, &way, self.filter);
+            let motion = SweepMotion { direction, length, clearance, start, along: &[] };
+            let met = self.world.sweep(self.shape, &self.frame, &motion, self.filter);
             self.frame.translation += direction * met.map_or(length, |met| met.at.distance);
         }
     }

@@ -143,7 +143,7 @@ impl PressedCloth for HeldCloth<'_> {
         Some(Aggregate { inverse_mass, inverse_inertia, lever, members, rings })
     }
 
-    fn hold(
+    fn project(
         &mut self,
         particles: &mut Particles,
         (particle_contacts, normal_impulses): (&ParticleContacts, &mut [NormalImpulse]),

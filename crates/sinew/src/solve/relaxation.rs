@@ -47,8 +47,8 @@ const FULL_SPEED: f32 = 0.02;
 
 /// Whether an island may be relaxed in this step.
 pub(super) fn may_relax(plan: &Plan, island: &Island) -> bool {
-    let Island { meets_others, strain_measured, .. } = *island;
-    !(meets_others || strain_measured) && plan.tethers.tie_rods_of(island).is_none()
+    let Island { may_touch_others, strain_measured, .. } = *island;
+    !(may_touch_others || strain_measured) && plan.tethers.tie_rods_of(island).is_none()
 }
 
 /// Performs the relaxed sweeps of island `number`, whose places in `own` are `range`, after the last microstep of a step, whose context is `context`. Stores
@@ -88,7 +88,7 @@ pub(super) fn relax(
     }
     // A position correction of an island in contact with itself would be pushed back.
     if let Some(graph) = context.plan.tethers.graph_of(island)
-        && !island.meets_any
+        && !island.may_touch_any
         && motion >= 1.0
     {
         strain.limit(graph, &mut places.position[range.clone()]);

@@ -397,7 +397,7 @@ impl BodyContactSolver {
             missed.moved.dedup();
         }
         for &number in these {
-            clusters.0.around(number, bounds, &missed.moved, pairs);
+            clusters.0.query(number, bounds, &missed.moved, pairs);
             let one = &swept[number as usize];
             for (geometry, at) in
                 static_geometry.iter().zip(swept.len()..).filter(|(geometry, _)| geometry.endless)

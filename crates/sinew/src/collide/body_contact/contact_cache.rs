@@ -256,7 +256,7 @@ pub(super) fn turn_limit(manifold: &Manifold) -> f32 {
 
 /// Slip of the two up to which a manifold is valid, metres; for shapes of a size, and at most that.
 pub(super) fn slip_limit(manifold: &Manifold, size: f32) -> f32 {
-    manifold.free.min(size).max(MAX_SLIP * size)
+    manifold.slide_limit.min(size).max(MAX_SLIP * size)
 }
 
 /// Factor on the rate at which a manifold becomes stale.

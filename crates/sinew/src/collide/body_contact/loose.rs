@@ -6,7 +6,7 @@ use super::super::impact::ContactParticipant;
 use super::super::material::CombinedMaterial;
 use super::super::nearby::Nearby;
 use super::super::pressed::{Aggregate, PressedCloth, Push};
-use super::super::recovery::{recovered, recovery};
+use super::super::recovery::{limit_depth, recovery};
 use super::super::restitution::{is_elastic, rebound};
 use super::super::world::World;
 use super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, TURN, rotation};
@@ -250,7 +250,7 @@ impl Loose {
                 continue;
             };
             let recoverable = recovery(h, world.g());
-            let touch = recovered(touch, shape, (from, to, radius), recoverable);
+            let touch = limit_depth(touch, shape, (from, to, radius), recoverable);
             let Some(touch) = touch else { continue };
             let n = frame.rotation * touch.normal;
             let n = n + body.turn.cross(n);

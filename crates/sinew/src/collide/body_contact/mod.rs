@@ -248,7 +248,8 @@ impl BodyContactSolver {
             loose.project(particles, groups, bodies, world, (h, most), (turn, &mut *cloth));
             let pressed = loose.pressed();
             let beside = (particle_contacts, &mut *normal_impulses);
-            if pressed.is_empty() || turn + 1 == TURNS || !cloth.hold(particles, beside, pressed) {
+            if pressed.is_empty() || turn + 1 == TURNS || !cloth.project(particles, beside, pressed)
+            {
                 break;
             }
         }

@@ -47,7 +47,7 @@ pub(super) fn list(
         if !collider.is_valid() {
             continue;
         }
-        if collider.shape.is_endless() {
+        if collider.shape.is_unbounded() {
             let walls = collider.shape.half_spaces().zip(0..);
             static_geometry.extend(
                 walls.map(|wall| StaticGeometry::of(collider, number, Some((wall, floor)))),

@@ -10,7 +10,7 @@ use parry3d::query::details::NormalConstraints;
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d::shape::{Shape as ParryShape, Triangle, TrianglePseudoNormals};
 
-use super::super::shape::{Kind, Shape, ours, pose};
+use super::super::shape::{Kind, Shape, from_parry, pose};
 use super::boxes::BoxPairs;
 use super::features::{ShapeOrTriangle, best_face, contacts, of_face};
 use super::reduce::reduced;
@@ -55,7 +55,7 @@ pub(super) fn on_triangles(
     let bounds = a.parry().compute_aabb(&pose).loosened(reach);
     let mut on = |part: u32, triangle: &Triangle, normals: Option<TrianglePseudoNormals>| {
         let normals = normals.as_ref().map(|normals| normals as &dyn NormalConstraints);
-        let of = ShapeOrTriangle::Triangle([triangle.a, triangle.b, triangle.c].map(ours));
+        let of = ShapeOrTriangle::Triangle([triangle.a, triangle.b, triangle.c].map(from_parry));
         let found = touch((triangle, &of), normals, a, a_in_b, &pose, reach, scratch);
         if let Some(manifold) = found.filter(Manifold::is_sound) {
             let kinds = [a.kind(), b.kind()];
@@ -103,7 +103,7 @@ fn touch(
     let found = &mut scratch.manifold;
     let nearest = query.run(is_round, found)?;
     let own = ShapeOrTriangle::Shape(a);
-    let mut normal = of_face(&own, of, a_in_b, ours(found.local_n1));
+    let mut normal = of_face(&own, of, a_in_b, from_parry(found.local_n1));
     // Round shapes have a normal up to a depth of their radius anyway; and `parry3d` adjusts the normals of mesh triangles to the neighbouring surface.
     if !is_round && normals.is_none() && nearest < 0.5 * apart {
         let face = best_face(&own, of, a_in_b);
@@ -195,7 +195,10 @@ fn along_normal(
         .points
         .iter()
         .map(|point| {
-            seen(ours(point.local_p2) - ours(found.local_n2) * radius, ours(point.local_p1))
+            seen(
+                from_parry(point.local_p2) - from_parry(found.local_n2) * radius,
+                from_parry(point.local_p1),
+            )
         })
         .reduce(|least, point| if point.distance < least.distance { point } else { least });
     let deepest = points.iter().map(|point| point.distance).fold(f32::INFINITY, f32::min);

@@ -59,7 +59,7 @@ pub(crate) struct Manifold {
     /// Whether each shape is round about its own y axis only, as a cylinder is. Its radius is then measured to the axis, not along the normal.
     pub(crate) axial: [bool; 2],
     /// How far the shapes can slide on each other, at least, before the manifold changes, metres: the distance to the rim of a face. 0 where it is not known.
-    pub(crate) free: f32,
+    pub(crate) slide_limit: f32,
     /// Slope of one surface against the other where the deepest point is not a corner but lies at the rim of the other shape. As the shape slides or turns, it
     /// touches there with other points of its surface, which are higher or lower by this much per metre. 0 elsewhere, and where it is not known.
     pub(crate) slope: f32,
@@ -118,7 +118,7 @@ impl Manifold {
 
     /// Appends the manifold to serialized words.
     pub(crate) fn write(&self, words: &mut Vec<u32>) {
-        let Self { normal, points, len, part, radii, axial, free, slope } = self;
+        let Self { normal, points, len, part, radii, axial, slide_limit, slope } = self;
         words.vec3(*normal);
         words.push(*len);
         for point in points {
@@ -129,7 +129,7 @@ impl Manifold {
         words.push(*part);
         words.extend([radii[0].to_bits(), radii[1].to_bits()]);
         words.extend(axial.map(u32::from));
-        words.extend([free.to_bits(), slope.to_bits()]);
+        words.extend([slide_limit.to_bits(), slope.to_bits()]);
     }
 
     /// Reads a manifold from serialized words.
@@ -144,8 +144,8 @@ impl Manifold {
         let part = reader.word()?;
         let radii = [reader.float()?, reader.float()?];
         let axial = [reader.word()? != 0, reader.word()? != 0];
-        let (free, slope) = (reader.float()?, reader.float()?);
-        Some(Self { normal, points, len, part, radii, axial, free, slope })
+        let (slide_limit, slope) = (reader.float()?, reader.float()?);
+        Some(Self { normal, points, len, part, radii, axial, slide_limit, slope })
     }
 
     /// Whether either shape is round.
@@ -241,12 +241,12 @@ fn in_order(
     let mut found = match (a.kind(), b.kind()) {
         (Kind::HalfSpace | Kind::InsideBox | Kind::Mesh | Kind::HeightField, _) => return,
         (kind, Kind::HalfSpace) => {
-            Manifold { free: f32::INFINITY, ..half_space::collide(kind, a_in_b, reach) }
+            Manifold { slide_limit: f32::INFINITY, ..half_space::collide(kind, a_in_b, reach) }
         }
         (kind, Kind::InsideBox) => {
             for wall in b.half_spaces() {
                 let found = half_space::collide(kind, &a_in_b.from_within(&wall), reach);
-                let found = Manifold { free: f32::INFINITY, ..found };
+                let found = Manifold { slide_limit: f32::INFINITY, ..found };
                 if found.is_sound() {
                     let mut found = found.placed(&wall);
                     found.note_rounding([kind, Kind::InsideBox], a_in_b);

@@ -53,7 +53,7 @@ pub(super) fn collide(
             manifold.push(point);
         }
     }
-    manifold.free = rod.free(&manifold);
+    manifold.slide_limit = rod.slide_limit(&manifold);
     (manifold.len > 0).then_some(manifold)
 }
 
@@ -215,14 +215,14 @@ impl Rod {
     }
 
     /// Least distance of points on a face to the rim of that face, metres; 0 on edges and corners.
-    fn free(&self, manifold: &Manifold) -> f32 {
+    fn slide_limit(&self, manifold: &Manifold) -> f32 {
         let across = manifold.normal.cmpeq(Vec3::ZERO);
         if across.bitmask().count_ones() < 2 {
             return 0.0;
         }
-        let least = |free: f32, point: &Point| {
+        let least = |limit: f32, point: &Point| {
             let inside = self.size - point.on_b.abs();
-            free.min(Vec3::select(across, inside, Vec3::MAX).min_element())
+            limit.min(Vec3::select(across, inside, Vec3::MAX).min_element())
         };
         manifold.points().iter().fold(f32::INFINITY, least)
     }

@@ -91,21 +91,21 @@ impl Pairs {
     /// Lists the pairs that may touch in a step of `dt` seconds.
     ///
     /// Bodies that are near no other take no part, nor do particles without a body. `rest` holds the position of each particle in the rest shape of its body,
-    /// metres; it may be empty, and NaN means no rest position. Rows that are marked in `solid` take no part; it may be empty, too. Particles without a radius
-    /// take no part, nor do those that are not finite or more than 1e15 m away from the first.
+    /// metres; it may be empty, and NaN means no rest position. Rows that are marked in `excluded` take no part; it may be empty, too. Particles without a
+    /// radius take no part, nor do those that are not finite or more than 1e15 m away from the first.
     pub(crate) fn broad_phase(
         &mut self,
         particles: &Particles,
         (filter, nearby): (&ContactFilter, &Nearby),
         rest: &[Vec3],
-        solid: &[bool],
+        excluded: &[bool],
         dt: f32,
     ) {
         self.reported.clear();
         self.hits.clear();
         self.touched.clear();
         self.rebuilds = 0;
-        self.participants.take(particles, nearby, rest, solid, dt);
+        self.participants.take(particles, nearby, rest, excluded, dt);
         if self.is_empty() {
             self.neighbours.clear();
             return;

@@ -73,9 +73,9 @@ impl ParticleContacts {
                     let reach = self.last_seen[i].w.sqrt() + particles.radius[i];
                     let at = particles.origin[i] + particles.position[i].truncate();
                     let near = (at + reach).cmpge(low).all() && (at - reach).cmple(high).all();
-                    let solid = self.solid.get(i).is_some_and(|&solid| solid);
+                    let excluded = self.excluded.get(i).is_some_and(|&excluded| excluded);
                     let pinned = particles.position[i].w == 0.0;
-                    if !near || solid || pinned {
+                    if !near || excluded || pinned {
                         continue;
                     }
                     let material = self.materials[number * classes + self.classes.of(row)];
@@ -102,7 +102,7 @@ impl ParticleContacts {
         for island in &islands.list {
             let rows = || islands.members[island.members.clone()].iter().map(|&row| row as usize);
             // An island whose rows all belong to body colliders gets an empty box.
-            if rows().all(|row| self.solid.get(row).is_some_and(|&solid| solid)) {
+            if rows().all(|row| self.excluded.get(row).is_some_and(|&excluded| excluded)) {
                 self.sort.islands.push((Vec3::INFINITY, Vec3::NEG_INFINITY));
                 continue;
             }

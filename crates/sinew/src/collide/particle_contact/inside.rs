@@ -40,7 +40,7 @@ impl ParticleContacts {
         inside.clear();
         let places = Places::all(particles);
         for &row in self.reaches.iter().flat_map(|reach| &self.touching[reach.clone()]) {
-            if self.is_solid(row) || places.position[row as usize].w == 0.0 {
+            if self.is_excluded(row) || places.position[row as usize].w == 0.0 {
                 continue;
             }
             let deepest = self.overlaps(&places, row).max_by(|a, b| a.depth.total_cmp(&b.depth));

@@ -23,7 +23,7 @@ use super::bounds::{Bounds, ClassBounds};
 use super::frame::Frame;
 use super::friction::friction;
 use super::material::CombinedMaterial;
-use super::recovery::{recovered, recovered_way};
+use super::recovery::{limit_correction, limit_depth};
 use super::shape::ShapeTouch;
 use super::world::World;
 use crate::constraints::{PlanarDrag, Plane};
@@ -56,7 +56,7 @@ pub(crate) struct ParticleContacts {
     last_seen: Vec<Vec4>,
     /// Whether a row does not collide as a particle: it belongs to a body collider, which collides in its place, or contacts of its body are disabled. May be
     /// shorter than the rows.
-    solid: Vec<bool>,
+    excluded: Vec<bool>,
     /// Whether contacts of each body are to be reported; empty if those of none are.
     reported: Vec<bool>,
     /// For each island the range in `touching` of its rows that may touch anything.
@@ -104,7 +104,7 @@ impl ParticleContacts {
         &mut self,
         particles: &Particles,
         world: &World,
-        solid: &[bool],
+        excluded: &[bool],
         normal_impulses: &mut Vec<NormalImpulse>,
     ) {
         self.classes.update(world.filter, particles);
@@ -123,8 +123,8 @@ impl ParticleContacts {
             let share = instant as f32 / instants as f32;
             self.frames.extend(self.surfaces.iter().map(|surface| surface.frame_at(share)));
         }
-        self.solid.clear();
-        self.solid.extend_from_slice(solid);
+        self.excluded.clear();
+        self.excluded.extend_from_slice(excluded);
         self.broad_phase(particles, world, normal_impulses);
     }
 
@@ -152,17 +152,17 @@ impl ParticleContacts {
     /// What these rows may touch as particles, if the batch solve supports it; `None` otherwise. Rows of body colliders touch nothing.
     pub(crate) fn of_batch(&self, rows: core::ops::Range<u32>) -> Option<BatchContacts<'_>> {
         // Rows beyond the end of the list belong to no body collider.
-        let listed = &self.solid[(rows.start as usize).min(self.solid.len())..];
+        let listed = &self.excluded[(rows.start as usize).min(self.excluded.len())..];
         let listed = &listed[..rows.len().min(listed.len())];
-        let solid = listed.iter().filter(|&&solid| solid).count();
-        if solid == 0 {
+        let excluded = listed.iter().filter(|&&excluded| excluded).count();
+        if excluded == 0 {
             let class = self.classes.of_all(rows)?;
             let surface = |number: usize| self.material(number, class).is_some();
             let surfaces = (0..self.surfaces.len()).any(surface);
-            let planes = self.bounds.planes_alone(class)?;
+            let planes = self.bounds.only_planes(class)?;
             return Some(BatchContacts { planes, surfaces });
         }
-        let nowhere = solid == rows.len() && !self.bounds.has_plane_constraint();
+        let nowhere = excluded == rows.len() && !self.bounds.has_plane_constraint();
         nowhere.then_some(BatchContacts { planes: &[], surfaces: false })
     }
 
@@ -174,7 +174,7 @@ impl ParticleContacts {
 
     /// Applies the drag of planes to the rows that touch them, before a substep of `h` seconds is predicted.
     pub(crate) fn drag(&self, particles: &mut Particles, h: f32) {
-        self.bounds.drag(particles, &self.solid, h);
+        self.bounds.drag(particles, &self.excluded, h);
     }
 
     /// Projects a row out of everything once, with friction; returns the greatest depth, metres. `bounds` is `None` for a row that is far from all plain
@@ -204,7 +204,7 @@ impl ParticleContacts {
         bounds: &ClassBounds,
         interval: InstantInterval,
     ) -> f32 {
-        if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
+        if self.is_excluded(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
         bounds.project(places, row, self.recover_in(interval))
@@ -227,7 +227,7 @@ impl ParticleContacts {
     /// Depth of a row at the end of a step, metres. Moves nothing.
     #[inline]
     fn error(&self, places: &Places, row: u32, bounds: Option<&ClassBounds>) -> f32 {
-        if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
+        if self.is_excluded(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
         self.deepest(places, row, bounds)
@@ -267,8 +267,8 @@ impl ParticleContacts {
     }
 
     #[inline]
-    fn is_solid(&self, row: u32) -> bool {
-        self.solid.get(row as usize).is_some_and(|&solid| solid)
+    fn is_excluded(&self, row: u32) -> bool {
+        self.excluded.get(row as usize).is_some_and(|&excluded| excluded)
     }
 
     /// Projects a row out of the surfaces near it; returns the greatest depth, metres.
@@ -372,7 +372,7 @@ impl ParticleContacts {
                 let mut touched = shape.touch(from, to, radius)?;
                 if !surface.sensor {
                     let way = (from, to, radius);
-                    touched = recovered(touched, shape, way, self.recover_in(interval))?;
+                    touched = limit_depth(touched, shape, way, self.recover_in(interval))?;
                 }
                 Some(ParticleContact::of(&touched, to, &[was, is], surface.moves))
             }
@@ -387,7 +387,7 @@ impl ParticleContacts {
         interval: InstantInterval,
     ) -> Option<ParticleContact> {
         let moved = (q - start).truncate();
-        ParticleContact::along(recovered_way(correction, moved, self.recover_in(interval)))
+        ParticleContact::along(limit_correction(correction, moved, self.recover_in(interval)))
     }
 
     /// Poses of a surface at the start and end of an interval relative to an origin of rows, which keeps precision far from the world origin.

@@ -77,7 +77,7 @@ impl ParticleContacts {
         instructions: InstructionSet,
     ) -> f32 {
         // Particles of body colliders do not collide themselves.
-        if rows.iter().all(|&row| self.is_solid(row)) {
+        if rows.iter().all(|&row| self.is_excluded(row)) {
             return 0.0;
         }
         let (rows, strays) = self.in_reach(places, number, rows, instructions);
@@ -91,7 +91,7 @@ impl ParticleContacts {
 
     /// The plain bounds of all rows, if there is only one body class.
     fn common_bounds(&self) -> Option<&ClassBounds> {
-        self.classes.of_everyone().map(|class| self.bounds.of(class))
+        self.classes.common().map(|class| self.bounds.of(class))
     }
 
     /// The plain bounds of a row; `None` for a row that is far from all of them.
@@ -174,7 +174,7 @@ impl ParticleContacts {
         row: u32,
         interval: InstantInterval,
     ) -> f32 {
-        if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
+        if self.is_excluded(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
         self.project_to_surfaces(places, normal_impulses, row, interval)

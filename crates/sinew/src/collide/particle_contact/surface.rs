@@ -3,7 +3,7 @@
 
 use super::super::body_classes::{BodyClass, BodyClasses};
 use super::super::bounds::{Bounds, PlaneOrBox};
-use super::super::collider::{Collider, on_the_way};
+use super::super::collider::{Collider, interpolate_frame};
 use super::super::filter::ContactFilter;
 use super::super::frame::Frame;
 use super::super::impact::ContactParticipant;
@@ -64,7 +64,7 @@ pub(super) fn list(
             bound.is_some() && quiet && !class.events
         };
         if let Some(bound) = bound {
-            bounds.hold_back(bound, |number| {
+            bounds.add(bound, |number| {
                 let class = &classes.all()[number];
                 let material = combined(class).filter(|material| is_bound(class, material))?;
                 Some(material.friction)
@@ -163,7 +163,7 @@ impl ContactSurface {
 
     /// Its pose at a fraction of the step.
     pub(super) fn frame_at(&self, share: f32) -> Frame {
-        on_the_way(&self.start, &self.end, share)
+        interpolate_frame(&self.start, &self.end, share)
     }
 
     /// Overlap of a row with the surface at rest in a pose, if there is one.

@@ -29,7 +29,7 @@ fn build(form: &Form) -> Box<dyn parry::Shape> {
         Form::InsideBox(_) => Box::new(parry::HalfSpace::new(Vector::Y)),
         Form::Ball(ball) => Box::new(parry::Ball::new(ball.radius)),
         Form::Capsule(c) => Box::new(parry::Capsule::new_y(c.half_height, c.radius)),
-        Form::Cuboid(cuboid) => Box::new(parry::Cuboid::new(theirs(cuboid.half_size))),
+        Form::Cuboid(cuboid) => Box::new(parry::Cuboid::new(to_parry(cuboid.half_size))),
         Form::Cylinder(c) => Box::new(parry::Cylinder::new(c.half_height, c.radius)),
         Form::Hull(hull) => of_hull(hull),
         Form::Mesh(mesh) => of_mesh(mesh),
@@ -79,7 +79,7 @@ fn of_heights(heights: &Heights) -> Box<dyn parry::Shape> {
 }
 
 fn vectors(points: &[Vec3]) -> Vec<Vector> {
-    points.iter().map(|&p| theirs(p)).collect()
+    points.iter().map(|&p| to_parry(p)).collect()
 }
 
 /// A frame as a pose of `parry3d`. The quaternion is taken from the largest of its four terms.
@@ -103,13 +103,13 @@ pub(crate) fn pose(frame: &Frame) -> Pose {
     };
     let length = (w * w + i * i + j * j + k * k).sqrt();
     let rotation = Rotation::from_xyzw(i / length, j / length, k / length, w / length);
-    Pose::from_parts(theirs(frame.translation), rotation)
+    Pose::from_parts(to_parry(frame.translation), rotation)
 }
 
-pub(crate) fn ours(v: Vector) -> Vec3 {
+pub(crate) fn from_parry(v: Vector) -> Vec3 {
     Vec3::new(v.x, v.y, v.z)
 }
 
-pub(crate) fn theirs(v: Vec3) -> Vector {
+pub(crate) fn to_parry(v: Vec3) -> Vector {
     Vector::new(v.x, v.y, v.z)
 }

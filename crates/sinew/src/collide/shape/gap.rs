@@ -170,7 +170,7 @@ impl RoundedCore<'_> {
     /// A separation from another shape whose core touches or overlaps that of this one, as a gap of negative distance: the shortest one along the normals of a
     /// triangle, the axes of this shape, or the line from the centre of the other one. It separates the two, though there may be a shorter one. `None` if a
     /// number is not finite.
-    pub(in crate::collide) fn way_out(&self, pose: &Relative, other: &Self) -> Option<Gap> {
+    pub(in crate::collide) fn separation(&self, pose: &Relative, other: &Self) -> Option<Gap> {
         let mut directions: SmallVec<[DVec3; 16]> = SmallVec::new();
         let mut middle = DVec3::ZERO;
         if let Core::Triangle([a, b, c]) = other.core {
@@ -374,7 +374,7 @@ mod tests {
                 let (other, frame) =
                     (RoundedCore::triangle(corners), Frame::at((low + high) * -0.5));
                 let pose = Relative::new(&frame, &Frame::IDENTITY);
-                let out = own.way_out(&pose, &other).unwrap();
+                let out = own.separation(&pose, &other).unwrap();
                 assert!(out.distance < 0.0 && out.normal.is_normalized(), "{out:?}");
                 let by = out.normal * (1e-4 - out.distance);
                 let away = Relative { translation: pose.translation + by, ..pose };
@@ -384,7 +384,7 @@ mod tests {
         }
         let pose = Relative::new(&Frame::at(Vec3::NAN), &Frame::IDENTITY);
         let own = RoundedCore::ball(1.0);
-        assert!(own.way_out(&pose, &own).is_none());
+        assert!(own.separation(&pose, &own).is_none());
     }
 
     #[test]

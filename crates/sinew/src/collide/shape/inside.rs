@@ -34,7 +34,7 @@ impl Shape {
     }
 
     /// Whether it is unbounded: a half-space or the outside of a box.
-    pub(crate) fn is_endless(&self) -> bool {
+    pub(crate) fn is_unbounded(&self) -> bool {
         matches!(self.form, Form::HalfSpace | Form::InsideBox(_))
     }
 }

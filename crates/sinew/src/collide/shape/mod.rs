@@ -44,7 +44,7 @@ use glam::Vec3;
 pub use fault::ShapeFault;
 
 pub(crate) use closed_form::ClosedForm;
-pub(crate) use convert::{ours, pose};
+pub(crate) use convert::{from_parry, pose};
 
 use convex::Convex;
 use fault::{is_length, is_size};

@@ -119,21 +119,21 @@ impl Triangles {
 
     /// Builds the neighbour list for a step of `dt` seconds, unless the last one is still valid.
     ///
-    /// Ignored are bodies near no other body, and triangles with rows out of range, of several bodies or none, or marked in `solid`, which may be shorter than
-    /// the rows. Particles that are not finite, or are more than 1e15 m from the first one, have no candidates.
+    /// Ignored are bodies near no other body, and triangles with rows out of range, of several bodies or none, or marked in `excluded`, which may be shorter
+    /// than the rows. Particles that are not finite, or are more than 1e15 m from the first one, have no candidates.
     pub(crate) fn broad_phase(
         &mut self,
         particles: &Particles,
         surfaces: &[[u32; 3]],
         (filter, nearby): (&ContactFilter, &Nearby),
-        solid: &[bool],
+        excluded: &[bool],
         dt: f32,
     ) {
         self.reported.clear();
         self.hits.clear();
         (self.rebuilds, self.rounds, self.dt) = (0, 0, dt);
         core::mem::swap(&mut self.participants, &mut self.former);
-        self.participants.take(particles, surfaces, (filter, nearby), solid);
+        self.participants.take(particles, surfaces, (filter, nearby), excluded);
         if self.is_empty() {
             self.neighbours.clear();
             return;

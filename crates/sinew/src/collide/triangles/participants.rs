@@ -54,7 +54,7 @@ impl TriangleParticipants {
         particles: &Particles,
         surfaces: &[[u32; 3]],
         (filter, nearby): (&ContactFilter, &Nearby),
-        solid: &[bool],
+        excluded: &[bool],
     ) {
         for column in [&mut self.rows, &mut self.body, &mut self.loose] {
             column.clear();
@@ -68,7 +68,7 @@ impl TriangleParticipants {
         if surfaces.is_empty() || !any {
             return;
         }
-        let is_loose = |row: usize| !solid.get(row).copied().unwrap_or(false);
+        let is_loose = |row: usize| !excluded.get(row).copied().unwrap_or(false);
         for corners in surfaces {
             let mut corners = *corners;
             corners.sort_unstable();

@@ -125,7 +125,7 @@ impl Dormant {
         near.clear();
         inputs.is_some()
             && these.iter().any(|&number| {
-                broad.around(&bounds[number as usize], own, near);
+                broad.query(&bounds[number as usize], own, near);
                 !near.is_empty()
             })
     }

@@ -121,7 +121,7 @@ impl ClusterSearch {
         for &cluster in left.iter() {
             let own = &boxes[cluster as usize];
             around.clear();
-            broad.around(own, enlarged, around);
+            broad.query(own, enlarged, around);
             let others = around.iter().filter(|&&other| !is_outside(other));
             // Each pair of clusters that have both left is found from the first of them.
             for &other in others.chain(left.iter().filter(|&&other| other > cluster)) {
@@ -187,7 +187,7 @@ impl ClusterSearch {
 
     /// Adds the pairs of one box, which may have moved since the grid was built, and the boxes that it overlaps or touches; some pairs more than once. `moved`
     /// lists the boxes that have moved, ascending; `bounds` are the current boxes.
-    pub(crate) fn around(
+    pub(crate) fn query(
         &mut self,
         number: u32,
         bounds: &[(Vec3, Vec3)],
@@ -198,9 +198,9 @@ impl ClusterSearch {
         let boxes = if self.are_all_single() { bounds } else { &self.boxes };
         self.around.clear();
         if self.is_refilled {
-            self.refilled.around(own, boxes, &mut self.around);
+            self.refilled.query(own, boxes, &mut self.around);
         } else {
-            self.broad.around(own, &self.enlarged, &mut self.around);
+            self.broad.query(own, &self.enlarged, &mut self.around);
             self.around.extend(&self.left);
         }
         let near = |other: u32| {

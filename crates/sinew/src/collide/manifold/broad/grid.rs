@@ -154,7 +154,7 @@ impl BoxGrid {
     }
 
     /// Adds the numbers of the boxes that a given box overlaps or touches.
-    pub(super) fn around(&self, one: &(Vec3, Vec3), found: &mut Vec<u32>) {
+    pub(super) fn overlapping(&self, one: &(Vec3, Vec3), found: &mut Vec<u32>) {
         self.query(&BoxEntry::new(one, 0), 0, &mut |other| found.push(other));
     }
 

@@ -20,7 +20,7 @@ pub(crate) use clusters::ClusterSearch;
 pub(crate) use grid::NO_GROUP;
 use grid::{BoxGrid, are_compared};
 
-/// Finds overlapping boxes. Only allocations are kept between calls, and what [`around`](Self::around) queries.
+/// Finds overlapping boxes. Only allocations are kept between calls, and what [`query`](Self::query) reads.
 #[derive(Default)]
 pub(crate) struct Broad {
     /// Size class and number of each valid box.
@@ -100,12 +100,12 @@ impl Broad {
     }
 
     /// Adds the numbers of the boxes that `one` overlaps or touches; it need not be one of them. `bounds` are the boxes that the grids were built from.
-    pub(crate) fn around(&self, one: &(Vec3, Vec3), bounds: &[(Vec3, Vec3)], out: &mut Vec<u32>) {
+    pub(crate) fn query(&self, one: &(Vec3, Vec3), bounds: &[(Vec3, Vec3)], out: &mut Vec<u32>) {
         if !is_box(one) {
             return;
         }
         for grid in &self.grids[..self.grid_count] {
-            grid.around(one, out);
+            grid.overlapping(one, out);
         }
         let ungridded = self.ungridded.iter().copied();
         out.extend(ungridded.filter(|&other| overlap(one, &bounds[other as usize])));

@@ -160,7 +160,7 @@ fn a_moved_box_finds_all_that_it_overlaps_now() {
         let now = naive(&bounds);
         for &number in &moved {
             pairs.clear();
-            search.around(number, &bounds, others, &mut pairs);
+            search.query(number, &bounds, others, &mut pairs);
             pairs.sort_unstable();
             pairs.dedup();
             let own = now.iter().copied().filter(|pair| pair.contains(&number));

@@ -21,12 +21,13 @@ fn a_capsule_that_slides_on_a_face_no_farther_than_it_may_touches_it_as_before()
             Vec3::new(0.8 * dice.roll(), 0.2 + low + 0.01 * dice.roll(), dice.roll());
         for manifold in all(&capsule, &plate, &frame, 0.03) {
             assert!(manifold.is_round() && manifold.slope == 0.0);
-            if manifold.free == 0.0 {
+            if manifold.slide_limit == 0.0 {
                 at_rims += 1;
                 continue;
             }
             let aside = (dice.vector() * Vec3::new(1.0, 0.0, 1.0)).normalize() * 0.99;
-            let there = Frame { translation: frame.translation + aside * manifold.free, ..frame };
+            let there =
+                Frame { translation: frame.translation + aside * manifold.slide_limit, ..frame };
             let found = all(&capsule, &plate, &there, 0.03);
             assert!(found[0].normal == manifold.normal, "{manifold:?}");
             for known in heights(&manifold, &there) {
@@ -49,7 +50,7 @@ fn a_shape_on_a_half_space_may_slide_without_limit() {
             let mut frame = dice.frame(1.0);
             frame.translation.y = pairs::support(i, frame.turn_back(Vec3::Y)) + 0.01 * dice.roll();
             let known = all(shape, &Shape::half_space(), &frame, 0.05)[0];
-            assert!(known.free == f32::INFINITY);
+            assert!(known.slide_limit == f32::INFINITY);
             frame.translation += dice.vector() * Vec3::new(10.0, 0.0, 10.0);
             let now = all(shape, &Shape::half_space(), &frame, 0.05)[0];
             for (now, known) in now.points().iter().zip(heights(&known, &frame)) {

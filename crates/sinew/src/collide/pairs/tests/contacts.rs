@@ -108,7 +108,7 @@ fn a_line_a_sheet_and_a_lattice_are_found() {
 }
 
 #[test]
-fn who_takes_no_part_is_not_found() {
+fn non_participants_are_not_listed() {
     let mut world = cloud(300, 0.1, |i, _| if i % 5 == 0 { 0.0 } else { 0.02 });
     world.contacts[0].with_itself = false;
     world.contacts[1].layers = Layers::new(2, 2);
@@ -116,14 +116,14 @@ fn who_takes_no_part_is_not_found() {
     world.particles.position[31].y = f32::NAN;
     world.particles.radius[33] = f32::NAN;
     world.particles.set_body(37, None);
-    let solid: Vec<_> = (0..200).map(|i| i % 11 == 0).collect();
-    world.find_beside(&solid, 0.02);
+    let excluded: Vec<_> = (0..200).map(|i| i % 11 == 0).collect();
+    world.find_without(&excluded, 0.02);
     let rows = found(&world);
     assert!(rows.len() > 50);
     for [a, b] in rows {
         for row in [a, b] {
             assert!(row % 5 != 0 && row % 3 == 1 && ![31, 33, 37].contains(&row), "{row}");
-            assert!(!(row < 200 && row % 11 == 0), "{row} is of a solid");
+            assert!(!(row < 200 && row % 11 == 0), "{row} is excluded");
         }
     }
     world.contacts.fill(BodyContacts { with_bodies: false, ..Default::default() });

@@ -45,15 +45,15 @@ impl World {
     }
 
     fn find(&mut self, dt: f32) {
-        self.find_beside(&[], dt);
+        self.find_without(&[], dt);
     }
 
     /// Runs the broad phase without the rows that are marked.
-    fn find_beside(&mut self, aside: &[bool], dt: f32) {
+    fn find_without(&mut self, excluded: &[bool], dt: f32) {
         let Self { particles, contacts, rest, pairs, filter, .. } = self;
         *filter = ContactFilter::untied(contacts);
         let nearby = Nearby::everywhere(contacts);
-        pairs.broad_phase(particles, (filter, &nearby), rest, aside, dt);
+        pairs.broad_phase(particles, (filter, &nearby), rest, excluded, dt);
     }
 
     /// A step of `dt` seconds; returns the greatest overlap found, metres.
