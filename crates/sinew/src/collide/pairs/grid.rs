@@ -203,19 +203,19 @@ kernel!(
         found: &mut Vec<[u32; 2]>,
     ) {
         let takes_part = grid.level.iter().filter(|level| **level != u8::MAX).count();
-        let (mut beside, mut larger) = (Stretches::default(), Stretches::default());
+        let (mut beside, mut larger) = (CellRanges::default(), CellRanges::default());
         let mut last = None;
         for &i in &grid.sorted.participant[..takes_part] {
             let i = i as usize;
             let (own, slot) = (grid.level[i], grid.slot[i]);
-            let asker = Asker::<L>::new(grid, (participants, filter), i);
+            let query = Query::<L>::new(grid, (participants, filter), i);
             // Participants of one slot are consecutive and share the ranges.
             if last != Some((own, slot)) {
                 last = Some((own, slot));
                 beside.find(grid, own, slot, OWN_LINE);
             }
-            for (stretch, of_own_line) in beside.iter() {
-                asker.ask(found, stretch, of_own_line);
+            for (range, of_own_line) in beside.iter() {
+                query.test(found, range, of_own_line);
             }
             for number in 0..own {
                 let level = &grid.levels[number as usize];
@@ -223,8 +223,8 @@ kernel!(
                     continue;
                 }
                 larger.find(grid, number, level.slot(participants.place[i] - grid.low), 0);
-                for (stretch, _) in larger.iter() {
-                    asker.ask(found, stretch, false);
+                for (range, _) in larger.iter() {
+                    query.test(found, range, false);
                 }
             }
         }
@@ -236,7 +236,7 @@ const OWN_LINE: u32 = 4;
 
 /// Ranges of the sorted participants in some lines of cells about a cell.
 #[derive(Default)]
-struct Stretches {
+struct CellRanges {
     /// Start and end of each.
     each: [[u32; 2]; 18],
     count: usize,
@@ -244,7 +244,7 @@ struct Stretches {
     of_own_line: usize,
 }
 
-impl Stretches {
+impl CellRanges {
     /// The ranges about a slot of a level, starting at one of the nine lines.
     fn find(&mut self, grid: &PairGrid, level: u8, slot: u32, first_line: u32) {
         let level = &grid.levels[level as usize];
@@ -270,9 +270,9 @@ impl Stretches {
     fn add(&mut self, grid: &PairGrid, level: &GridLevel, slots: [u32; 2]) {
         // Not `array::map`, which compiles to several function calls.
         let start = |slot: u32| grid.starts[(level.first + slot) as usize];
-        let stretch = [start(slots[0]), start(slots[1])];
-        if stretch[0] < stretch[1] {
-            self.each[self.count] = stretch;
+        let range = [start(slots[0]), start(slots[1])];
+        if range[0] < range[1] {
+            self.each[self.count] = range;
             self.count += 1;
         }
     }
@@ -281,12 +281,12 @@ impl Stretches {
     #[inline(always)]
     fn iter(&self) -> impl Iterator<Item = ([u32; 2], bool)> {
         let each = self.each[..self.count].iter().enumerate();
-        each.map(|(number, stretch)| (*stretch, number < self.of_own_line))
+        each.map(|(number, range)| (*range, number < self.of_own_line))
     }
 }
 
 /// The participant whose neighbours are sought, broadcast to all lanes.
-struct Asker<'a, L> {
+struct Query<'a, L> {
     sorted: &'a Sorted,
     number: usize,
     x: L,
@@ -300,7 +300,7 @@ struct Asker<'a, L> {
 /// Body indices below this are exact in `f32`.
 const EXACT: u32 = 1 << 24;
 
-impl<'a, L: Lanes> Asker<'a, L> {
+impl<'a, L: Lanes> Query<'a, L> {
     #[inline(always)]
     fn new(
         grid: &'a PairGrid,
@@ -324,7 +324,7 @@ impl<'a, L: Lanes> Asker<'a, L> {
     /// Adds the participants within reach in a range of the sorted ones. In its own line every participant is tested against all, so only those `after` it are
     /// added.
     #[inline(always)]
-    fn ask(&self, found: &mut Vec<[u32; 2]>, [first, end]: [u32; 2], after: bool) {
+    fn test(&self, found: &mut Vec<[u32; 2]>, [first, end]: [u32; 2], after: bool) {
         let Self { sorted, number, .. } = self;
         let (mut at, end) = (first as usize, end as usize);
         while at < end {

@@ -105,7 +105,7 @@ impl Pairs {
         self.hits.clear();
         self.touched.clear();
         self.rebuilds = 0;
-        self.participants.take(particles, nearby, rest, excluded, dt);
+        self.participants.collect(particles, nearby, rest, excluded, dt);
         if self.is_empty() {
             self.neighbours.clear();
             return;
@@ -144,7 +144,7 @@ impl Pairs {
         let worst = with(self.instructions, sweep);
         for _ in 0..RECHECKS {
             for stop in &self.times_of_impact {
-                stop.hold(particles);
+                stop.enforce(particles);
             }
         }
         worst
@@ -177,7 +177,7 @@ impl Pairs {
         skin_check.begin(participants);
         candidates.update(participants, grid, filter, self.instructions);
         neighbours.clear();
-        neighbours.take(&candidates.pairs, participants, filter);
+        neighbours.select(&candidates.pairs, participants, filter);
         neighbours.colour(participants, filter);
         self.rebuilds += 1;
     }

@@ -61,7 +61,7 @@ impl NeighbourList {
     }
 
     /// Takes those of the sorted candidates that are within their margins and may touch.
-    pub(super) fn take(
+    pub(super) fn select(
         &mut self,
         candidates: &[[u32; 2]],
         participants: &Participants,
@@ -120,7 +120,7 @@ impl NeighbourList {
     ) {
         let Self { pairs, reach, colour, blocks, offsets, .. } = self;
         let mut filled = [0_u32; COLOURS + 1];
-        let mut last = Meeting::none();
+        let mut last = CombinedSettings::none();
         for ((&[a, b], &reach), &colour) in pairs.iter().zip(reach.iter()).zip(colour.iter()) {
             let colour = colour as usize;
             let number = filled[colour];
@@ -134,7 +134,7 @@ impl NeighbourList {
             let (a, b) = (a as usize, b as usize);
             let bodies = [participants.body[a], participants.body[b]];
             if last.bodies != bodies {
-                last = Meeting::of(filter, bodies);
+                last = CombinedSettings::of(filter, bodies);
             }
             block.put(lane, [participants.rows[a], participants.rows[b]], reach, &last);
             let offset = participants.origin[a] - participants.origin[b];
@@ -178,14 +178,14 @@ fn is_near(participants: &Participants, i: usize, j: usize, reach: f32) -> bool 
 }
 
 /// Combined contact settings of two bodies.
-struct Meeting {
+struct CombinedSettings {
     bodies: [u32; 2],
     friction: f32,
     restitution: f32,
     reported: bool,
 }
 
-impl Meeting {
+impl CombinedSettings {
     fn none() -> Self {
         Self { bodies: [u32::MAX; 2], friction: 0.0, restitution: 0.0, reported: false }
     }
@@ -216,14 +216,14 @@ impl PairBlock {
 
     /// Writes a pair into a lane.
     #[inline(always)]
-    fn put(&mut self, lane: usize, rows: [u32; 2], reach: f32, meeting: &Meeting) {
+    fn put(&mut self, lane: usize, rows: [u32; 2], reach: f32, settings: &CombinedSettings) {
         self.rows[0][lane] = rows[0];
         self.rows[1][lane] = rows[1];
         self.reach[lane] = reach;
-        self.friction[lane] = meeting.friction;
-        self.restitution[lane] = meeting.restitution;
+        self.friction[lane] = settings.friction;
+        self.restitution[lane] = settings.restitution;
         self.count = lane as u32 + 1;
-        self.reported |= u32::from(meeting.reported) << lane;
+        self.reported |= u32::from(settings.reported) << lane;
     }
 
     /// Repeats the last pair in the unused lanes: they compute and write the same values.

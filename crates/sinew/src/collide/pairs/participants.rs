@@ -31,7 +31,7 @@ pub(super) struct Participants {
     /// Runs of consecutive participants of one body: end and body of each.
     pub(super) runs: Vec<(usize, u32)>,
     /// Whether no particle moves further in a step than the greatest allowed margin.
-    pub(super) calm: bool,
+    pub(super) slow: bool,
     /// Whether a particle was too fast for the neighbour list to last longer than this substep.
     pub(super) expired: bool,
     /// Length of the step, seconds.
@@ -49,7 +49,7 @@ const FAR: f64 = 1e15;
 
 impl Participants {
     /// Collects the participants of a step of `dt` seconds from the bodies that are near others.
-    pub(super) fn take(
+    pub(super) fn collect(
         &mut self,
         particles: &Particles,
         nearby: &Nearby,
@@ -98,7 +98,7 @@ impl Participants {
         self.origin.clear();
         self.place.clear();
         self.path.clear();
-        (self.calm, self.expired) = (true, false);
+        (self.slow, self.expired) = (true, false);
         let finite = |row: &u32| particles.position[*row as usize].is_finite();
         let first = self.rows.iter().copied().find(finite).unwrap_or(self.rows[0]);
         let zero = particles.origin[first as usize];
@@ -109,7 +109,7 @@ impl Participants {
             let reached = particles.velocity[i].truncate().length() * self.dt;
             let [least, most] = MARGIN;
             let margin = reached.max(least * radius).min(most * radius);
-            self.calm &= reached <= most * radius;
+            self.slow &= reached <= most * radius;
             self.home.push(position.truncate().extend(margin));
             self.pinned.push(position.w == 0.0);
             self.origin.push(origin);
@@ -124,7 +124,7 @@ impl Participants {
     /// Distance from its recorded position that the margin of each may reach before candidates must be found again, metres: twice the margin, or the margin
     /// alone where a particle is so fast that the candidates would not last for another step anyway.
     pub(super) fn allowances(&self) -> impl Iterator<Item = f32> {
-        let share = if self.calm && !self.expired { 2.0 } else { 1.0 };
+        let share = if self.slow && !self.expired { 2.0 } else { 1.0 };
         self.home.iter().map(move |home| share * home.w)
     }
 

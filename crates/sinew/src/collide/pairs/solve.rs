@@ -46,16 +46,17 @@ impl Work for PairSweep<'_> {
         let mut worst = L::zero();
         let mut rest = 0.0_f32;
         for (number, block) in neighbours.blocks.iter().enumerate() {
-            let BlockOverlap { overlap, hit, rare, normal } = self.take::<L>(block, number as u32);
+            let BlockOverlap { overlap, hit, rare, normal } =
+                self.solve_block::<L>(block, number as u32);
             if hit | rare == 0 {
                 continue;
             }
             worst = overlap.max(worst);
             if hit & block.reported != 0 {
-                self.note(block, hit & block.reported, overlap, normal);
+                self.record(block, hit & block.reported, overlap, normal);
             }
             if rare != 0 {
-                rest = rest.max(self.treat(block, rare));
+                rest = rest.max(self.solve_rare(block, rare));
             }
         }
         worst.largest(rest)
@@ -75,7 +76,7 @@ struct BlockOverlap<L> {
 
 impl PairSweep<'_> {
     #[inline(always)]
-    fn take<L: Lanes>(&mut self, block: &PairBlock, number: u32) -> BlockOverlap<L> {
+    fn solve_block<L: Lanes>(&mut self, block: &PairBlock, number: u32) -> BlockOverlap<L> {
         let [rows_a, rows_b] = &block.rows;
         let (a, w_a) = Vector::of(L::rows(&self.particles.position, rows_a));
         let (b, w_b) = Vector::of(L::rows(&self.particles.position, rows_b));
@@ -91,7 +92,7 @@ impl PairSweep<'_> {
         let mut hit = squared.lt(reach_squared);
         let mut rare = 0;
         if self.fast {
-            let moved = d - self.began(block, offset);
+            let moved = d - self.start_separation(block, offset);
             let fast = (reach_squared * L::splat(HALF * HALF)).lt(moved.length_squared());
             rare = fast.bits();
             hit = fast.select(zero, hit);
@@ -109,12 +110,12 @@ impl PairSweep<'_> {
         }
         let n = d * (L::splat(1.0) / distance);
         let overlap = reach - distance;
-        let moved = d - self.began(block, offset);
+        let moved = d - self.start_separation(block, offset);
         let slid = moved - n * n.dot(moved);
         let length = slid.length();
         let most = L::load(&block.friction) * overlap;
-        let held = length.le(most).and(L::splat(1.0));
-        let apart = (n * overlap - slid * held) * (L::splat(1.0) / (w_a + w_b));
+        let sticking = length.le(most).and(L::splat(1.0));
+        let apart = (n * overlap - slid * sticking) * (L::splat(1.0) / (w_a + w_b));
         let (a, b) = ((a + apart * w_a).or_else(hit, a), (b - apart * w_b).or_else(hit, b));
         L::put_rows(&mut self.particles.position, rows_a, a.with(w_a));
         L::put_rows(&mut self.particles.position, rows_b, b.with(w_b));
@@ -130,7 +131,7 @@ impl PairSweep<'_> {
 
     /// `d` at the start of the substep.
     #[inline(always)]
-    fn began<L: Lanes>(&self, block: &PairBlock, offset: Vector<L>) -> Vector<L> {
+    fn start_separation<L: Lanes>(&self, block: &PairBlock, offset: Vector<L>) -> Vector<L> {
         let (a, _) = Vector::of(L::rows(&self.particles.start, &block.rows[0]));
         let (b, _) = Vector::of(L::rows(&self.particles.start, &block.rows[1]));
         (a - b) + offset
@@ -146,7 +147,7 @@ impl PairSweep<'_> {
 
     /// Records the contacts that are to be reported.
     #[inline(always)]
-    fn note<L: Lanes>(&mut self, block: &PairBlock, which: u32, overlap: L, normal: Vector<L>) {
+    fn record<L: Lanes>(&mut self, block: &PairBlock, which: u32, overlap: L, normal: Vector<L>) {
         let overlaps = overlap.array();
         let (x, y, z) = (normal.x.array(), normal.y.array(), normal.z.array());
         for lane in 0..block.count as usize {
@@ -166,14 +167,14 @@ impl PairSweep<'_> {
 
     /// Solves pairs one by one; returns the greatest overlap, metres.
     #[inline(never)]
-    fn treat(&mut self, block: &PairBlock, which: u32) -> f32 {
+    fn solve_rare(&mut self, block: &PairBlock, which: u32) -> f32 {
         let mut worst = 0.0_f32;
         for lane in 0..block.count as usize {
             if which & (1 << lane) == 0 {
                 continue;
             }
             let pair = pair_of(block, lane, &self.neighbours.offsets);
-            let Some((normal, overlap, stopped)) = pair.treat(self.particles) else { continue };
+            let Some((normal, overlap, stopped)) = pair.solve(self.particles) else { continue };
             worst = worst.max(overlap);
             if stopped {
                 self.times_of_impact.push(TimeOfImpact { pair, normal });

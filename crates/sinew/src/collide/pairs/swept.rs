@@ -41,14 +41,14 @@ pub(super) const COINCIDENT: f32 = 1e-6;
 impl SweptPair {
     /// Pushes the pair apart if it must be. Returns the normal, from the second to the first, the overlap along it in metres, and whether the pair was stopped
     /// at its time of impact.
-    pub(super) fn treat(&self, particles: &mut Particles) -> Option<(Vec3, f32, bool)> {
+    pub(super) fn solve(&self, particles: &mut Particles) -> Option<(Vec3, f32, bool)> {
         let ends = self.separation(&particles.position);
-        let began = self.separation(&particles.start);
-        if !(ends.is_finite() && began.is_finite()) {
+        let start = self.separation(&particles.start);
+        if !(ends.is_finite() && start.is_finite()) {
             return None;
         }
-        let moved = ends - began;
-        let stopped = self.first_touch(began, moved);
+        let moved = ends - start;
+        let stopped = self.first_touch(start, moved);
         let normal = stopped.or_else(|| {
             (ends.length_squared() < self.reach * self.reach).then(|| self.direction(ends))
         })?;
@@ -68,14 +68,14 @@ impl SweptPair {
     }
 
     /// The normal at the time of impact, if the pair approaches and touches.
-    fn first_touch(&self, began: Vec3, moved: Vec3) -> Option<Vec3> {
-        let (length, nearing) = (moved.length_squared(), began.dot(moved));
+    fn first_touch(&self, start: Vec3, moved: Vec3) -> Option<Vec3> {
+        let (length, nearing) = (moved.length_squared(), start.dot(moved));
         if nearing >= 0.0 || length < 0.25 * self.reach * self.reach {
             return None;
         }
-        let outside = began.length_squared() - self.reach * self.reach;
+        let outside = start.length_squared() - self.reach * self.reach;
         if outside <= 0.0 {
-            return Some(self.direction(began));
+            return Some(self.direction(start));
         }
         let root = nearing * nearing - length * outside;
         if root < 0.0 {
@@ -83,7 +83,7 @@ impl SweptPair {
         }
         // The smaller root, in the form without cancellation.
         let time = outside / (root.sqrt() - nearing);
-        (time <= 1.0).then(|| self.direction(began + moved * time))
+        (time <= 1.0).then(|| self.direction(start + moved * time))
     }
 
     /// Unit vector along a separation. Coincident particles are separated along x, y or z, as the sum of their rows is 0, 1 or 2 modulo three, the one with the
@@ -101,7 +101,7 @@ impl SweptPair {
 
 impl TimeOfImpact {
     /// Moves the pair back to its side of the plane, if other contacts have pushed it through.
-    pub(super) fn hold(&self, particles: &mut Particles) {
+    pub(super) fn enforce(&self, particles: &mut Particles) {
         let short = self.pair.reach - self.normal.dot(self.pair.separation(&particles.position));
         if short > 0.0 {
             shift(&mut particles.position, self.pair.rows, self.normal * short);

@@ -134,7 +134,7 @@ impl ParticleContacts {
             };
             let origin = places.origin[places.at(batches[0].rows[0])];
             let (was, is) = self.frames_of(run.surface as usize, interval, origin);
-            let touch = TouchSurface {
+            let work = SurfaceBatches {
                 contacts: self,
                 places: places.lend(),
                 normal_impulses: normal_impulses.lend(),
@@ -143,7 +143,7 @@ impl ParticleContacts {
                 frames: [was, is],
                 interval,
             };
-            worst = worst.max(with(instructions, touch));
+            worst = worst.max(with(instructions, work));
         }
         worst
     }
@@ -165,7 +165,7 @@ fn batch_of(some: &[(u32, u32, u32)], particles: &Particles) -> CandidateBatch {
 }
 
 /// Batches against one surface; the output is the greatest depth, metres.
-struct TouchSurface<'a> {
+struct SurfaceBatches<'a> {
     contacts: &'a ParticleContacts,
     places: Places<'a>,
     normal_impulses: NormalImpulses<'a>,
@@ -176,7 +176,7 @@ struct TouchSurface<'a> {
     interval: InstantInterval,
 }
 
-impl Work for TouchSurface<'_> {
+impl Work for SurfaceBatches<'_> {
     type Output = f32;
 
     #[inline(always)]

@@ -36,7 +36,7 @@ impl ParticleContacts {
         if self.is_empty() {
             return;
         }
-        self.see(particles, world);
+        self.record_references(particles, world);
         if !self.surfaces.is_empty() {
             self.find_candidates(particles, world);
             normal_impulses.resize(self.candidates.len(), NormalImpulse::default());
@@ -70,7 +70,7 @@ impl ParticleContacts {
                 }
                 for &row in &islands.members[island.members.clone()] {
                     let i = row as usize;
-                    let reach = self.last_seen[i].w.sqrt() + particles.radius[i];
+                    let reach = self.reference[i].w.sqrt() + particles.radius[i];
                     let at = particles.origin[i] + particles.position[i].truncate();
                     let near = (at + reach).cmpge(low).all() && (at - reach).cmple(high).all();
                     let excluded = self.excluded.get(i).is_some_and(|&excluded| excluded);
@@ -95,9 +95,9 @@ impl ParticleContacts {
     }
 
     /// Records the position of each row and how far it may move, and the swept bounds of each island.
-    fn see(&mut self, particles: &Particles, world: &World) {
+    fn record_references(&mut self, particles: &Particles, world: &World) {
         let islands = world.islands;
-        self.last_seen.resize(particles.len(), glam::Vec4::ZERO);
+        self.reference.resize(particles.len(), glam::Vec4::ZERO);
         self.sort.islands.clear();
         for island in &islands.list {
             let rows = || islands.members[island.members.clone()].iter().map(|&row| row as usize);
@@ -113,7 +113,7 @@ impl ParticleContacts {
             let reach = nearby::reach(fastest, world.g(), world.dt);
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             for i in rows() {
-                self.last_seen[i] = particles.position[i].truncate().extend(reach * reach);
+                self.reference[i] = particles.position[i].truncate().extend(reach * reach);
                 let at = particles.origin[i] + particles.position[i].truncate();
                 let around = reach + particles.radius[i];
                 (low, high) = (low.min(at - around), high.max(at + around));

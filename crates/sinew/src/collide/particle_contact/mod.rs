@@ -53,7 +53,7 @@ pub(crate) struct ParticleContacts {
     first: Vec<u32>,
     candidates: Vec<SurfaceCandidate>,
     /// `[x y z d²]`: position of each row when the broad phase ran, from its origin, and the square of the distance that it may move from there, m².
-    last_seen: Vec<Vec4>,
+    reference: Vec<Vec4>,
     /// Whether a row does not collide as a particle: it belongs to a body collider, which collides in its place, or contacts of its body are disabled. May be
     /// shorter than the rows.
     excluded: Vec<bool>,
@@ -317,7 +317,7 @@ impl ParticleContacts {
         (row, number): (u32, u32),
         contact: &ParticleContact,
     ) -> f32 {
-        normal_impulses.at(number).take(places, row, contact);
+        normal_impulses.at(number).record(places, row, contact);
         let candidate = &self.candidates[number as usize];
         if self.surfaces[candidate.surface as usize].sensor {
             return 0.0;

@@ -57,7 +57,7 @@ impl<'a> NormalImpulses<'a> {
 impl NormalImpulse {
     /// Records a contact that is about to be resolved.
     #[inline]
-    pub(super) fn take(&mut self, places: &Places, row: u32, contact: &ParticleContact) {
+    pub(super) fn record(&mut self, places: &Places, row: u32, contact: &ParticleContact) {
         let i = places.at(row);
         if self.depth == 0.0 {
             // Until velocities are derived, the column holds those that led into the prediction of the substep.

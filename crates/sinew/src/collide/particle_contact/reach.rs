@@ -18,11 +18,11 @@ impl ParticleContacts {
         (number, rows): (usize, &[u32]),
         (interval, instructions): (InstantInterval, InstructionSet),
     ) -> f32 {
-        let (near, strays) = self.in_reach(places, number, rows, instructions);
+        let (near, exceeded) = self.in_reach(places, number, rows, instructions);
         let common = self.common_bounds();
-        if strays || !self.has_batches(number) {
+        if exceeded || !self.has_batches(number) {
             let depths = near.iter().map(|&row| {
-                let bounds = self.bounds_of(row, strays, common);
+                let bounds = self.bounds_of(row, exceeded, common);
                 self.project(places, normal_impulses, (row, bounds), interval)
             });
             return depths.fold(0.0, f32::max);
@@ -30,7 +30,7 @@ impl ParticleContacts {
         // Rows do not interact, so projecting all of them out of the plain bounds first and then out of the surfaces gives the same result as row by row.
         let mut worst = 0.0_f32;
         for &row in near {
-            if let Some(bounds) = self.bounds_of(row, strays, common) {
+            if let Some(bounds) = self.bounds_of(row, exceeded, common) {
                 worst = worst.max(self.project_to_bounds(places, row, bounds, interval));
             }
         }
@@ -80,10 +80,10 @@ impl ParticleContacts {
         if rows.iter().all(|&row| self.is_excluded(row)) {
             return 0.0;
         }
-        let (rows, strays) = self.in_reach(places, number, rows, instructions);
+        let (rows, exceeded) = self.in_reach(places, number, rows, instructions);
         let common = self.common_bounds();
         let errors = rows.iter().map(|&row| {
-            let bounds = self.bounds_of(row, strays, common);
+            let bounds = self.bounds_of(row, exceeded, common);
             self.error(places, row, bounds)
         });
         errors.fold(0.0, f32::max)
@@ -99,10 +99,10 @@ impl ParticleContacts {
     fn bounds_of<'a>(
         &'a self,
         row: u32,
-        strays: bool,
+        exceeded: bool,
         common: Option<&'a ClassBounds>,
     ) -> Option<&'a ClassBounds> {
-        if !(strays || self.bounded[row as usize]) {
+        if !(exceeded || self.bounded[row as usize]) {
             return None;
         }
         Some(common.unwrap_or_else(|| self.bounds.of(self.classes.of(row))))
@@ -137,14 +137,14 @@ impl ParticleContacts {
         }
         // Rows are mostly contiguous: then all are checked, which takes less time than to branch after each.
         let now = &places.position[places.at(first)..][..rows.len()];
-        let seen = &self.last_seen[first as usize..][..rows.len()];
-        any_beyond(now, seen, instructions)
+        let reference = &self.reference[first as usize..][..rows.len()];
+        any_beyond(now, reference, instructions)
     }
 
     /// Whether a row has moved further than the broad phase allowed for.
     #[inline]
     pub(super) fn exceeds_skin(&self, places: &Places, row: u32) -> bool {
-        is_beyond(places.position[places.at(row)], self.last_seen[row as usize])
+        is_beyond(places.position[places.at(row)], self.reference[row as usize])
     }
 
     /// Whether the only row of an island may touch something now.
@@ -162,8 +162,8 @@ impl ParticleContacts {
     }
 
     /// `[x y z d²]`: position of each row when the broad phase ran, from its origin, and the square of the distance that it may move from there, m².
-    pub(crate) fn last_seen(&self) -> &[glam::Vec4] {
-        &self.last_seen
+    pub(crate) fn reference(&self) -> &[glam::Vec4] {
+        &self.reference
     }
 
     /// Projects a row out of its surfaces, as [`project_island`](Self::project_island) does; returns the greatest depth, metres.
@@ -182,21 +182,21 @@ impl ParticleContacts {
 
     /// Finds the rows in reach, once the bounds of the islands and the candidates of the rows are known.
     pub(super) fn find_reaches(&mut self, particles: &Particles, islands: &Islands) {
-        let Self { first, last_seen, reaches, touching, bounded, bounds, sort, .. } = self;
+        let Self { first, reference, reaches, touching, bounded, bounds, sort, .. } = self;
         reaches.clear();
         touching.clear();
         bounded.clear();
         bounded.resize(particles.len(), false);
         for (island, &(low, high)) in islands.list.iter().zip(&sort.islands) {
             let begin = touching.len();
-            let held = bounds.hold(low, high);
+            let held = bounds.contain(low, high);
             if !(held && first.is_empty()) {
                 for &row in &islands.members[island.members.clone()] {
                     let i = row as usize;
                     if !held {
                         let at = particles.origin[i] + particles.position[i].truncate();
-                        let around = last_seen[i].w.sqrt() + particles.radius[i];
-                        bounded[i] = !bounds.hold(at - around, at + around);
+                        let around = reference[i].w.sqrt() + particles.radius[i];
+                        bounded[i] = !bounds.contain(at - around, at + around);
                     }
                     let has_candidates = i + 1 < first.len() && first[i] < first[i + 1];
                     if bounded[i] || has_candidates {
@@ -211,23 +211,23 @@ impl ParticleContacts {
 
 /// Whether a position is further from that of the broad phase than it allowed for.
 #[inline(always)]
-fn is_beyond(now: Vec4, seen: Vec4) -> bool {
-    (now - seen).truncate().length_squared() > seen.w
+fn is_beyond(now: Vec4, reference: Vec4) -> bool {
+    (now - reference).truncate().length_squared() > reference.w
 }
 
 kernel!(
     /// Whether any of these positions [is](is_beyond).
-    fn any_beyond<L: Lanes>(now: &[Vec4], seen: &[Vec4]) -> bool {
+    fn any_beyond<L: Lanes>(now: &[Vec4], reference: &[Vec4]) -> bool {
         let (eights, others) = now.as_chunks::<LANES>();
-        let (eights_seen, others_seen) = seen.as_chunks::<LANES>();
+        let (eights_reference, others_reference) = reference.as_chunks::<LANES>();
         let mut beyond = L::zero();
-        for (now, seen) in eights.iter().zip(eights_seen) {
+        for (now, reference) in eights.iter().zip(eights_reference) {
             let (now, _) = Vector::of(L::run(now, 0));
-            let (seen, most) = Vector::of(L::run(seen, 0));
-            beyond = beyond.or(most.lt((now - seen).length_squared()));
+            let (reference, most) = Vector::of(L::run(reference, 0));
+            beyond = beyond.or(most.lt((now - reference).length_squared()));
         }
-        let others = others.iter().zip(others_seen);
-        others.fold(beyond.any(), |any, (&now, &seen)| any | is_beyond(now, seen))
+        let others = others.iter().zip(others_reference);
+        others.fold(beyond.any(), |any, (&now, &reference)| any | is_beyond(now, reference))
     }
 );
 
@@ -236,7 +236,7 @@ const ROUNDED: f32 = 1e-6;
 
 impl super::Bounds {
     /// Whether a box in the world is so far inside of all bounds that nothing in it touches one.
-    fn hold(&self, low: Vec3, high: Vec3) -> bool {
+    fn contain(&self, low: Vec3, high: Vec3) -> bool {
         if self.has_plane_constraint() {
             return false;
         }

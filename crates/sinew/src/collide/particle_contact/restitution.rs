@@ -29,19 +29,19 @@ impl ParticleContacts {
     ) {
         for row in rows {
             for number in self.of(row) {
-                let press = normal_impulses.at(number);
-                let depth = core::mem::take(&mut press.depth);
+                let contact = normal_impulses.at(number);
+                let depth = core::mem::take(&mut contact.depth);
                 if depth == 0.0 {
                     continue;
                 }
                 let i = places.at(row);
-                press.sum += depth / (places.position[i].w * h);
+                contact.sum += depth / (places.position[i].w * h);
                 let candidate = &self.candidates[number as usize];
                 if self.surfaces[candidate.surface as usize].sensor {
                     continue;
                 }
-                let (normal, carried) = (press.normal, press.carried / h);
-                let approach = press.approach - carried.dot(normal);
+                let (normal, carried) = (contact.normal, contact.carried / h);
+                let approach = contact.approach - carried.dot(normal);
                 let velocity = places.velocity[i].truncate() - carried;
                 let along = velocity.dot(normal);
                 if is_elastic(candidate.restitution, -approach, threshold(g, h)).any() {
@@ -71,11 +71,12 @@ impl ParticleContacts {
         }
         for row in 0..particles.len() {
             for number in self.of(row as u32) {
-                let press = normal_impulses.at(number);
+                let contact = normal_impulses.at(number);
                 let surface = &self.surfaces[self.candidates[number as usize].surface as usize];
                 let body = particles.body[row];
-                let asked = self.reported.get(body as usize).is_some_and(|&reported| reported);
-                if press.sum == 0.0 || !(asked || surface.events) {
+                let is_reported =
+                    self.reported.get(body as usize).is_some_and(|&reported| reported);
+                if contact.sum == 0.0 || !(is_reported || surface.events) {
                     continue;
                 }
                 let participant = if body == NO_BODY {
@@ -83,12 +84,12 @@ impl ParticleContacts {
                 } else {
                     ContactParticipant::Body(body)
                 };
-                let point = particles.position(row) - press.normal * particles.radius[row];
-                let impulse = if surface.sensor { 0.0 } else { press.sum };
+                let point = particles.position(row) - contact.normal * particles.radius[row];
+                let impulse = if surface.sensor { 0.0 } else { contact.sum };
                 impacts.add(
                     [participant, surface.participant],
                     point,
-                    press.normal,
+                    contact.normal,
                     impulse,
                     surface.sensor,
                 );

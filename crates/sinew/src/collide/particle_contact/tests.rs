@@ -34,7 +34,7 @@ fn ball(at: Vec3) -> Collider {
 }
 
 /// The rows of the cloth that are tested for contacts, at the start of a step.
-fn asked(world: &mut Simulation) -> Vec<u32> {
+fn tested_rows(world: &mut Simulation) -> Vec<u32> {
     world.begin_step(1.0 / 60.0).unwrap();
     let (contacts, plan) = (world.particle_contacts().clone(), world.plan().clone());
     let number = plan.islands.of[0] as usize;
@@ -46,23 +46,23 @@ fn asked(world: &mut Simulation) -> Vec<u32> {
 }
 
 #[test]
-fn only_rows_that_may_touch_something_are_asked() {
+fn only_rows_that_may_touch_something_are_tested() {
     let mut world = hung();
     world.boundaries.planes.push(Plane::ground(0.0));
     world.colliders.push(ball(Vec3::new(0.0, 30.0, 0.0)));
-    assert_eq!(asked(&mut world), [0; 0], "nothing is near");
+    assert_eq!(tested_rows(&mut world), [0; 0], "nothing is near");
     // In front of its lower edge, which is at 2.5 m.
     world.colliders.push(ball(Vec3::new(0.0, 2.4, 0.15)));
-    let near = asked(&mut world);
+    let near = tested_rows(&mut world);
     assert!(!near.is_empty() && near.len() < 100, "{}", near.len());
     assert!(near.iter().all(|&row| row >= 10 * 21), "{near:?}");
     // A ground just below it is near its lowest row, too.
     world.boundaries.planes.push(Plane::ground(2.495));
-    let low = asked(&mut world);
+    let low = tested_rows(&mut world);
     assert!(low.len() < 100 && (20 * 21..21 * 21).all(|row| low.contains(&row)), "{low:?}");
     world.boundaries.planes.pop();
     world.boundaries.plane_constraint = Plane::new(Vec3::ZERO, Vec3::Z);
-    assert_eq!(asked(&mut world).len(), 21 * 21, "a world in 2D");
+    assert_eq!(tested_rows(&mut world).len(), 21 * 21, "a world in 2D");
 }
 
 #[test]
@@ -176,11 +176,11 @@ fn a_collider_that_is_a_plane_or_a_box_holds_as_a_boundary_does_to_the_bit_and_i
 }
 
 #[test]
-fn what_one_asks_for_changes_nobody_elses_way_nor_a_bit_of_him() {
+fn settings_of_one_body_change_no_bit_of_others() {
     let ice = Material { friction: 0.0, friction_rule: Combine::Min, ..Material::default() };
     let rubber = Material::default().with_restitution(0.8);
     let layers = Layers::new(2, 2);
-    let asks = [
+    let settings = [
         BodyContacts { material: ice, ..BodyContacts::default() },
         BodyContacts { material: rubber, ..BodyContacts::default() },
         BodyContacts { layers, ..BodyContacts::default() },
@@ -190,7 +190,7 @@ fn what_one_asks_for_changes_nobody_elses_way_nor_a_bit_of_him() {
         let mut alike = falling(|_| BodyContacts::default());
         alike.colliders.push(collider.clone());
         let expected = run(&mut alike);
-        for own in asks {
+        for own in settings {
             // The last eight have different settings.
             let mut world = falling(|i| if i < 16 { BodyContacts::default() } else { own });
             world.colliders.push(collider.clone());

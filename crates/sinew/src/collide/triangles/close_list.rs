@@ -25,9 +25,9 @@ pub(super) struct CloseList {
     /// The candidates kept by [`pick`](Self::pick), in order: those of corners first.
     blocks: Vec<CandidateBlock>,
     /// `ends`: position of each member, metres from the first member's origin, and in `w` its displacement in this substep relative to the mean displacement of
-    /// all members. `began`: that position less that displacement.
+    /// all members. `starts`: that position less that displacement.
     ends: Vec<Vec4>,
-    began: Vec<Vec3>,
+    starts: Vec<Vec3>,
     /// Greatest rounding error of these positions, metres.
     rounding: f32,
     /// The close candidates, in order.
@@ -36,12 +36,12 @@ pub(super) struct CloseList {
     listed: Vec<Vec4>,
     /// Distance by which contacts may displace each member before other candidates become close, metres; and the distance by which they have displaced it.
     allowances: Vec<f32>,
-    puts: Vec<f32>,
+    displacements: Vec<f32>,
     /// Allowance of every member, metres.
     base: f32,
     /// Greatest displacement by contacts in this substep, metres, and whether one exceeded its allowance.
-    put: f32,
-    outrun: bool,
+    max_displacement: f32,
+    allowance_exceeded: bool,
 }
 
 /// Up to eight candidates. Empty lanes repeat the first one.
@@ -62,12 +62,12 @@ struct CandidateBlock {
 }
 
 /// Factor from a member's displacement by contacts in the last substep to its allowance: in most cases the next one is not larger.
-const MORE: f32 = 1.5;
+const ALLOWANCE_FACTOR: f32 = 1.5;
 
 /// Share of the greatest displacement beyond an allowance that becomes the allowance of members that contacts did not displace in the last substep, and the
 /// factor by which it decays in each substep.
-const SURPRISE: f32 = 0.1;
-const FORGOTTEN: f32 = 0.9;
+const EXCESS_SHARE: f32 = 0.1;
+const ALLOWANCE_DECAY: f32 = 0.9;
 
 impl CloseList {
     /// Keeps the candidates, those of corners first, that can come into contact if each member moves no further from its position than its `range`, metres.
@@ -95,8 +95,8 @@ impl CloseList {
             for other in others.take_while(|other| other.edges == first.edges) {
                 wide.put(other.four, reach_of(other, participants));
             }
-            let ask = AskBlock { wide: &wide, ends, slack, both: true };
-            push_lanes(blocks, &wide, with(*instructions, ask), |lane| (number + lane) as u32);
+            let test = CloseTest { wide: &wide, ends, slack, both: true };
+            push_lanes(blocks, &wide, with(*instructions, test), |lane| (number + lane) as u32);
             number += wide.count as usize;
         }
     }
@@ -107,64 +107,65 @@ impl CloseList {
         participants: &TriangleParticipants,
         particles: &Particles,
     ) {
-        let Self { ends, began, rounding, .. } = self;
+        let Self { ends, starts, rounding, .. } = self;
         let way = |row: usize| (particles.position[row] - particles.start[row]).truncate();
         let common = mean(participants.rows.iter().map(|&row| way(row as usize)));
         let zero = first_origin(participants, particles);
         let mut far = 0.0_f32;
         ends.clear();
-        began.clear();
+        starts.clear();
         for &row in &participants.rows {
             let at = place(particles, row, zero);
             let row = row as usize;
             let own = way(row) - common;
-            began.push(at - own);
+            starts.push(at - own);
             let own = own.length() * LONGER;
             // NaN is ignored: such a member touches nothing.
             far = far.max(at.abs().max_element());
             ends.push(at.extend(own));
         }
         *rounding = ROUNDING * far;
-        self.puts.resize(self.ends.len(), 0.0);
-        self.base *= FORGOTTEN;
+        self.displacements.resize(self.ends.len(), 0.0);
+        self.base *= ALLOWANCE_DECAY;
         self.allowances.clear();
-        self.allowances.extend(self.puts.iter().map(|put| self.base + MORE * put));
-        self.puts.fill(0.0);
-        (self.put, self.outrun) = (0.0, false);
+        self.allowances
+            .extend(self.displacements.iter().map(|by| self.base + ALLOWANCE_FACTOR * by));
+        self.displacements.fill(0.0);
+        (self.max_displacement, self.allowance_exceeded) = (0.0, false);
         self.list();
     }
 
     /// Lists the close candidates again if a member was displaced by more than its allowance. Returns whether it was so.
-    pub(super) fn keep_up(&mut self) -> bool {
-        let outrun = core::mem::take(&mut self.outrun);
-        if outrun {
-            self.base = (2.0 * self.base).max(SURPRISE * self.put);
-            for (allowance, &put) in self.allowances.iter_mut().zip(&self.puts) {
-                let wanted = if put > *allowance { 2.0 * put } else { self.base };
+    pub(super) fn update(&mut self) -> bool {
+        let exceeded = core::mem::take(&mut self.allowance_exceeded);
+        if exceeded {
+            self.base = (2.0 * self.base).max(EXCESS_SHARE * self.max_displacement);
+            for (allowance, &by) in self.allowances.iter_mut().zip(&self.displacements) {
+                let wanted = if by > *allowance { 2.0 * by } else { self.base };
                 *allowance = allowance.max(wanted);
             }
             self.list();
         }
-        outrun
+        exceeded
     }
 
     fn list(&mut self) {
         let Self { blocks, ends, rounding, close, allowances, listed, instructions, .. } = self;
         listed.clear();
         let each = ends.iter().zip(&*allowances);
-        listed.extend(each.map(|(end, put)| end.truncate().extend(end.w + 2.0 * put)));
+        listed.extend(each.map(|(end, allowance)| end.truncate().extend(end.w + 2.0 * allowance)));
         close.clear();
         with(*instructions, ListClose { blocks, listed, slack: 2.0 * *rounding, close });
     }
 
     /// The candidates of a listed block that are close at the members' current positions, a bit each, and whose number is at least `from`; `None` beyond the
     /// last block.
-    pub(super) fn ask(&self, place: usize, from: u32) -> Option<u32> {
+    pub(super) fn close_lanes(&self, place: usize, from: u32) -> Option<u32> {
         let CandidateBlock { wide, numbers } = self.close.get(place)?;
         let slack = 2.0 * self.rounding;
         let before = numbers[..wide.count as usize].partition_point(|number| *number < from);
-        let ask = AskBlock { wide, ends: &self.ends, slack, both: false };
-        Some(with(self.instructions, ask) & (u32::MAX << before))
+        let test = CloseTest { wide, ends: &self.ends, slack, both: false };
+        Some(with(self.instructions, test) & (u32::MAX << before))
     }
 
     /// The number of the candidate in a lane of a block.
@@ -179,13 +180,13 @@ impl CloseList {
     }
 
     /// Records that a contact displaced a member, by metres.
-    pub(super) fn note_put(&mut self, i: usize, by: DVec3) {
+    pub(super) fn record_displacement(&mut self, i: usize, by: DVec3) {
         let end = self.ends[i].truncate() + by.as_vec3();
-        self.ends[i] = end.extend((end - self.began[i]).length() * LONGER);
-        let put = (end - self.listed[i].truncate()).length() * LONGER;
-        self.puts[i] = self.puts[i].max(put);
-        self.put = self.put.max(put);
-        self.outrun |= put > self.allowances[i];
+        self.ends[i] = end.extend((end - self.starts[i]).length() * LONGER);
+        let displacement = (end - self.listed[i].truncate()).length() * LONGER;
+        self.displacements[i] = self.displacements[i].max(displacement);
+        self.max_displacement = self.max_displacement.max(displacement);
+        self.allowance_exceeded |= displacement > self.allowances[i];
     }
 }
 
@@ -280,7 +281,7 @@ impl Work for ListClose<'_> {
     fn run<L: Lanes>(self) {
         let Self { blocks, listed, slack, close } = self;
         for CandidateBlock { wide, numbers } in blocks {
-            let near = AskBlock { wide, ends: listed, slack, both: true }.run::<L>();
+            let near = CloseTest { wide, ends: listed, slack, both: true }.run::<L>();
             push_lanes(close, wide, near, |lane| numbers[lane]);
         }
     }
@@ -311,14 +312,14 @@ fn push_lanes(
 
 /// Which of eight candidates are close, a bit each: nearer than their contact distance, or than their displacements (so that they may have passed through each
 /// other); with `both`, nearer than the sum of the two.
-struct AskBlock<'a> {
+struct CloseTest<'a> {
     wide: &'a WideCandidate,
     ends: &'a [Vec4],
     slack: f32,
     both: bool,
 }
 
-impl Work for AskBlock<'_> {
+impl Work for CloseTest<'_> {
     type Output = u32;
 
     #[inline(always)]
@@ -367,17 +368,17 @@ mod tests {
     }
 
     #[test]
-    fn nobody_who_touches_or_passes_is_left_out_however_members_go_and_are_put() {
-        nobody_is_left_out(None);
+    fn no_contact_or_crossing_is_left_out_however_members_are_displaced() {
+        none_is_left_out(None);
     }
 
     /// The maxima of displacement and extent up to a NaN used to be lost at it.
     #[test]
-    fn nor_beside_one_who_is_no_number() {
-        nobody_is_left_out(Some(198));
+    fn nor_beside_a_member_that_is_nan() {
+        none_is_left_out(Some(198));
     }
 
-    fn nobody_is_left_out(poisoned: Option<usize>) {
+    fn none_is_left_out(poisoned: Option<usize>) {
         const COUNT: usize = 200;
         let mut dice = Dice(11);
         let mut particles = Particles::default();
@@ -414,9 +415,11 @@ mod tests {
             }
             list.begin_substep(&participants, &particles);
             for _ in 0..6 {
-                list.keep_up();
+                list.update();
                 let mut asked = vec![false; candidates.len()];
-                for (place, close) in (0..).map_while(|place| Some((place, list.ask(place, 0)?))) {
+                for (place, close) in
+                    (0..).map_while(|place| Some((place, list.close_lanes(place, 0)?)))
+                {
                     for lane in SetLanes(close) {
                         asked[list.number(place, lane as u32) as usize] = true;
                     }
@@ -439,7 +442,7 @@ mod tests {
                     let far = substep.is_multiple_of(9) && i.is_multiple_of(3);
                     let by = dice.vector() * if far { 0.1 } else { 0.0005 };
                     particles.position[i] += by.extend(0.0);
-                    list.note_put(i, by.as_dvec3());
+                    list.record_displacement(i, by.as_dvec3());
                 }
             }
         }
@@ -448,7 +451,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_not_taken_cannot_come_near() {
+    fn candidates_that_are_not_kept_cannot_come_near() {
         const COUNT: usize = 60;
         let mut dice = Dice(5);
         let mut particles = Particles::default();

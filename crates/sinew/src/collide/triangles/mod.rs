@@ -105,7 +105,7 @@ const SWEEPS: u32 = 4;
 const NEGLIGIBLE: f64 = 0.01;
 
 /// Further rounds of sweeps in a substep for members that contacts displaced by more than their reserve.
-const REPEATS: u32 = 2;
+const MAX_REPEATS: u32 = 2;
 
 /// A candidate without contact.
 const NONE: u32 = u32::MAX;
@@ -133,7 +133,7 @@ impl Triangles {
         self.hits.clear();
         (self.rebuilds, self.rounds, self.dt) = (0, 0, dt);
         core::mem::swap(&mut self.participants, &mut self.former);
-        self.participants.take(particles, surfaces, (filter, nearby), excluded);
+        self.participants.collect(particles, surfaces, (filter, nearby), excluded);
         if self.is_empty() {
             self.neighbours.clear();
             return;
@@ -174,7 +174,7 @@ impl Triangles {
         if self.is_empty() || last >= particles.len() {
             return 0.0;
         }
-        if self.neighbours.is_outrun(&self.participants, particles, true) {
+        if self.neighbours.is_margin_exceeded(&self.participants, particles, true) {
             self.rebuild(particles, filter, true);
         }
         if self.neighbours.candidates.is_empty() {
@@ -184,7 +184,7 @@ impl Triangles {
         self.earlier.clear();
         let (mut worst, mut sweep) = (0.0_f64, 0);
         let mut fresh = true;
-        for repeat in 0..=REPEATS {
+        for repeat in 0..=MAX_REPEATS {
             self.hit_of.resize(self.neighbours.candidates.len(), NONE);
             let Self { participants, state, .. } = self;
             if fresh {
@@ -206,7 +206,7 @@ impl Triangles {
             // If the last sweep corrected nothing, nothing passes through anything.
             if !agree {
                 let Self { neighbours, state, zones, .. } = self;
-                let rounds = zones.settle(&neighbours.candidates, state, sweep + 1);
+                let rounds = zones.resolve(&neighbours.candidates, state, sweep + 1);
                 (sweep, self.rounds) = (sweep + rounds, self.rounds + rounds);
             }
             let moved = self.state.moved.iter().any(|&moved| moved > before);
@@ -215,10 +215,10 @@ impl Triangles {
             }
             let Self { participants, neighbours, state, .. } = self;
             let far = state.store(participants, particles, &neighbours.reserve, sweep);
-            if !far || repeat == REPEATS {
+            if !far || repeat == MAX_REPEATS {
                 break;
             }
-            fresh = neighbours.is_outrun(participants, particles, false);
+            fresh = neighbours.is_margin_exceeded(participants, particles, false);
             if fresh {
                 // Candidates are renumbered: contacts of this substep are found by their members from now on.
                 self.reset_hit_indices();
@@ -267,12 +267,12 @@ impl Triangles {
         let Self { participants, neighbours, state, hits, hit_of, hit_candidates, earlier, .. } =
             self;
         let candidates = &neighbours.candidates[..];
-        state.close.keep_up();
+        state.close.update();
         // The next block, and the close candidates of the block before it that are still to be tested.
         let (mut worst, mut next, mut close) = (0.0_f64, 0, 0_u32);
         loop {
             if close == 0 {
-                let Some(these) = state.close.ask(next, 0) else { break };
+                let Some(these) = state.close.close_lanes(next, 0) else { break };
                 (next, close) = (next + 1, these);
                 continue;
             }
@@ -301,18 +301,18 @@ impl Triangles {
                 }
             }
             let hit = &mut hits[*of as usize];
-            hit.note(particles, state, candidate.four, &contact, inverse);
+            hit.record(particles, state, candidate.four, &contact, inverse);
             let (four, shares, normal) = (candidate.four, contact.way.shares, contact.way.normal);
-            state.part(four, shares, normal * contact.overlap, inverse, sweep);
+            state.separate(four, shares, normal * contact.overlap, inverse, sweep);
             let moved = state.moved(four, shares);
             let slid = moved - normal * normal.dot(moved);
             if slid.length() <= f64::from(hit.friction) * hit.overlap {
-                state.part(four, shares, -slid, inverse, sweep);
+                state.separate(four, shares, -slid, inverse, sweep);
             }
             // The correction may have made other candidates close, in this block too.
-            let outrun = state.close.keep_up();
-            let place = if outrun { state.close.place_of(number + 1) } else { next - 1 };
-            let others = state.close.ask(place, number + 1);
+            let relisted = state.close.update();
+            let place = if relisted { state.close.place_of(number + 1) } else { next - 1 };
+            let others = state.close.close_lanes(place, number + 1);
             (next, close) = (place + 1, others.unwrap_or(0));
         }
         worst

@@ -54,14 +54,14 @@ pub(super) struct TriangleNeighbours {
     pub(super) instructions: InstructionSet,
 }
 
-/// A member's margin is its reserve plus the path over `SHARE` steps relative to the mean motion, at its own speed or the mean speed, whichever is greater (a
-/// faster member may hit it). The path is clamped to the bounds below, which are shares of its shortest edge and of its radius.
+/// A member's margin is its reserve plus the path over `MARGIN_STEPS` steps relative to the mean motion, at its own speed or the mean speed, whichever is
+/// greater (a faster member may hit it). The path is clamped to the bounds below, which are shares of its shortest edge and of its radius.
 ///
 /// A wider margin finds more candidates that are never close, a narrower one is exceeded sooner. Two sheets of 64 × 64, one of which falls on the other, on a
 /// ball, take 35.7, 35.8 and 35.1 ms a frame with a half, 0.7 and one step.
-const SHARE: f32 = 1.0;
-const LEAST: [f32; 2] = [0.02, 0.25];
-const MOST: [f32; 2] = [0.5, 1.0];
+const MARGIN_STEPS: f32 = 1.0;
+const MIN_MARGIN: [f32; 2] = [0.02, 0.25];
+const MAX_MARGIN: [f32; 2] = [0.5, 1.0];
 
 /// Reserve: a share of the member's radius (of the mean radius, if it has none) plus its path in a share of a step. More reserve causes fewer repeated tests,
 /// but wider margins: the two sheets, in which some members are displaced further than that in each substep, take 43.6, 39.3 and 37.8 ms with a quarter, an
@@ -119,12 +119,12 @@ impl TriangleNeighbours {
             && rows.zip(self.pinned.iter().zip(&self.origin)).all(|(row, (&pinned, &origin))| {
                 (particles.position[row].w == 0.0) == pinned && particles.origin[row] == origin
             })
-            && !self.is_outrun(participants, particles, true)
+            && !self.is_margin_exceeded(participants, particles, true)
     }
 
     /// Whether a member has moved further than its margin relative to the mean displacement; with `keeps_reserve`, further than its margin less its reserve, so
     /// that contacts may still displace it.
-    pub(super) fn is_outrun(
+    pub(super) fn is_margin_exceeded(
         &self,
         participants: &TriangleParticipants,
         particles: &Particles,
@@ -132,13 +132,13 @@ impl TriangleNeighbours {
     ) -> bool {
         let Self { home, margin, reserve, .. } = self;
         let rows = participants.rows.iter().map(|&row| row as usize);
-        let way = |(row, home): (usize, &Vec3)| particles.position[row].truncate() - *home;
-        let ways = rows.zip(home).map(way);
-        let common = mean(ways.clone());
-        let rooms = margin.iter().zip(reserve);
-        let rooms = rooms.map(|(all, kept)| if keeps_reserve { all - kept } else { *all });
+        let moved = |(row, home): (usize, &Vec3)| particles.position[row].truncate() - *home;
+        let displacements = rows.zip(home).map(moved);
+        let common = mean(displacements.clone());
+        let limits = margin.iter().zip(reserve);
+        let limits = limits.map(|(all, kept)| if keeps_reserve { all - kept } else { *all });
         // NaN is ignored.
-        ways.zip(rooms).any(|(way, room)| (way - common).length() * LONGER > room)
+        displacements.zip(limits).any(|(own, limit)| (own - common).length() * LONGER > limit)
     }
 
     /// Builds the list, at the beginning of a step of `dt` seconds, or `within` a substep that has been predicted.
@@ -168,9 +168,9 @@ impl TriangleNeighbours {
         let pairs = core::mem::take(&mut self.pairs);
         self.candidates.clear();
         self.edges.clear();
-        let mut asked = None;
+        let mut cached = None;
         for &[i, j] in &pairs {
-            self.consider((participants, filter), [i as usize, j as usize], &mut asked);
+            self.add_candidates((participants, filter), [i as usize, j as usize], &mut cached);
         }
         self.pairs = pairs;
         self.candidates.append(&mut self.edges);
@@ -214,7 +214,8 @@ impl TriangleNeighbours {
         for (i, (margin, &row)) in margin.iter_mut().zip(&participants.rows).enumerate() {
             let edge = if *margin < f32::INFINITY { *margin } else { typical }.sqrt();
             let of = |share: [f32; 2]| share[0] * edge + share[1] * participants.radius[i];
-            let own = (SHARE * speed(row).max(usual) * dt).max(of(LEAST)).min(of(MOST));
+            let own =
+                (MARGIN_STEPS * speed(row).max(usual) * dt).max(of(MIN_MARGIN)).min(of(MAX_MARGIN));
             *margin = own + reserve[i];
         }
     }
@@ -231,7 +232,7 @@ impl TriangleNeighbours {
         let first =
             participants.rows.iter().copied().find(is_there).unwrap_or(participants.rows[0]);
         let zero = particles.origin[first as usize];
-        let path = |i: usize| way(particles, participants.rows[i]).as_dvec3();
+        let path = |i: usize| displacement(particles, participants.rows[i]).as_dvec3();
         own.clear();
         ranges.clear();
         for (i, &row) in participants.rows.iter().enumerate() {
@@ -261,32 +262,32 @@ impl TriangleNeighbours {
         boxes.extend(participants.loose.iter().map(|&i| own[i as usize].corners()));
     }
 
-    /// Adds the candidates of two overlapping boxes: of two triangles, or of a triangle and a particle. `asked` caches whether the last two bodies of triangles
+    /// Adds the candidates of two overlapping boxes: of two triangles, or of a triangle and a particle. `cached` holds whether the last two bodies of triangles
     /// may touch.
     #[inline]
-    fn consider(
+    fn add_candidates(
         &mut self,
         (participants, filter): (&TriangleParticipants, &ContactFilter),
         [i, j]: [usize; 2],
-        asked: &mut Option<([u32; 2], bool)>,
+        cached: &mut Option<([u32; 2], bool)>,
     ) {
         let count = participants.triangles.len();
         let Some(&one) = participants.triangles.get(i) else { return };
         if j >= count {
             let particle = participants.loose[j - count];
             if participants.may_touch(filter, particle, one[0]) {
-                self.consider_corner(participants, particle, i);
+                self.add_corner(participants, particle, i);
             }
             return;
         }
         let other = participants.triangles[j];
         // Rows matter only for bodies of a single particle, which have no triangles.
         let bodies = [one[0], other[0]].map(|corner| participants.body[corner as usize]);
-        let may = match *asked {
+        let may = match *cached {
             Some((last, may)) if last == bodies => may,
             _ => participants.may_touch(filter, one[0], other[0]),
         };
-        *asked = Some((bodies, may));
+        *cached = Some((bodies, may));
         if !may {
             return;
         }
@@ -294,7 +295,7 @@ impl TriangleNeighbours {
             for (place, &corner) in corners.iter().enumerate() {
                 let owned = participants.own[which] & (1 << place) != 0;
                 if owned && participants.radius[corner as usize] > 0.0 {
-                    self.consider_corner(participants, corner, against);
+                    self.add_corner(participants, corner, against);
                 }
             }
         }
@@ -316,12 +317,7 @@ impl TriangleNeighbours {
     }
 
     #[inline]
-    fn consider_corner(
-        &mut self,
-        participants: &TriangleParticipants,
-        particle: u32,
-        triangle: usize,
-    ) {
+    fn add_corner(&mut self, participants: &TriangleParticipants, particle: u32, triangle: usize) {
         let corners = participants.triangles[triangle];
         let [a, b, c] = corners;
         if corners.contains(&particle)
@@ -382,7 +378,7 @@ pub(super) fn mean(all: impl Iterator<Item = Vec3>) -> Vec3 {
 }
 
 /// Displacement of a row in this substep, metres.
-fn way(particles: &Particles, row: u32) -> Vec3 {
+fn displacement(particles: &Particles, row: u32) -> Vec3 {
     (particles.position[row as usize] - particles.start[row as usize]).truncate()
 }
 

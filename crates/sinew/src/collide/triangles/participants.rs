@@ -41,15 +41,15 @@ pub(super) fn largest(of: &[f32], [i, j, k, l]: [u32; 4], edges: bool) -> f32 {
     if edges { a.max(b) + c.max(d) } else { a + b.max(c).max(d) }
 }
 
-/// A row that is not a member.
-const NOBODY: u32 = u32::MAX;
+/// Number of a row that is not a member.
+const NOT_A_MEMBER: u32 = u32::MAX;
 
-/// A row that is a corner, before it is numbered.
+/// Number of a row that is a corner, before it is numbered.
 const CORNER: u32 = u32::MAX - 1;
 
 impl TriangleParticipants {
     /// Collects the participants of the bodies that are near others. Keeps allocations. There are none if there is no triangle.
-    pub(super) fn take(
+    pub(super) fn collect(
         &mut self,
         particles: &Particles,
         surfaces: &[[u32; 3]],
@@ -63,8 +63,8 @@ impl TriangleParticipants {
         self.rest.clear();
         self.triangles.clear();
         self.own.clear();
-        let asks = |body: u32| nearby.to_particles().has(body) && filter.body(body).surface;
-        let any = (0..filter.bodies().len() as u32).any(asks);
+        let has_surface = |body: u32| nearby.to_particles().has(body) && filter.body(body).surface;
+        let any = (0..filter.bodies().len() as u32).any(has_surface);
         if surfaces.is_empty() || !any {
             return;
         }
@@ -78,7 +78,7 @@ impl TriangleParticipants {
             }
             let body = particles.body[a];
             let one = particles.body[b] == body && particles.body[c] == body;
-            if !(one && asks(body) && [a, b, c].iter().all(|&row| is_loose(row))) {
+            if !(one && has_surface(body) && [a, b, c].iter().all(|&row| is_loose(row))) {
                 continue;
             }
             let place = |row: usize| particles.origin[row] + particles.position[row].truncate();
@@ -104,7 +104,7 @@ impl TriangleParticipants {
     ) {
         let Self { rows, body, radius, rest, triangles, loose, number, .. } = self;
         number.clear();
-        number.resize(particles.len(), NOBODY);
+        number.resize(particles.len(), NOT_A_MEMBER);
         for &row in triangles.iter().flatten() {
             number[row as usize] = CORNER;
         }
@@ -155,13 +155,13 @@ impl TriangleParticipants {
         own.resize(triangles.len(), 0);
         // Corners. `number` is no longer needed, and serves as scratch.
         number.clear();
-        number.resize(rows.len(), NOBODY);
+        number.resize(rows.len(), NOT_A_MEMBER);
         begins.clear();
         begins.resize(rows.len() + 1, 0);
         for (triangle, own) in triangles.iter().zip(&mut *own) {
             for (place, &corner) in triangle.iter().enumerate() {
                 let owner = &mut number[corner as usize];
-                if *owner == NOBODY {
+                if *owner == NOT_A_MEMBER {
                     *owner = corner;
                     *own |= 1 << place;
                 }
@@ -191,7 +191,7 @@ impl TriangleParticipants {
             let of_one = &mut edges[begin..end as usize];
             begin = end as usize;
             of_one.sort_unstable();
-            let mut last = NOBODY;
+            let mut last = NOT_A_MEMBER;
             for &(high, bit) in of_one.iter() {
                 if high != last {
                     own[bit as usize / 3] |= 8 << (bit % 3);

@@ -66,7 +66,7 @@ impl TriangleHit {
     }
 
     /// Records the current contact geometry, and adds its overlap.
-    pub(super) fn note(
+    pub(super) fn record(
         &mut self,
         particles: &Particles,
         state: &SubstepState,

@@ -183,7 +183,7 @@ impl SubstepState {
     }
 
     /// Moves four members along a direction, each by its share, so that the contact points separate by `apart`, metres. `inverse` is their [`Self::inverse`].
-    pub(super) fn part(
+    pub(super) fn separate(
         &mut self,
         four: [u32; 4],
         shares: [f64; 4],
@@ -196,14 +196,14 @@ impl SubstepState {
             let i = i as usize;
             let by = self.weight[i] * share;
             if by != 0.0 {
-                self.put(i, self.at[i] + each * by, sweep);
+                self.move_to(i, self.at[i] + each * by, sweep);
             }
         }
     }
 
     /// Moves a member to a position.
-    pub(super) fn put(&mut self, i: usize, at: DVec3, sweep: u32) {
-        self.close.note_put(i, at - self.at[i]);
+    pub(super) fn move_to(&mut self, i: usize, at: DVec3, sweep: u32) {
+        self.close.record_displacement(i, at - self.at[i]);
         self.at[i] = at;
         self.moved[i] = sweep;
     }

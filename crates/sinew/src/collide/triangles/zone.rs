@@ -29,7 +29,7 @@ struct ZoneSum {
     mass: f64,
     moment: DVec3,
     pinned: f64,
-    way: DVec3,
+    pinned_displacement: DVec3,
     participants: u32,
 }
 
@@ -38,7 +38,7 @@ const ROUNDS: u32 = 16;
 
 impl Zones {
     /// Finds candidates with moved members that still pass through each other, and moves their zones. Returns the number of rounds; zero if there are none.
-    pub(super) fn settle(
+    pub(super) fn resolve(
         &mut self,
         candidates: &[TriangleCandidate],
         state: &mut SubstepState,
@@ -48,25 +48,27 @@ impl Zones {
         let mut since = 1;
         for round in 0..ROUNDS {
             let sweep = sweep + round;
-            if !self.join(candidates, state, since) {
+            if !self.merge(candidates, state, since) {
                 return round;
             }
-            self.lead(state, sweep);
+            self.move_zones(state, sweep);
             since = sweep;
         }
         ROUNDS
     }
 
     /// Merges the members of candidates that pass through each other. Returns whether there are any.
-    fn join(
+    fn merge(
         &mut self,
         candidates: &[TriangleCandidate],
         state: &mut SubstepState,
         since: u32,
     ) -> bool {
-        state.close.keep_up();
+        state.close.update();
         let mut any = false;
-        for (place, close) in (0..).map_while(|place| Some((place, state.close.ask(place, 0)?))) {
+        for (place, close) in
+            (0..).map_while(|place| Some((place, state.close.close_lanes(place, 0)?)))
+        {
             for lane in SetLanes(close) {
                 let number = state.close.number(place, lane as u32);
                 let candidate = &candidates[number as usize];
@@ -88,20 +90,20 @@ impl Zones {
     }
 
     /// Moves each zone as one.
-    fn lead(&mut self, state: &mut SubstepState, sweep: u32) {
+    fn move_zones(&mut self, state: &mut SubstepState, sweep: u32) {
         let Self { connected, sums } = self;
         sums.clear();
         sums.resize(connected.len(), ZoneSum::default());
         for i in 0..connected.len() {
             let sum = &mut sums[connected.root(i as u32) as usize];
-            let (way, weight) = (state.at[i] - state.from[i], state.weight[i]);
+            let (displacement, weight) = (state.at[i] - state.from[i], state.weight[i]);
             sum.participants += 1;
             if weight > 0.0 {
                 sum.mass += 1.0 / weight;
-                sum.moment += way / weight;
+                sum.moment += displacement / weight;
             } else {
                 sum.pinned += 1.0;
-                sum.way += way;
+                sum.pinned_displacement += displacement;
             }
         }
         for i in 0..connected.len() {
@@ -109,8 +111,12 @@ impl Zones {
             if sum.participants < 2 || state.weight[i] == 0.0 {
                 continue;
             }
-            let way = if sum.pinned > 0.0 { sum.way / sum.pinned } else { sum.moment / sum.mass };
-            state.put(i, state.from[i] + way, sweep);
+            let displacement = if sum.pinned > 0.0 {
+                sum.pinned_displacement / sum.pinned
+            } else {
+                sum.moment / sum.mass
+            };
+            state.move_to(i, state.from[i] + displacement, sweep);
         }
     }
 }

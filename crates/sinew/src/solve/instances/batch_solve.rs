@@ -242,10 +242,10 @@ impl<'a> BatchSolve<'a> {
         };
         let instructions = self.context.execution.instructions;
         storage.load(batch, begin, self.position, start, instructions);
-        storage.last_seen.clear();
+        storage.reference.clear();
         if surfaces {
-            let last_seen = self.context.contacts.last_seen();
-            gather(&mut storage.last_seen, batch, 0, last_seen, instructions);
+            let reference = self.context.contacts.reference();
+            gather(&mut storage.reference, batch, 0, reference, instructions);
         }
         if let BatchMotion::Step(whole) = &self.motion {
             gather(&mut storage.velocity, batch, begin, whole.velocity, instructions);

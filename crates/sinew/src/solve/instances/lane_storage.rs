@@ -33,7 +33,7 @@ pub(crate) struct LaneStorage {
     pub(crate) multipliers: Vec<[f32; LANES]>,
     /// For each particle, the position at which its contacts were last searched for, and in `w` the square of the distance for which the result is valid, m².
     /// Empty where there are no surfaces.
-    pub(super) last_seen: Vec<LaneParticles>,
+    pub(super) reference: Vec<LaneParticles>,
     /// For each particle, the positions of its two pins and in `w` the tether lengths, metres; empty where no body has any.
     pub(super) tethers: [Vec<LaneParticles>; 2],
     /// Elimination scratch of the current chain.
@@ -84,7 +84,7 @@ impl LaneStorage {
         self.saved.resize(other.now.len(), LaneParticles::ZERO);
         self.radius.resize(other.radius.len(), [0.0; LANES]);
         self.ground.resize(other.ground.len(), [0.0; LANES]);
-        self.last_seen.resize(other.last_seen.len(), LaneParticles::ZERO);
+        self.reference.resize(other.reference.len(), LaneParticles::ZERO);
         for (own, other) in self.tethers.iter_mut().zip(&other.tethers) {
             own.resize(other.len(), LaneParticles::ZERO);
         }
@@ -97,7 +97,7 @@ impl LaneStorage {
         for (entry, other) in self.start.iter_mut().zip(&other.start) {
             entry.copy_lane(lane, other, from);
         }
-        for (entry, other) in self.last_seen.iter_mut().zip(&other.last_seen) {
+        for (entry, other) in self.reference.iter_mut().zip(&other.reference) {
             entry.copy_lane(lane, other, from);
         }
         // Tethers are only projected in the first sweep of a substep.

@@ -139,11 +139,12 @@ impl SurfaceContext<'_> {
 kernel!(
     /// One bit for each body with a particle that has left its skin.
     fn skin_exceeded<L: Lanes>(storage: &LaneStorage) -> u32 {
-        let LaneStorage { now, last_seen, .. } = storage;
+        let LaneStorage { now, reference, .. } = storage;
         let mut exceeded = L::zero();
-        for (now, seen) in now.iter().zip(last_seen) {
-            let (now, (seen, most)) = (Vector::of(now.load::<L>()).0, Vector::of(seen.load::<L>()));
-            exceeded = exceeded.or(most.lt((now - seen).length_squared()));
+        for (now, reference) in now.iter().zip(reference) {
+            let (now, (reference, most)) =
+                (Vector::of(now.load::<L>()).0, Vector::of(reference.load::<L>()));
+            exceeded = exceeded.or(most.lt((now - reference).length_squared()));
         }
         exceeded.bits()
     }

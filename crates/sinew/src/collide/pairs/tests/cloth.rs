@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{World, sociable};
+use super::{World, self_colliding};
 use crate::particles::ParticleSeed;
 
 const DT: f32 = 1.0 / 60.0;
@@ -12,7 +12,7 @@ const SPACING: f32 = 0.01;
 /// A sheet of 64 × 64 particles folded in the middle, the upper half `gap` above the lower one and moving down at `speed`, m/s.
 fn folded(radius: f32, gap: f32, speed: f32) -> World {
     let mut world = World {
-        contacts: vec![sociable(0.3, 0.0)],
+        contacts: vec![self_colliding(0.3, 0.0)],
         gravity: Vec3::Y * -9.81,
         room: Some((Vec3::new(-5.0, 0.0, -5.0), Vec3::splat(5.0), 0.5)),
         ..Default::default()

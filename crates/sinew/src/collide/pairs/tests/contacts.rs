@@ -2,13 +2,13 @@
 
 use glam::Vec3;
 
-use super::{Random, World, sociable};
+use super::{Random, World, self_colliding};
 use crate::collide::{BodyContacts, Layers};
 use crate::lanes::InstructionSet;
 use crate::particles::ParticleSeed;
 
 /// The expected pairs: rows of those that are closer than radii and margins, each pair once.
-fn by_asking_all(world: &World) -> Vec<[u32; 2]> {
+fn by_brute_force(world: &World) -> Vec<[u32; 2]> {
     let participants = &world.pairs.participants;
     let count = participants.rows.len();
     let mut found = Vec::new();
@@ -33,7 +33,7 @@ fn check(world: &mut World, name: &str) {
     for set in [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2] {
         world.pairs.instructions = set;
         world.find(1.0 / 60.0);
-        let expected = by_asking_all(world);
+        let expected = by_brute_force(world);
         assert_eq!(found(world), expected, "{name}, {set:?}");
         let mut packed: Vec<_> = world.pairs.neighbours.blocks.iter().flat_map(rows_of).collect();
         packed.sort_unstable();
@@ -47,7 +47,7 @@ fn rows_of(block: &super::super::neighbour_list::PairBlock) -> impl Iterator<Ite
 }
 
 fn cloud(count: usize, size: f32, radius: impl Fn(usize, f32) -> f32) -> World {
-    let mut world = World { contacts: vec![sociable(0.5, 0.0); 3], ..Default::default() };
+    let mut world = World { contacts: vec![self_colliding(0.5, 0.0); 3], ..Default::default() };
     let mut random = Random(count as u64);
     for i in 0..count {
         let radius = radius(i, random.next().abs());
@@ -59,7 +59,7 @@ fn cloud(count: usize, size: f32, radius: impl Fn(usize, f32) -> f32) -> World {
 }
 
 #[test]
-fn clouds_of_all_kinds_are_found_as_by_asking_all() {
+fn clouds_of_all_kinds_are_found_as_by_brute_force() {
     check(&mut cloud(2, 0.01, |_, _| 0.05), "two");
     check(&mut cloud(900, 0.3, |_, _| 0.02), "one size");
     check(&mut cloud(900, 0.5, |_, r| 0.002 + 0.03 * r), "many sizes");
@@ -135,7 +135,7 @@ fn non_participants_are_not_listed() {
 
 #[test]
 fn neighbours_in_the_rest_shape_may_be_as_near_as_they_are_there() {
-    let mut world = World { contacts: vec![sociable(0.5, 0.0)], ..Default::default() };
+    let mut world = World { contacts: vec![self_colliding(0.5, 0.0)], ..Default::default() };
     for i in 0..4 {
         world.push(ParticleSeed::at(Vec3::X * (i as f32 * 0.001)).with_radius(0.01), 0);
     }

@@ -119,7 +119,7 @@ impl World {
 }
 
 /// Contact settings of a body that collides with itself and with others.
-fn sociable(friction: f32, restitution: f32) -> BodyContacts {
+fn self_colliding(friction: f32, restitution: f32) -> BodyContacts {
     let material = Material { friction, restitution, ..Default::default() };
     BodyContacts { material, with_bodies: true, with_itself: true, ..Default::default() }
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::heap::heap;
-use super::{World, bits, sociable};
+use super::{World, bits, self_colliding};
 use crate::lanes::InstructionSet;
 use crate::particles::ParticleSeed;
 
@@ -46,7 +46,7 @@ fn run(world: &mut World, steps: u32) {
 }
 
 fn contacts() -> World {
-    World { contacts: vec![sociable(0.4, 0.3); 2], ..Default::default() }
+    World { contacts: vec![self_colliding(0.4, 0.3); 2], ..Default::default() }
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn all_instructions_give_the_same_bits() {
 }
 
 #[test]
-fn unrelated_ones_change_no_bit_wherever_their_rows_are() {
+fn unrelated_particles_change_no_bit_wherever_their_rows_are() {
     // The same ten unrelated particles: between, before and after the others.
     let [one, two, three] =
         [|i: usize| i % 15 == 3, |i: usize| i < 10, |i: usize| i > 139].map(|which| {

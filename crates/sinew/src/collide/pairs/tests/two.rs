@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{World, sociable};
+use super::{World, self_colliding};
 use crate::particles::ParticleSeed;
 
 const DT: f32 = 1.0 / 60.0;
@@ -12,7 +12,7 @@ fn ball(at: Vec3, velocity: Vec3) -> ParticleSeed {
 }
 
 fn world(friction: f32, restitution: f32) -> World {
-    World { contacts: vec![sociable(friction, restitution); 2], ..Default::default() }
+    World { contacts: vec![self_colliding(friction, restitution); 2], ..Default::default() }
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn coincident_ones_part_along_an_axis_that_their_rows_say() {
 }
 
 #[test]
-fn what_nothing_moves_stays_and_what_is_no_number_harms_nobody() {
+fn pinned_pairs_stay_and_nan_does_not_spread() {
     let mut world = world(0.5, 0.5);
     let a = world.push(ball(Vec3::ZERO, Vec3::ZERO).pinned(), 0);
     let b = world.push(ball(Vec3::X * 0.001, Vec3::ZERO).pinned(), 1);
@@ -169,7 +169,7 @@ fn what_nothing_moves_stays_and_what_is_no_number_harms_nobody() {
 }
 
 #[test]
-fn contacts_are_told_where_a_body_asks_for_it() {
+fn events_are_reported_where_a_body_enables_them() {
     let mut world = world(0.5, 0.0);
     world.contacts[1].events = true;
     world.push(ball(Vec3::X * -0.03, Vec3::X).with_mass(2.0), 0);

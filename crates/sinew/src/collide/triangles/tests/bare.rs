@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{DT, Sheet, asks, bits, body, empty, particle};
+use super::{DT, Sheet, bits, body, colliding, empty, particle};
 use crate::collide::BodyContacts;
 use crate::particles::ParticleSeed;
 use crate::simulation::Simulation;
@@ -11,7 +11,7 @@ use crate::simulation::Simulation;
 fn falling() -> (Simulation, Vec<usize>) {
     let mut world = empty(9.81);
     let mut rows = Sheet::flat(3, 0.2, 0.0).build(&mut world, |i, j| i == 0 || j == 3);
-    let own = body(&mut world, asks(false));
+    let own = body(&mut world, colliding(false));
     let ball = ParticleSeed::at(Vec3::new(0.03, 0.1, 0.06)).with_mass(0.01).with_radius(0.01);
     rows.push(particle(&mut world, ball, own));
     (world, rows)
@@ -38,14 +38,14 @@ fn what_is_no_triangle_changes_no_bit() {
 #[test]
 fn triangles_without_area_stop_what_meets_their_line_and_are_no_nan() {
     let mut world = empty(9.81);
-    let own = body(&mut world, asks(true));
+    let own = body(&mut world, colliding(true));
     let at = [0.0, 0.3, 1.0, 0.3].map(|x| Vec3::new(x, 0.0, 0.0));
     for at in at {
         particle(&mut world, ParticleSeed::at(at).with_radius(0.01).pinned(), own);
     }
     // A line, and a triangle with two corners at one place.
     world.forces.surfaces.extend([[0, 1, 2], [1, 2, 3]]);
-    let other = body(&mut world, asks(false));
+    let other = body(&mut world, colliding(false));
     let mut balls = [0.1, 0.3, 0.8].map(|x| {
         particle(&mut world, ParticleSeed::at(Vec3::new(x, 0.1, 1e-4)).with_radius(0.01), other)
     });
@@ -70,7 +70,7 @@ fn a_sheet_with_a_corner_that_is_no_number_still_holds_by_its_others() {
 }
 
 #[test]
-fn what_touches_nobody_or_is_held_everywhere_does_nothing() {
+fn a_body_that_touches_none_or_is_pinned_everywhere_does_nothing() {
     let lone = |contacts: BodyContacts| {
         let mut world = empty(9.81);
         Sheet { contacts, ..Sheet::flat(3, 0.2, 0.0) }.build(&mut world, |_, _| true);
@@ -82,18 +82,21 @@ fn what_touches_nobody_or_is_held_everywhere_does_nothing() {
         }
         world.particles.position(ball).y
     };
-    assert!(lone(asks(false)) > 0.01, "held everywhere, it holds");
-    assert!(lone(BodyContacts { with_bodies: false, ..asks(false) }) < -1.0, "asks for nothing");
-    assert!(lone(BodyContacts { with_bodies: false, ..asks(true) }) < -1.0, "itself alone");
+    assert!(lone(colliding(false)) > 0.01, "pinned everywhere, it holds");
+    assert!(
+        lone(BodyContacts { with_bodies: false, ..colliding(false) }) < -1.0,
+        "collides with nothing"
+    );
+    assert!(lone(BodyContacts { with_bodies: false, ..colliding(true) }) < -1.0, "itself alone");
     let layers = crate::collide::Layers::NONE;
-    assert!(lone(BodyContacts { layers, ..asks(false) }) < -1.0, "other layers");
+    assert!(lone(BodyContacts { layers, ..colliding(false) }) < -1.0, "other layers");
 }
 
 #[test]
 fn neighbours_in_the_rest_shape_are_left_alone() {
     // Particles far thicker than their cells: nothing moves.
     let mut world = empty(0.0);
-    let sheet = Sheet { contacts: asks(true), radius: 0.05, ..Sheet::flat(8, 0.02, 0.0) };
+    let sheet = Sheet { contacts: colliding(true), radius: 0.05, ..Sheet::flat(8, 0.02, 0.0) };
     let rows = sheet.build(&mut world, |_, _| false);
     let before = bits(&world, &rows);
     for _ in 0..10 {

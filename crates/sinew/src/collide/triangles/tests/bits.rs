@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::{DT, Sheet, asks, bits, body, empty, particle};
+use super::{DT, Sheet, bits, body, colliding, empty, particle};
 use crate::collide::filter::ContactFilter;
 use crate::collide::nearby::Nearby;
 use crate::collide::triangles::Triangles;
@@ -13,32 +13,32 @@ use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
 use crate::simulation::Simulation;
 
-/// A free sheet that folds up around balls that are shot at it, with an unrelated particle before the rows for which `somebody` returns true. Returns the rows
-/// of the others.
-fn scene(somebody: impl Fn(usize) -> bool) -> (Simulation, Vec<usize>) {
+/// A free sheet that folds up around balls that are shot at it, with an unrelated particle before the rows for which `is_after_unrelated` returns true. Returns
+/// the rows of the others.
+fn scene(is_after_unrelated: impl Fn(usize) -> bool) -> (Simulation, Vec<usize>) {
     let mut world = empty(9.81);
     let mut rows = Vec::new();
-    let others = body(&mut world, BodyContacts { surface: false, ..asks(false) });
-    let mut strangers = 0;
-    let mut stranger = |world: &mut Simulation, number: usize| {
-        if somebody(number) {
-            strangers += 1;
+    let others = body(&mut world, BodyContacts { surface: false, ..colliding(false) });
+    let mut count = 0;
+    let mut add_unrelated = |world: &mut Simulation, number: usize| {
+        if is_after_unrelated(number) {
+            count += 1;
             // As light as the others, and far away: they fall side by side.
-            let at = Vec3::new(300.0 + strangers as f32, 0.0, 40.0);
+            let at = Vec3::new(300.0 + count as f32, 0.0, 40.0);
             particle(world, ParticleSeed::at(at).with_radius(0.01), others);
         }
     };
     for i in 0..6 {
-        stranger(&mut world, i);
+        add_unrelated(&mut world, i);
         let at = Vec3::new(0.11 * i as f32 - 0.3, 0.15, 0.04 * i as f32 - 0.1);
         let seed = ParticleSeed::at(at).with_mass(0.03).with_radius(0.015);
         let velocity = Vec3::new(0.1, -2.0 - 5.0 * i as f32, 0.2);
         rows.push(particle(&mut world, seed.with_velocity(velocity), others));
     }
-    let sheet = Sheet { contacts: asks(true), radius: 0.01, ..Sheet::flat(5, 0.15, 0.0) };
+    let sheet = Sheet { contacts: colliding(true), radius: 0.01, ..Sheet::flat(5, 0.15, 0.0) };
     let own = sheet.build(&mut world, |_, _| false);
     rows.extend(own);
-    stranger(&mut world, 100);
+    add_unrelated(&mut world, 100);
     (world, rows)
 }
 
@@ -67,7 +67,7 @@ fn neither_the_order_of_triangles_nor_which_way_round_they_are_makes_a_differenc
 }
 
 #[test]
-fn unrelated_ones_change_no_bit_wherever_their_rows_are() {
+fn unrelated_particles_change_no_bit_wherever_their_rows_are() {
     let [one, two, three] = [|_: usize| false, |i: usize| i.is_multiple_of(2), |i: usize| i == 100]
         .map(|which| {
             let (mut world, rows) = scene(which);
@@ -119,7 +119,7 @@ fn sheets(_: impl Fn(usize) -> bool) -> (Simulation, Vec<usize>) {
 
 /// The neighbour list lasts for some steps, and gives the result of a world that starts without one.
 #[test]
-fn nothing_is_remembered_from_step_to_step() {
+fn no_result_depends_on_earlier_steps() {
     let scenes = [|| scene(|_| false), || sheets(|_| false)];
     for (number, scene) in scenes.into_iter().enumerate() {
         let (mut world, rows) = scene();
@@ -138,7 +138,7 @@ fn nothing_is_remembered_from_step_to_step() {
 }
 
 #[test]
-fn what_was_found_lasts_until_somebody_leaves_its_margin_or_is_another_one() {
+fn the_list_lasts_until_a_member_exceeds_its_margin_or_is_replaced() {
     let (mut world, _) = sheets(|_| false);
     run(&mut world, 1);
     let (particles, surfaces) = (&mut world.particles, &world.forces.surfaces);

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::super::Triangles;
 use super::super::crossing::Four;
 use super::super::participants::EDGES;
-use super::asks;
+use super::colliding;
 use crate::collide::ContactFilter;
 use crate::collide::nearby::Nearby;
 use crate::particles::{ParticleSeed, Particles};
@@ -94,7 +94,7 @@ fn whatever_is_thrown_through_each_other_in_a_substep_has_not_passed_when_it_end
     for round in 0..24 {
         let way = [0.6, 1.0, 3.0, 30.0][round % 4];
         let (mut particles, surfaces) = thrown(4, way, &mut dice);
-        let contacts = vec![asks(false); surfaces.len()];
+        let contacts = vec![colliding(false); surfaces.len()];
         let moment = |particles: &Particles| -> DVec3 {
             (0..particles.len())
                 .map(|i| {

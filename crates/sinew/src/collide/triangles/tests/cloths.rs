@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{DT, Sheet, asks, body, empty, entangled, particle};
+use super::{DT, Sheet, body, colliding, empty, entangled, particle};
 use crate::collide::{BodyContacts, Collider, Frame, Shape};
 use crate::constraints::Distance;
 use crate::particles::ParticleSeed;
@@ -12,7 +12,7 @@ fn edges_that_cross_in_the_air_keep_apart() {
     for surface in [true, false] {
         // Two upright strips fly at each other crosswise: no corner comes near a triangle.
         let mut world = empty(0.0);
-        let contacts = BodyContacts { surface, ..asks(false) };
+        let contacts = BodyContacts { surface, ..colliding(false) };
         let strip = |along: Vec3, across: Vec3, height: f32| Sheet {
             cells: [3, 1],
             corner: Vec3::Y * height - along * 0.6 - across * 0.2,
@@ -71,7 +71,7 @@ fn a_coarse_cloth_crumples_on_the_floor_and_not_through_itself() {
         let mut world = empty(9.81);
         let floor = Frame::at(Vec3::ZERO);
         world.colliders.push(Collider::fixed(Shape::half_space(), floor));
-        let contacts = BodyContacts { surface, ..asks(true) };
+        let contacts = BodyContacts { surface, ..colliding(true) };
         // It stands on an edge, slightly tilted, and folds up as it falls.
         let axes = [Vec3::new(0.98, 0.0, 0.199), Vec3::new(0.1, 0.99, 0.09)];
         let corner = Vec3::new(-0.4, 0.03, 0.0);
@@ -96,7 +96,7 @@ fn the_two_sides_of_a_fold_that_are_squeezed_do_not_pass() {
     // A sheet folded flat, and a heavy ball shot at it from above: the contacts of both layers and of the floor conflict.
     let mut world = empty(9.81);
     world.colliders.push(Collider::fixed(Shape::half_space(), Frame::at(Vec3::NEG_Y * 0.01)));
-    let own = body(&mut world, asks(true));
+    let own = body(&mut world, colliding(true));
     let rest = [[0.0, 0.0], [0.3, 0.0], [0.6, 0.0], [0.0, 0.3], [0.3, 0.3], [0.6, 0.3]];
     let rows = rest.map(|[x, z]: [f32; 2]| {
         let upper = x > 0.5;
@@ -111,7 +111,7 @@ fn the_two_sides_of_a_fold_that_are_squeezed_do_not_pass() {
         let length = (world.particles.rest[i as usize] - world.particles.rest[j as usize]).length();
         world.distances_mut().push(Distance::new(i, j, length));
     }
-    let other = body(&mut world, asks(false));
+    let other = body(&mut world, colliding(false));
     let seed = ParticleSeed::at(Vec3::new(0.12, 0.5, 0.13)).with_mass(5.0).with_radius(0.03);
     let ball = particle(&mut world, seed.with_velocity(Vec3::NEG_Y * 20.0), other);
     for step in 0..120 {

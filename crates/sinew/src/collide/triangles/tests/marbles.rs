@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{DT, Sheet, asks, body, empty, momentum, particle, with_material};
+use super::{DT, Sheet, body, colliding, empty, momentum, particle, with_material};
 use crate::collide::{BodyContacts, ContactParticipant};
 use crate::particles::ParticleSeed;
 use crate::simulation::Simulation;
@@ -10,10 +10,10 @@ use crate::simulation::Simulation;
 /// A ball of 1 cm radius above a sheet of 5 × 5 cells of 20 cm that is pinned along its rim, with triangle contacts if `surface`.
 fn over(surface: bool, at: Vec3, velocity: Vec3) -> (Simulation, usize) {
     let mut world = empty(9.81);
-    let contacts = BodyContacts { surface, ..asks(false) };
+    let contacts = BodyContacts { surface, ..colliding(false) };
     let sheet = Sheet { contacts, ..Sheet::flat(5, 0.2, 0.0) };
     sheet.build(&mut world, |i, j| i == 0 || j == 0 || i == 5 || j == 5);
-    let own = body(&mut world, BodyContacts { surface: false, ..asks(false) });
+    let own = body(&mut world, BodyContacts { surface: false, ..colliding(false) });
     let ball = ParticleSeed::at(at).with_mass(0.01).with_radius(0.01).with_velocity(velocity);
     let ball = particle(&mut world, ball, own);
     (world, ball)
@@ -84,7 +84,7 @@ fn above(world: &Simulation, ball: usize) -> f32 {
 fn a_ball_comes_back_as_fast_as_its_material_says() {
     for restitution in [0.0, 0.5, 1.0] {
         let mut world = empty(0.0);
-        let contacts = with_material(asks(false), 0.0, restitution);
+        let contacts = with_material(colliding(false), 0.0, restitution);
         let contacts = BodyContacts { events: true, ..contacts };
         // Pinned everywhere: a wall.
         Sheet { contacts, ..Sheet::flat(1, 0.5, 0.0) }.build(&mut world, |_, _| true);
@@ -106,7 +106,7 @@ fn a_ball_comes_back_as_fast_as_its_material_says() {
 fn what_lies_on_a_slope_slides_if_it_is_steeper_than_friction_holds() {
     for (friction, slides) in [(0.7, false), (0.3, true)] {
         let mut world = empty(9.81);
-        let contacts = with_material(asks(false), friction, 0.0);
+        let contacts = with_material(colliding(false), friction, 0.0);
         // tan θ = 0.5.
         let slope = Vec3::new(2.0, -1.0, 0.0).normalize();
         let sheet = Sheet { contacts, axes: [slope, Vec3::Z], ..Sheet::flat(2, 1.0, 0.0) };
@@ -128,9 +128,9 @@ fn what_lies_on_a_slope_slides_if_it_is_steeper_than_friction_holds() {
 }
 
 #[test]
-fn free_bodies_keep_their_momentum_and_tell_of_their_contact() {
+fn free_bodies_keep_their_momentum_and_report_their_contact() {
     let mut world = empty(0.0);
-    let mut contacts = with_material(asks(false), 0.5, 0.3);
+    let mut contacts = with_material(colliding(false), 0.5, 0.3);
     contacts.events = true;
     Sheet { contacts, ..Sheet::flat(3, 0.2, 0.0) }.build(&mut world, |_, _| false);
     let own = body(&mut world, contacts);

@@ -26,7 +26,7 @@ fn empty(gravity: f32) -> Simulation {
 }
 
 /// Contacts of a body with a surface that collides with other bodies, and optionally with itself.
-fn asks(with_itself: bool) -> BodyContacts {
+fn colliding(with_itself: bool) -> BodyContacts {
     BodyContacts { with_bodies: true, with_itself, surface: true, ..Default::default() }
 }
 
@@ -72,7 +72,7 @@ impl Sheet {
             axes: [Vec3::X, Vec3::Z],
             radius: 0.005,
             mass: 0.02,
-            contacts: asks(false),
+            contacts: colliding(false),
         }
     }
 
