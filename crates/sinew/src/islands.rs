@@ -22,7 +22,7 @@ pub(crate) struct Islands {
     /// Runs of islands of one particle each that no constraint holds, in this step.
     pub(crate) singles: Vec<Singles>,
     /// Rows of single particles that body colliders may touch in this step, ascending.
-    pub(crate) near_shapes: Vec<u32>,
+    pub(crate) rows_near_colliders: Vec<u32>,
 }
 
 /// Consecutive islands of one particle each, in consecutive rows: they have no constraints to sweep, and only the particles that may touch something are
@@ -59,7 +59,7 @@ pub(crate) struct Island {
     /// Its particles in [`Islands::members`].
     pub(crate) members: Range<usize>,
     /// The longest part of `members` whose rows are consecutive.
-    pub(crate) run: Range<usize>,
+    pub(crate) contiguous: Range<usize>,
     /// Whether a compound in it moves as an explicit rigid body, which keeps its own momenta.
     pub(crate) rigid: bool,
     /// Whether a constraint in it may hold on to the world ([`Equation::is_internal`](crate::constraints::Equation::is_internal)).
@@ -75,7 +75,7 @@ pub(crate) struct Island {
     /// Whether strains of distances in it are measured, so that the errors the solver leaves are not [relaxed](crate::solve) when the step ends.
     pub(crate) strain_measured: bool,
     /// Whether it moves as one rigid state in this step: its constraints are not swept, and its particles follow.
-    pub(crate) one_state: bool,
+    pub(crate) is_rigid_state: bool,
     /// Its chains in the plan.
     pub(crate) chains: Range<usize>,
     /// Index of its tethers in the plan, if it has any.
@@ -86,7 +86,7 @@ pub(crate) struct Island {
     pub(crate) rod_graph: Option<u32>,
     pub(crate) tie_rods: Option<u32>,
     /// Whether a body collider is part of it.
-    pub(crate) has_solids: bool,
+    pub(crate) has_body_colliders: bool,
     /// Whether a spring acts on it in this step.
     pub(crate) has_springs: bool,
     /// How it is solved in this step: the world's settings merged with those of the bodies in it; `max_sweeps` is for one microstep.
@@ -94,7 +94,7 @@ pub(crate) struct Island {
     /// Microsteps in each substep, 1 or more.
     pub(crate) microsteps: u32,
     /// Most sweeps, in each sweep of large cloth, over the parts tied to it.
-    pub(crate) sweeps_of_parts: u32,
+    pub(crate) tie_sweeps: u32,
     /// Whether one of its bodies may touch particles of another body in this step; valid only for islands that take microsteps.
     pub(crate) may_touch_others: bool,
     /// The same, contacts of a body with itself included.
@@ -115,8 +115,8 @@ impl Island {
     }
 
     /// Whether its constraints are not swept in this step.
-    pub(crate) fn is_left_alone(&self) -> bool {
-        self.asleep || self.one_state
+    pub(crate) fn is_skipped(&self) -> bool {
+        self.asleep || self.is_rigid_state
     }
 
     /// Whether its chains are solved directly. In statics they are swept instead: solved directly, a rope between two pins still moved by micrometres after 20
@@ -127,7 +127,7 @@ impl Island {
 
     /// Whether it goes through each substep in several microsteps.
     pub(crate) fn takes_microsteps(&self) -> bool {
-        self.microsteps > 1 && !self.is_left_alone()
+        self.microsteps > 1 && !self.is_skipped()
     }
 }
 
@@ -160,7 +160,7 @@ impl Islands {
     }
 
     /// Marks the islands of these rows as pressed on by body colliders.
-    pub(crate) fn note_pressed(&mut self, rows: impl Iterator<Item = u32>) {
+    pub(crate) fn mark_pressed(&mut self, rows: impl Iterator<Item = u32>) {
         for row in rows {
             let island = self.of.get(row as usize).and_then(|&own| self.list.get_mut(own as usize));
             island.into_iter().for_each(|island| island.pressed = true);
@@ -200,7 +200,7 @@ impl Islands {
             span.end += 1;
         }
         for island in &mut list[kept..] {
-            island.run = longest_run(members, island.members.clone());
+            island.contiguous = longest_run(members, island.members.clone());
         }
     }
 

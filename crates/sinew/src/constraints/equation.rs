@@ -213,7 +213,7 @@ pub(super) fn change(
         Bound::AtLeast => (unclamped + *lambda).min(0.0) - *lambda,
     };
     // Only soft constraints use the sum; a hard inequality starts afresh in each sweep.
-    *lambda = if softness.remembers() { *lambda + change } else { 0.0 };
+    *lambda = if softness.accumulates() { *lambda + change } else { 0.0 };
     change / unit
 }
 

@@ -139,7 +139,7 @@ impl Softness {
 
     /// Whether the multiplier is accumulated over the sweeps of a substep.
     #[inline]
-    pub(crate) fn remembers(self) -> bool {
+    pub(crate) fn accumulates(self) -> bool {
         matches!(self, Self::Compliant { .. } | Self::Frequency { .. })
     }
 }

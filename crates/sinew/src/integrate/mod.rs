@@ -89,11 +89,11 @@ pub(crate) struct StepRows {
 }
 
 impl StepRows {
-    /// Calls `each` with the stretches of some rows. All take whole substeps, except those in `apart` (ascending): these are passed on as they are, or left out
-    /// if their number of microsteps is zero.
-    pub(crate) fn cut(
+    /// Calls `each` with the stretches of some rows. All take whole substeps, except those in `exceptions` (ascending): these are passed on as they are, or
+    /// left out if their number of microsteps is zero.
+    pub(crate) fn split(
         mut rows: Range<usize>,
-        apart: &mut Peekable<impl Iterator<Item = Self>>,
+        exceptions: &mut Peekable<impl Iterator<Item = Self>>,
         mut each: impl FnMut(Self),
     ) {
         let mut emit = |rows: Range<usize>, microsteps| {
@@ -101,7 +101,7 @@ impl StepRows {
                 each(Self { rows, microsteps });
             }
         };
-        while let Some(own) = apart.next_if(|own| own.rows.start < rows.end) {
+        while let Some(own) = exceptions.next_if(|own| own.rows.start < rows.end) {
             emit(rows.start..own.rows.start, 1);
             rows.start = own.rows.end;
             emit(own.rows, own.microsteps);

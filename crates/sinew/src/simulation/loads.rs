@@ -31,7 +31,7 @@ impl Simulation {
         distances: impl IntoIterator<Item = usize, IntoIter: Clone>,
         constraints: impl IntoIterator<Item = usize, IntoIter: Clone>,
     ) {
-        self.scratch.loads.want(distances.into_iter(), constraints.into_iter());
+        self.scratch.loads.select(distances.into_iter(), constraints.into_iter());
     }
 
     /// Keeps the strains of these distances, given by their indices in [`distances`](Self::distances), as the solver leaves them, from the next step on, and of

@@ -318,7 +318,7 @@ impl Simulation {
             let world = contact_world(given, among, self.forces.gravity, steps);
             let mut cloth = solving.pressed_cloth(plan, parameters, execution);
             contacts.project(particles, &world, (h, substep), &mut cloth);
-            plan.islands.note_pressed(contacts.body_contact.pressed_rows());
+            plan.islands.mark_pressed(contacts.body_contact.pressed_rows());
             let Contacts { particle_contacts, normal_impulses, body_contact, .. } = contacts;
             let context = solve::SolveContext::new(plan, particle_contacts, parameters, execution);
             let stopped = body_contact.stopped();

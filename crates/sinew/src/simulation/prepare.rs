@@ -10,7 +10,7 @@ use crate::islands::Islands;
 use crate::particles::{NO_BODY, Particles, snap};
 use crate::rigid::Compound;
 use crate::settings::{BodySettings, SolverSettings};
-use crate::solve::{Given, divide, is_free};
+use crate::solve::{PlanInput, divide, is_free};
 
 impl Simulation {
     /// Updates the plan to the lists.
@@ -21,17 +21,17 @@ impl Simulation {
         if changes.is_empty() && !particles_came_or_went {
             return;
         }
-        let given = Given { distances, constraints, particles: particles.len() };
+        let given = PlanInput { distances, constraints, particles: particles.len() };
         if !compounds.is_empty() {
             self.compile_with_compounds();
         } else if changes.are_few() && !particles_came_or_went {
-            plan.keep_up(given, changes);
+            plan.update(given, changes);
         } else {
             plan.compile_changed(given, changes.same());
         }
         let Self { particles, distances, constraints, body_colliders, scratch, .. } = self;
         let Scratch { changes, contacts, filter, plan, .. } = scratch;
-        let given = Given { distances, constraints, particles: particles.len() };
+        let given = PlanInput { distances, constraints, particles: particles.len() };
         let body = |row: u32| particles.body.get(row as usize);
         if !changes.are_few() || changes.any_between(given, |a, b| body(a) != body(b)) {
             filter.invalidate_joints();
@@ -42,19 +42,19 @@ impl Simulation {
         contacts.rigid_states().find_rigid_islands(
             body_colliders,
             &plan.islands,
-            |solid, island| plan.ties_all_of(solid, island),
+            |solid, island| plan.is_rigid_body_of(solid, island),
         );
-        plan.islands.list.iter_mut().for_each(|island| island.has_solids = false);
+        plan.islands.list.iter_mut().for_each(|island| island.has_body_colliders = false);
         for &row in body_colliders.iter().flat_map(|solid| &solid.rows) {
             if let Some(&number) = plan.islands.of.get(row as usize) {
-                plan.islands.list[number as usize].has_solids = true;
+                plan.islands.list[number as usize].has_body_colliders = true;
             }
         }
         changes.clear();
         scratch.settings_inputs = None;
         // They were of the old islands, which may have other numbers now.
         self.report.islands.clear();
-        scratch.loads.expire();
+        scratch.loads.mark_stale();
         scratch.sleep_scratch.0.forget_support();
     }
 
@@ -63,7 +63,7 @@ impl Simulation {
         let (distances, constraints) = self.outside_compounds();
         let particles = self.particles.len();
         let plan = &mut self.scratch.plan;
-        plan.compile(Given { distances: &distances, constraints: &constraints, particles });
+        plan.compile(PlanInput { distances: &distances, constraints: &constraints, particles });
         for &row in self.compounds.iter().flat_map(|compound| &compound.rows) {
             if let Some(&island) = plan.islands.of.get(row) {
                 plan.islands.list[island as usize].rigid = true;
@@ -264,11 +264,11 @@ impl Simulation {
         scratch.contacts.begin((particles, &forces.surfaces), world, contact_cache);
         scratch.contacts.particle_contacts.note_inside(particles);
         let Scratch { contacts, plan, .. } = scratch;
-        let Islands { list, members, near_shapes, .. } = &mut plan.islands;
-        near_shapes.clear();
-        near_shapes.extend(contacts.body_contact.rows_near_shapes());
-        near_shapes.sort_unstable();
-        near_shapes.dedup();
+        let Islands { list, members, rows_near_colliders, .. } = &mut plan.islands;
+        rows_near_colliders.clear();
+        rows_near_colliders.extend(contacts.body_contact.rows_near_shapes());
+        rows_near_colliders.sort_unstable();
+        rows_near_colliders.dedup();
         for island in list.iter_mut().filter(|island| island.takes_microsteps()) {
             let mut last = NO_BODY;
             (island.may_touch_others, island.may_touch_any, island.pressed) = (false, false, false);

@@ -36,7 +36,7 @@ impl Simulation {
         }
         rows_apart.clear();
         for island in &plan.islands.list {
-            if island.is_left_alone() {
+            if island.is_skipped() {
                 let rows = plan.stretch(island);
                 rows_apart.extend(rows.map(|rows| StepRows { rows, microsteps: 0 }));
             } else if island.takes_microsteps() {
@@ -46,7 +46,7 @@ impl Simulation {
         rows_apart.sort_unstable_by_key(|own| own.rows.start);
         single_rows.clear();
         let mut rows_apart = rows_apart.iter().cloned().peekable();
-        StepRows::cut(0..last, &mut rows_apart, |own| single_rows.push(own));
+        StepRows::split(0..last, &mut rows_apart, |own| single_rows.push(own));
     }
 
     /// Turns rigid states whose particles were moved from outside back into particles for the rest of the step.

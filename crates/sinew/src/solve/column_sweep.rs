@@ -5,13 +5,13 @@ use core::ops::Range;
 use glam::Vec4;
 
 use super::constraint_ref::SolveMode;
-use super::gauss_seidel::sweep_turned;
+use super::gauss_seidel::sweep_columns;
+use super::mixed_places::MixedPlaces;
 use super::multipliers::MultiplierSlice;
 use super::parts::Parts;
 use super::plan::Plan;
 use super::sweep_scratch::SweepScratch;
 use super::tethers::IslandTethers;
-use super::turned_places::TurnedPlaces;
 use crate::islands::Island;
 use crate::particles::Places;
 
@@ -53,7 +53,7 @@ impl<'a> ColumnSweep<'a> {
             scratch.pins.clear();
             scratch.pins.extend(tethers.pins(places.position, places.first));
         }
-        let at = &mut TurnedPlaces { columns: Some((&mut columns, run)), places };
+        let at = &mut MixedPlaces { columns: Some((&mut columns, run)), places };
         let mut worst = self.project_tethers(tethers, at, &scratch.pins);
         if island.has_chains() && mode.relaxed.is_none() {
             worst = worst.max(self.sweep_chains(at, scratch));
@@ -63,7 +63,7 @@ impl<'a> ColumnSweep<'a> {
         for cluster_batch in cluster_batches.filter(|it| mode.takes(it)) {
             let found = match &mut at.columns {
                 Some((columns, _)) if cluster_batch.is_within(run) => {
-                    sweep_turned(columns, plan, cluster_batch, run.start, multipliers, mode)
+                    sweep_columns(columns, plan, cluster_batch, run.start, multipliers, mode)
                 }
                 _ => parts.sweep(cluster_batch, at, multipliers, scratch),
             };
@@ -83,26 +83,27 @@ impl<'a> ColumnSweep<'a> {
     fn project_tethers(
         &self,
         tethers: Option<&IslandTethers>,
-        at: &mut TurnedPlaces,
+        at: &mut MixedPlaces,
         pins: &[Vec4],
     ) -> f32 {
         let (Some(tethers), Some((columns, _))) = (tethers, &mut at.columns) else { return 0.0 };
         let (island, instructions) = (self.island, self.mode.instructions);
         let (position, first) = (&mut *at.places.position, at.places.first);
-        let own = island.run.start - island.members.start..island.run.end - island.members.start;
+        let own = island.contiguous.start - island.members.start
+            ..island.contiguous.end - island.members.start;
         let others = tethers.project_others(position, first, &own, pins, instructions);
         others.max(tethers.project_columns(columns, own.start, &own, pins, instructions))
     }
 
     /// Solves ropes that are chains directly.
-    fn sweep_chains(&self, at: &mut TurnedPlaces, scratch: &mut SweepScratch) -> f32 {
+    fn sweep_chains(&self, at: &mut MixedPlaces, scratch: &mut SweepScratch) -> f32 {
         let Self { plan, island, run, mode } = *self;
         let links = || island.chains.clone().flat_map(|chain| plan.chains.links(chain));
         let shared = || links().flat_map(|link| link.rows).filter(|row| run.contains(row));
-        at.turn_out(shared());
+        at.copy_out(shared());
         let all = (&mut *at.places.position, at.places.first);
         let found = plan.chains.project(island, all, &mut scratch.chains, mode.instructions);
-        at.turn_in(shared());
+        at.copy_in(shared());
         mode.of_chains(found)
     }
 }

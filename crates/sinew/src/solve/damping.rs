@@ -66,7 +66,7 @@ impl Damping {
         }
         for (body, settings) in damped.iter_mut().zip(bodies) {
             let Some(Body { sums, rigid, share, .. }) = body else { continue };
-            if let Some((centre, shift, turn)) = sums.answer(true) {
+            if let Some((centre, shift, turn)) = sums.rigid_motion(true) {
                 *rigid = [centre, shift, turn];
                 *share = -libm::expm1(-f64::from(rate(settings)) * f64::from(dt));
             }

@@ -48,7 +48,7 @@ pub(super) fn sweep_cluster_batch(
         let range = places.at(rows.start)..places.at(rows.end);
         columns.reset(rods.half());
         columns.turn_in(0, &places.position[range.clone()], instructions);
-        let worst = sweep_turned(columns, plan, cluster_batch, rows.start, multipliers, mode);
+        let worst = sweep_columns(columns, plan, cluster_batch, rows.start, multipliers, mode);
         columns.turn_out(0, &mut places.position[range], instructions);
         return worst;
     }
@@ -98,7 +98,7 @@ pub(super) fn sweep_cluster_batch(
 }
 
 /// The same for a cluster batch that is swept in columns; these begin with row `first`.
-pub(super) fn sweep_turned(
+pub(super) fn sweep_columns(
     columns: &mut Columns,
     plan: &Plan,
     cluster_batch: &ClusterBatch,
@@ -110,7 +110,7 @@ pub(super) fn sweep_turned(
     let (rows, instructions) = ((cluster_batch.rows.start, first), mode.instructions);
     if cluster_batch.kind == GroupKind::Rods {
         let each = groups.iter().map(ConstraintGroup::rods);
-        return plan.rods.sweep_turned(columns, each, rows, mode.relaxed, instructions);
+        return plan.rods.sweep_columns(columns, each, rows, mode.relaxed, instructions);
     }
     let (mut worst, how) = (0.0_f32, (mode.substep_context, instructions));
     for ConstraintGroup { range, runs, blocks, .. } in groups {

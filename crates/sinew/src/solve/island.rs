@@ -8,6 +8,7 @@ use super::column_sweep::ColumnSweep;
 use super::constraint_ref::{SolveMode, list_constraint_refs};
 use super::context::{SolveContext, SubstepParameters};
 use super::gauss_seidel;
+use super::mixed_places::MixedPlaces;
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
 use super::parts::Parts;
@@ -15,7 +16,6 @@ use super::plan::{GroupKind, Plan};
 use super::rods::COS_SQUARED;
 use super::sweep_scratch::SweepScratch;
 use super::task_slice::IslandSlice;
-use super::turned_places::TurnedPlaces;
 use super::{jacobi, most_violated_first};
 use crate::collide::{NormalImpulses, recovery};
 use crate::constraints::{GradientAt, SubstepContext};
@@ -47,7 +47,7 @@ pub(super) fn sweep_in_order(
             let out = project_tethers_and_chains(plan, island, places, mode, scratch);
             let batches = island.cluster_batches.clone();
             let found = gauss_seidel::sweep(places, plan, batches, multipliers, mode, scratch);
-            let at = &mut TurnedPlaces { columns: None, places };
+            let at = &mut MixedPlaces { columns: None, places };
             Parts { plan, island, mode }.sweep_again(at, multipliers, scratch);
             project_tethers_and_spans(plan, island, places, mode, alone, scratch);
             out.max(found)
@@ -110,7 +110,7 @@ fn can_propagate(plan: &Plan, island: &Island) -> bool {
     let settings = &island.settings;
     let suits = settings.order == Order::GaussSeidel
         && settings.gradient_at == GradientAt::Current
-        && !(settings.statics || island.is_left_alone() || island.takes_microsteps());
+        && !(settings.statics || island.is_skipped() || island.takes_microsteps());
     suits
         && !(island.rigid || island.external || island.measured || island.has_chains())
         && plan.is_hard(island)
@@ -402,7 +402,7 @@ mod tests {
             let out = project_tethers_and_chains(plan, island, places, mode, &mut scratch);
             let batches = island.cluster_batches.clone();
             let same = gauss_seidel::sweep(places, plan, batches, sums, mode, &mut scratch);
-            let at = &mut TurnedPlaces { columns: None, places };
+            let at = &mut MixedPlaces { columns: None, places };
             Parts { plan, island, mode }.sweep_again(at, sums, &mut scratch);
             project_tethers_and_spans(plan, island, places, mode, alone, &mut scratch);
             assert_eq!(found, out.max(same), "{size:?}, {between:?}");

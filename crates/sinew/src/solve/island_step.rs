@@ -61,7 +61,7 @@ pub(crate) fn advance_all(
         thread_scratches.with(|thread_scratch| {
             thread_scratch.begin(&slice.task);
             leave_rigid_states(plan, &slice.task, &mut thread_scratch.remaining);
-            thread_scratch.remaining.leave_singles(&plan.islands.singles, &slice.task);
+            thread_scratch.remaining.remove_singles(&plan.islands.singles, &slice.task);
             if !slice.task.instance_batches.is_empty() {
                 slice.step_batches(thread_scratch, iteration_counts).run();
             }
@@ -85,19 +85,19 @@ pub(crate) fn advance_all(
 /// Removes islands that move as one rigid state. The rows of each are contiguous.
 fn leave_rigid_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
     let mut islands = task.islands.clone();
-    while let Some(first) = islands.find(|&number| plan.islands.list[number].one_state) {
+    while let Some(first) = islands.find(|&number| plan.islands.list[number].is_rigid_state) {
         let mut end = first + 1;
         let members = |number: usize| plan.members(number);
         let Some(&begin) = members(first).first() else { continue };
         let mut rows = begin..begin + members(first).len() as u32;
         while islands.end > end
-            && plan.islands.list[end].one_state
+            && plan.islands.list[end].is_rigid_state
             && members(end).first() == Some(&rows.end)
         {
             rows.end += members(end).len() as u32;
             end += 1;
         }
-        remaining.leave(first..end, rows);
+        remaining.remove(first..end, rows);
         islands.start = end;
     }
 }
@@ -172,8 +172,8 @@ impl TaskSlice<'_> {
         let remaining = take(&mut thread_scratch.remaining);
         let mut step_rows = take(&mut thread_scratch.step_rows);
         let mut microsteps = take(&mut thread_scratch.microsteps);
-        let (first, apart) = (self.task.rows.start, &mut microsteps.apart);
-        list_step_rows(plan, first, &remaining, &mut step_rows, apart);
+        let (first, divided) = (self.task.rows.start, &mut microsteps.divided_rows);
+        list_step_rows(plan, first, &remaining, &mut step_rows, divided);
         let islands = || remaining.islands.iter().cloned().flatten();
         for (number, iteration_counts) in iteration_counts.iter().enumerate() {
             self.context = begun.later(number as u32);
@@ -186,7 +186,7 @@ impl TaskSlice<'_> {
             self.solve_singles();
             for number in islands() {
                 let island = &plan.islands.list[number];
-                if island.is_left_alone() {
+                if island.is_skipped() {
                     continue;
                 }
                 let sweep = sweep_in_order(plan, island, &mut thread_scratch.sweep);
@@ -200,7 +200,7 @@ impl TaskSlice<'_> {
             let Self { context, task, places, normal_impulses, reports, .. } = &mut self;
             derive_whole_steps(places, &step_rows, *context);
             for (number, momentum_drift) in thread_scratch.momentum_drifts.drain(..) {
-                momentum_drift.take_off(places, plan.members(number as usize));
+                momentum_drift.subtract_from(places, plan.members(number as usize));
             }
             context.bounce(places, normal_impulses, task.rows.clone());
             for number in islands() {

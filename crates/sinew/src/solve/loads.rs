@@ -106,7 +106,7 @@ impl Measured {
 
 impl Loads {
     /// Selects the distances and constraints whose loads are measured, in place of the previous ones.
-    pub(crate) fn want(
+    pub(crate) fn select(
         &mut self,
         distances: impl Iterator<Item = usize> + Clone,
         constraints: impl Iterator<Item = usize> + Clone,
@@ -121,7 +121,7 @@ impl Loads {
     }
 
     /// Marks the plan's indices as out of date, after it was compiled.
-    pub(crate) fn expire(&mut self) {
+    pub(crate) fn mark_stale(&mut self) {
         self.stale = true;
     }
 

@@ -25,7 +25,7 @@ pub(crate) fn measure(
     report.converged &= report.islands.iter().all(|island| island.converged);
     // A rigid state has no constraint errors.
     for (island, own) in plan.islands.list.iter().zip(&mut report.islands) {
-        own.measured |= island.one_state;
+        own.measured |= island.is_rigid_state;
     }
     let mut places = Places::all(particles);
     plan.instance_batches.measure(
@@ -90,7 +90,7 @@ pub(crate) fn measure(
             }
         }
         // The particles of a rigid state do not touch anything by themselves.
-        if !contacts.is_empty() && !island.one_state {
+        if !contacts.is_empty() && !island.is_rigid_state {
             let rows = &plan.islands.members[island.members.clone()];
             error = error.max(contacts.island_error(&places, (number, rows), instructions));
         }

@@ -58,9 +58,9 @@ pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32, most: SolverSetting
         && plan.runs(island).take(MAX_RUNS + 1).count() <= MAX_RUNS;
     let parts_apart = eligible && plan.is_mostly_in_columns(island);
     let island = &mut plan.islands.list[number];
-    island.sweeps_of_parts = 1;
+    island.tie_sweeps = 1;
     if parts_apart && most.max_sweeps < island.settings.max_sweeps {
-        island.sweeps_of_parts = island.settings.max_sweeps.div_ceil(most.max_sweeps);
+        island.tie_sweeps = island.settings.max_sweeps.div_ceil(most.max_sweeps);
         island.settings.max_sweeps = most.max_sweeps;
     }
     let sweeps = island.settings.max_sweeps;
@@ -163,7 +163,7 @@ impl TaskSlice<'_> {
             }
             let is_held = drift.is_none();
             if let Some(drift) = drift {
-                drift.take_off(places, members);
+                drift.subtract_from(places, members);
             }
             for run in plan.runs(island) {
                 context.bounce(places, &mut self.normal_impulses, run);
@@ -205,7 +205,7 @@ pub(super) struct MicrostepScratch {
     /// Inverse masses of the particles that relaxation treats as pinned, 1/kg.
     masses: Vec<f32>,
     /// Rows of a task that take microsteps.
-    pub(super) apart: Vec<StepRows>,
+    pub(super) divided_rows: Vec<StepRows>,
 }
 
 impl MicrostepScratch {
@@ -272,26 +272,26 @@ fn mean_velocity(to: Vec4, from: Vec4, per_second: f32) -> Vec3 {
     ((to - from) * per_second).truncate()
 }
 
-/// Lists the remaining rows of a task by the microsteps that they take, counted from the first row of the task. `apart` is scratch.
+/// Lists the remaining rows of a task by the microsteps that they take, counted from the first row of the task. `divided` is scratch.
 pub(super) fn list_step_rows(
     plan: &Plan,
     first: u32,
     remaining: &Remaining,
     step_rows: &mut Vec<StepRows>,
-    apart: &mut Vec<StepRows>,
+    divided: &mut Vec<StepRows>,
 ) {
     step_rows.clear();
-    apart.clear();
+    divided.clear();
     let islands = remaining.islands.iter().cloned().flatten();
     let islands = islands.map(|number| &plan.islands.list[number]);
     for island in islands.filter(|island| island.takes_microsteps()) {
-        apart.extend(plan.step_rows(island));
+        divided.extend(plan.step_rows(island));
     }
-    apart.sort_unstable_by_key(|own| own.rows.start);
-    let mut apart = apart.iter().cloned().peekable();
+    divided.sort_unstable_by_key(|own| own.rows.start);
+    let mut divided = divided.iter().cloned().peekable();
     let first = first as usize;
     for rows in &remaining.rows {
-        StepRows::cut(rows.start as usize..rows.end as usize, &mut apart, |mut own| {
+        StepRows::split(rows.start as usize..rows.end as usize, &mut divided, |mut own| {
             own.rows = own.rows.start - first..own.rows.end - first;
             step_rows.push(own);
         });

@@ -15,7 +15,7 @@
 //! - `rods` projects hard rods eight at a time, `chains` solves those of a rope directly, and `tethers` bound the distances of particles from their pins.
 //! - `wide` projects most other constraints eight at a time.
 //! - `gauss_seidel`, `most_violated_first` and `jacobi` are the orders of a sweep. `column_sweep` is Gauss–Seidel for large cloth. `parts` are the bodies tied
-//!   to that, and `tie_rods` the cloth's rods near the ties, which are swept more often; both work on `turned_places`.
+//!   to that, and `tie_rods` the cloth's rods near the ties, which are swept more often; both work on `mixed_places`.
 //! - `constraint_ref` refers to one constraint of the plan, of any kind.
 //! - `remaining` is what instance batches and wavefronts leave of a task.
 //! - `momentum` removes momentum that corrections must not add; `damping` is internal friction of a body.
@@ -38,6 +38,7 @@ mod lane_particles;
 mod loads;
 mod measure;
 mod microsteps;
+mod mixed_places;
 mod momentum;
 mod most_violated_first;
 mod multipliers;
@@ -55,7 +56,6 @@ mod sweep_scratch;
 mod task_slice;
 mod tethers;
 mod tie_rods;
-mod turned_places;
 mod wavefront;
 mod wide;
 mod world;
@@ -71,7 +71,7 @@ pub(crate) use loads::Loads;
 pub(crate) use measure::{measure, measure_overlaps};
 pub(crate) use microsteps::divide;
 pub(crate) use momentum::is_free;
-pub(crate) use plan::{Change, Changes, Given, GroupKind, List, Plan};
+pub(crate) use plan::{Change, Changes, GroupKind, List, Plan, PlanInput};
 pub(crate) use recovery::limit_all_recoveries;
 pub(crate) use sweep_scratch::SweepScratch;
 pub(crate) use world::{SolveScratch, propagate_impacts, settle_all, solve_all};

@@ -76,7 +76,7 @@ impl MomentumDrift {
             let (w, start) = (places.position[i].w, places.start[i].truncate().as_dvec3());
             sums.add(1.0 / f64::from(w), start - anchor, gained(number, i));
         }
-        let (centre, shift, turn) = sums.answer(keeps_angular)?;
+        let (centre, shift, turn) = sums.rigid_motion(keeps_angular)?;
         Some(Self { anchor, centre, shift, turn })
     }
 
@@ -89,7 +89,7 @@ impl MomentumDrift {
     }
 
     /// Subtracts the drift from the derived velocities.
-    pub(super) fn take_off(&self, places: &mut Places, rows: &[u32]) {
+    pub(super) fn subtract_from(&self, places: &mut Places, rows: &[u32]) {
         for &row in rows {
             let i = places.at(row);
             places.velocity[i] -= self.share(places.start[i]).extend(0.0);
@@ -179,7 +179,7 @@ impl MomentumSums {
     }
 
     /// The barycentre relative to the anchor, metres, and the velocity and angular velocity that a rigid body with these sums would have.
-    pub(super) fn answer(&self, keeps_angular: bool) -> Option<(DVec3, DVec3, DVec3)> {
+    pub(super) fn rigid_motion(&self, keeps_angular: bool) -> Option<(DVec3, DVec3, DVec3)> {
         let centre = self.first / self.mass;
         let shift = self.momentum / self.mass;
         let turn = if keeps_angular {

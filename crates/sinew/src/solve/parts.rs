@@ -9,11 +9,11 @@
 
 use super::constraint_ref::SolveMode;
 use super::gauss_seidel::sweep_cluster_batch;
+use super::mixed_places::MixedPlaces;
 use super::multipliers::MultiplierSlice;
 use super::plan::{ClusterBatch, Plan};
 use super::sweep_scratch::SweepScratch;
 use super::tie_rods::TieRods;
-use super::turned_places::TurnedPlaces;
 use crate::islands::Island;
 
 /// Sweeps the parts of an island.
@@ -29,33 +29,33 @@ impl Parts<'_> {
     pub(super) fn sweep(
         &self,
         part: &ClusterBatch,
-        at: &mut TurnedPlaces,
+        at: &mut MixedPlaces,
         multipliers: &mut MultiplierSlice,
         scratch: &mut SweepScratch,
     ) -> f32 {
         let Self { plan, mode, .. } = *self;
         let shared = plan.shared_rows[part.shared_rows.clone()].iter().copied();
-        at.turn_out(shared.clone());
+        at.copy_out(shared.clone());
         let found = sweep_cluster_batch(at.places, plan, part, multipliers, mode, scratch);
-        at.turn_in(shared);
+        at.copy_in(shared);
         found
     }
 
     /// Sweeps all parts and the tie rods of the cloth again after a sweep of the cloth, until they converge or have used up their additional sweeps.
     pub(super) fn sweep_again(
         &self,
-        at: &mut TurnedPlaces,
+        at: &mut MixedPlaces,
         multipliers: &mut MultiplierSlice,
         scratch: &mut SweepScratch,
     ) {
         let Self { plan, island, mode } = *self;
         let tie_rods = plan.tethers.tie_rods_of(island);
         let of_tie_rods = tie_rods.map_or(0, TieRods::sweeps);
-        let of_parts = island.sweeps_of_parts.saturating_sub(1) as usize;
+        let of_parts = island.tie_sweeps.saturating_sub(1) as usize;
         if mode.relaxed.is_some() || of_tie_rods.max(of_parts) == 0 {
             return;
         }
-        let run = plan.run(island);
+        let run = plan.contiguous_rows(island);
         let parts = plan.cluster_batches[island.cluster_batches.clone()].iter();
         let parts = parts.filter(|it| !it.is_within(&run));
         for sweep in 0..of_parts.max(of_tie_rods) {

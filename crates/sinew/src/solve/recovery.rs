@@ -29,7 +29,7 @@ impl Plan {
     /// Whether the velocities of an island are bounded after a violation.
     pub(crate) fn bounds_recovery(&self, island: &Island) -> bool {
         let cluster_batches = &self.cluster_batches[island.cluster_batches.clone()];
-        !(island.takes_microsteps() || island.is_left_alone() || island.rigid)
+        !(island.takes_microsteps() || island.is_skipped() || island.rigid)
             && cluster_batches.iter().all(|cluster_batch| !cluster_batch.has_rods_in_columns())
     }
 }

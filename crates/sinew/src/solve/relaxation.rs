@@ -105,7 +105,7 @@ pub(super) fn relax(
 /// The rows of an island that body colliders may touch, if one has pressed on any.
 fn rows_held<'a>(plan: &'a Plan, island: &Island) -> &'a [u32] {
     let rows = plan.stretch(island).filter(|_| island.pressed).unwrap_or_default();
-    let near = &plan.islands.near_shapes;
+    let near = &plan.islands.rows_near_colliders;
     let place = |row: usize| near.partition_point(|&one| (one as usize) < row);
     &near[place(rows.start)..place(rows.end)]
 }

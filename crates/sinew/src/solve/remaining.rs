@@ -27,26 +27,26 @@ impl Remaining {
     }
 
     /// Whether an island remains.
-    pub(super) fn holds(&self, island: usize) -> bool {
+    pub(super) fn contains(&self, island: usize) -> bool {
         self.islands.iter().any(|islands| islands.contains(&island))
     }
 
     /// Removes some islands and their rows.
-    pub(super) fn leave(&mut self, islands: Range<usize>, rows: Range<u32>) {
-        self.leave_islands(islands);
+    pub(super) fn remove(&mut self, islands: Range<usize>, rows: Range<u32>) {
+        self.remove_islands(islands);
         cut(&mut self.rows, rows);
     }
 
     /// Removes some islands but not their rows, which are still predicted and derived.
-    pub(super) fn leave_islands(&mut self, islands: Range<usize>) {
+    pub(super) fn remove_islands(&mut self, islands: Range<usize>) {
         cut(&mut self.islands, islands);
     }
 
     /// Removes the [single particles](Singles) of a task, which are not swept.
-    pub(super) fn leave_singles(&mut self, singles: &[Singles], task: &Task) {
+    pub(super) fn remove_singles(&mut self, singles: &[Singles], task: &Task) {
         for islands in singles.iter().map(|all| all.among(&task.islands).islands) {
             if !islands.is_empty() {
-                self.leave_islands(islands);
+                self.remove_islands(islands);
             }
         }
     }
@@ -76,14 +76,14 @@ mod tests {
         rest.reset(&task);
         for island in [2, 5, 8, 4, 3] {
             let first = 10 * island as u32;
-            rest.leave(island..island + 1, first..first + 10);
+            rest.remove(island..island + 1, first..first + 10);
         }
-        let left: Vec<usize> = (0..12).filter(|&island| rest.holds(island)).collect();
+        let left: Vec<usize> = (0..12).filter(|&island| rest.contains(island)).collect();
         assert_eq!(left, [6, 7]);
         let rows: Vec<u32> = rest.rows.iter().cloned().flatten().collect();
         assert_eq!(rows, (60..80).collect::<Vec<u32>>());
         assert!(!rest.is_empty());
-        rest.leave(6..8, 60..80);
+        rest.remove(6..8, 60..80);
         assert!(rest.is_empty());
     }
 }

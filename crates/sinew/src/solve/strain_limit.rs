@@ -14,7 +14,7 @@
 use glam::Vec4;
 
 use super::rod_graph::{RodEnd, RodGraph};
-use super::rods::{Whole, project};
+use super::rods::{FullCorrection, project};
 
 /// Greatest strain of a rod. Weft and warp of woven cloth give way by about as much before they are taut.
 const LIMIT: f32 = 0.03;
@@ -202,7 +202,7 @@ fn bring_to(position: &mut [Vec4], i: u32, rod: &RodEnd, strain: f32) -> bool {
     let is_short = square(position, i, rod) < rod.rest * rod.rest;
     let rest = rod.rest + rod.rest * if is_short { -strain } else { strain };
     let (one, other) = (position[a].to_array(), position[b].to_array());
-    let (one, other, ..) = project::<f32>(one, other, rest, Whole);
+    let (one, other, ..) = project::<f32>(one, other, rest, FullCorrection);
     let (one, other) = (Vec4::from_array(one), Vec4::from_array(other));
     // A rod between two pins does not move; nor does one with coincident ends or non-finite positions.
     let moves = (one, other) != (position[a], position[b]) && (one + other).is_finite();

@@ -7,9 +7,9 @@
 
 use glam::Vec4;
 
+use super::mixed_places::MixedPlaces;
 use super::rod_graph::RodGraph;
-use super::rods::{Whole, project};
-use super::turned_places::TurnedPlaces;
+use super::rods::{FullCorrection, project};
 
 /// Tie rods are those within this many rods of a tie. The hammock above is off by 11.7, 12.5 and 12.3 % with 2, 4 and 8, at eight sweeps.
 const RINGS: usize = 2;
@@ -72,7 +72,7 @@ impl TieRods {
     }
 
     /// Projects all of them once, from the first to the last or, with `back`, from the last to the first. Returns the largest error found, metres.
-    pub(super) fn project(&self, at: &mut TurnedPlaces, back: bool) -> f32 {
+    pub(super) fn project(&self, at: &mut MixedPlaces, back: bool) -> f32 {
         let mut worst = 0.0_f32;
         let mut each = |&(a, b, rest, slackens): &(u32, u32, f32, bool)| {
             let ends = [at.get(a), at.get(b)];
@@ -80,7 +80,7 @@ impl TieRods {
                 return;
             }
             let [one, other] = [ends[0].to_array(), ends[1].to_array()];
-            let (one, other, error, _) = project::<f32>(one, other, rest, Whole);
+            let (one, other, error, _) = project::<f32>(one, other, rest, FullCorrection);
             at.set(a, Vec4::from_array(one));
             at.set(b, Vec4::from_array(other));
             worst = worst.max(error);

@@ -14,6 +14,7 @@ use super::island::{
 };
 use super::loads::Loads;
 use super::microsteps::{MicrostepScratch, derive_whole_steps, list_step_rows, resume};
+use super::mixed_places::MixedPlaces;
 use super::momentum::{MomentumDrift, note_drift};
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::parts::Parts;
@@ -23,7 +24,6 @@ use super::remaining::Remaining;
 use super::report::{IslandReport, SolverReport};
 use super::sweep_scratch::SweepScratch;
 use super::task_slice::{IslandSlice, TaskSlice, slices};
-use super::turned_places::TurnedPlaces;
 use super::wavefront::Wavefront;
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, MotionColumns, StepRows, derive};
@@ -159,7 +159,7 @@ pub(crate) fn solve_all(
         if open.is_some() {
             note_drift(drift, &places, rows, momentum_drift, execution.instructions);
         } else {
-            drift.take_off(&mut places, rows);
+            drift.subtract_from(&mut places, rows);
         }
     }
     // Single particles are not swept.
@@ -244,11 +244,11 @@ impl TaskSlice<'_> {
         let plan = self.context.plan;
         let mut remaining = take(&mut thread_scratch.remaining);
         let mut microsteps = take(&mut thread_scratch.microsteps);
-        remaining.leave_singles(&plan.islands.singles, &self.task);
+        remaining.remove_singles(&plan.islands.singles, &self.task);
         self.solve_singles();
         for number in remaining.islands.iter().cloned().flatten() {
             let island = &plan.islands.list[number];
-            if island.measured || island.is_left_alone() {
+            if island.measured || island.is_skipped() {
                 continue;
             }
             let sweep = sweep_in_order(plan, island, &mut thread_scratch.sweep);
@@ -268,14 +268,14 @@ impl TaskSlice<'_> {
         // Velocities are derived for all rows of the task, those of solved instance batches included.
         let mut step_rows = take(&mut thread_scratch.step_rows);
         thread_scratch.remaining.reset(&task);
-        thread_scratch.remaining.leave_singles(&plan.islands.singles, &task);
+        thread_scratch.remaining.remove_singles(&plan.islands.singles, &task);
         let ThreadScratch { remaining, microsteps, .. } = &mut *thread_scratch;
-        let apart = &mut microsteps.apart;
-        list_step_rows(plan, task.rows.start, remaining, &mut step_rows, apart);
+        let divided = &mut microsteps.divided_rows;
+        list_step_rows(plan, task.rows.start, remaining, &mut step_rows, divided);
         derive_whole_steps(&mut places, &step_rows, context);
         thread_scratch.step_rows = step_rows;
         for (number, momentum_drift) in thread_scratch.momentum_drifts.drain(..) {
-            momentum_drift.take_off(&mut places, plan.members(number as usize));
+            momentum_drift.subtract_from(&mut places, plan.members(number as usize));
         }
         context.bounce(&mut places, &mut normal_impulses, task.rows);
     }
@@ -327,7 +327,7 @@ impl TaskSlice<'_> {
         let SubstepParameters { h, lag, .. } = substep;
         let number = self.task.islands.start;
         let island = &plan.islands.list[number];
-        if island.is_left_alone() {
+        if island.is_skipped() {
             return;
         }
         let sweep = sweep_shared(plan, island, execution, thread_scratches);
@@ -350,7 +350,7 @@ impl TaskSlice<'_> {
         let Places { position, start, velocity, .. } = &mut places;
         derive(Derive { position, start, velocity, momentum_drift: &[], h, lag }, execution);
         if let Some(momentum_drift) = momentum_drift {
-            momentum_drift.take_off(&mut places, plan.members(number));
+            momentum_drift.subtract_from(&mut places, plan.members(number));
         }
         context.bounce(&mut places, &mut normal_impulses, task.rows);
     }
@@ -377,7 +377,7 @@ fn sweep_shared(
             thread_scratches,
         );
         thread_scratches.with(|own| {
-            let at = &mut TurnedPlaces { columns: None, places };
+            let at = &mut MixedPlaces { columns: None, places };
             Parts { plan, island, mode }.sweep_again(at, multipliers, &mut own.sweep);
             project_tethers_and_spans(plan, island, places, mode, execution, &mut own.sweep);
         });

@@ -65,8 +65,8 @@ impl BodyContactSolver {
                 let most = &mut sets[set as usize].most;
                 *most = most.max(recovery).max(speed + gained);
             }
-            // Rigid states have no separate particles that could be flung apart.
-            if !island.one_state {
+            // Rigid states have no particles that could be flung apart.
+            if !island.is_rigid_state {
                 rows.extend(members.iter().map(|&row| (set, row)));
             }
         }

@@ -150,7 +150,7 @@ impl BodyContactSolver {
         step: RigidStep,
         held: bool,
     ) {
-        all.list.iter_mut().for_each(|island| island.one_state = false);
+        all.list.iter_mut().for_each(|island| island.is_rigid_state = false);
         self.rigid.count = 0;
         self.rigid.idle = false;
         self.rigid.states.clear();
@@ -205,7 +205,7 @@ impl BodyContactSolver {
             *count += state.lanes.count_ones() as usize;
             for lane in (0..LANES).filter(|lane| state.lanes >> lane & 1 == 1) {
                 if let Some(solid) = groups.sound_in(number, lane) {
-                    all.list[islands[solid] as usize].one_state = true;
+                    all.list[islands[solid] as usize].is_rigid_state = true;
                 }
             }
         }
@@ -231,7 +231,7 @@ impl BodyContactSolver {
         while let Some(row) = particles.take_moved() {
             let Some(&number) = all.of.get(row as usize) else { continue };
             let island = &mut all.list[number as usize];
-            if !core::mem::take(&mut island.one_state) {
+            if !core::mem::take(&mut island.is_rigid_state) {
                 continue;
             }
             let solid = self.rigid.solids.get(number as usize).filter(|&&solid| solid != NONE);

@@ -103,7 +103,7 @@ impl<'a> BatchSolve<'a> {
             }
             if let Some(contacts) = contacts {
                 instance_batches[begin..end].iter().for_each(|batch| {
-                    self.scratch.remaining.leave(batch.islands.clone(), batch.rows());
+                    self.scratch.remaining.remove(batch.islands.clone(), batch.rows());
                 });
                 self.solve_batches(&instance_batches[begin..end], contacts, &mut lane_compaction);
             }
@@ -115,11 +115,11 @@ impl<'a> BatchSolve<'a> {
     /// The planes and surfaces that the batch may touch, or `None` if its bodies cannot be solved in lanes in this step.
     fn contacts(&self, batch: &InstanceBatch) -> Option<BatchContacts<'a>> {
         let islands = &self.context.plan.islands.list[batch.islands.clone()];
-        if islands.iter().any(|island| island.rigid || island.measured || island.one_state) {
+        if islands.iter().any(|island| island.rigid || island.measured || island.is_rigid_state) {
             return None;
         }
         let awake = islands.iter().filter(|island| !island.asleep).count();
-        if !batch.is_worth(awake) {
+        if !batch.is_worthwhile(awake) {
             return None;
         }
         let settings = &islands[0].settings;
@@ -264,7 +264,7 @@ impl<'a> BatchSolve<'a> {
         let of = |number: usize| plan.tethers.of(&plan.islands.list[number]);
         let islands = || instance_batches.iter().flat_map(|batch| batch.islands.clone());
         let mut are_there = [false; 2];
-        for own in islands().filter_map(of).map(IslandTethers::are_there) {
+        for own in islands().filter_map(of).map(IslandTethers::has_tethers) {
             are_there = [are_there[0] || own[0], are_there[1] || own[1]];
         }
         for (batch, storage) in instance_batches.iter().zip(storages) {
@@ -278,7 +278,7 @@ impl<'a> BatchSolve<'a> {
             }
             let [one, others @ ..] = &storage.islands;
             if let Some(one) = of(*one as usize)
-                && others.iter().all(|&other| of(other as usize).is_some_and(|o| o.are_like(one)))
+                && others.iter().all(|&other| of(other as usize).is_some_and(|o| o.is_same_as(one)))
             {
                 self.load_same_tethers(one, storage, of);
                 continue;

@@ -7,7 +7,7 @@ use crate::lanes::{InstructionSet, LANES, Lanes, kernel};
 use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::{InstanceBatches, InstancePart, InstancedRod};
 use crate::solve::report::IslandReport;
-use crate::solve::rods::worse;
+use crate::solve::rods::max_error;
 
 impl InstanceBatches {
     /// Measures the bodies of all instance batches, except those measured already, and marks them as measured. Writes the largest error of each body's hard
@@ -60,7 +60,7 @@ kernel!(
         let mut worst = (L::zero(), L::zero());
         for rod in rods {
             let (one, other) = (&lane_particles[rod.a as usize], &lane_particles[rod.b as usize]);
-            worst = worse(worst, one.load(), other.load(), L::load(&rod.rest));
+            worst = max_error(worst, one.load(), other.load(), L::load(&rod.rest));
         }
         [worst.0.array(), worst.1.array()]
     }

@@ -6,8 +6,8 @@ use crate::constraints::project_rod;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::InstancedRod;
-use crate::solve::rods::{COS_SQUARED, Whole, project, project_from_start};
-use crate::solve::tethers::hold;
+use crate::solve::rods::{COS_SQUARED, FullCorrection, project, project_from_start};
+use crate::solve::tethers::project_tether;
 
 kernel!(
     /// Projects rods once, one after the other. Returns the largest error found in each body, metres, or `worst` if that is larger. Bodies in the mask
@@ -30,7 +30,7 @@ kernel!(
                 let start = (start[a].load::<L>(), start[b].load::<L>());
                 project_from_start(one, other, start, rest, along_start)
             } else {
-                project(one, other, rest, Whole)
+                project(one, other, rest, FullCorrection)
             };
             now[a].put(one);
             now[b].put(other);
@@ -70,7 +70,7 @@ kernel!(
         for tethers in tethers {
             for (now, tether) in now.iter_mut().zip(tethers) {
                 let ((p, w), pin) = (Vector::of(now.load::<L>()), tether.load());
-                let (held, far, out) = hold(p, w.and(going), pin, pin[3]);
+                let (held, far, out) = project_tether(p, w.and(going), pin, pin[3]);
                 if out.any() {
                     now.put(held.with(w));
                     worst = far.max(worst);

@@ -8,7 +8,7 @@ use crate::constraints::{Angle, Bend};
 use crate::recipes::{
     Blueprint, BoxSpec, RagdollSpec, RopeSpec, SoftLatticeSpec, box_3d, ragdoll, rope, soft_lattice,
 };
-use crate::solve::Given;
+use crate::solve::PlanInput;
 use crate::{
     Bound, Collider, Constraint, ConstraintKind, Distance, Frame, InstructionSet, IslandReport,
     Material, ParticleSeed, Plane, Shape, Simulation, Softness, Workers,
@@ -404,7 +404,7 @@ fn eight_of_a_kind_make_a_batch_and_what_is_different_does_not() {
         let world = world(build, 0..count);
         let mut plan = crate::solve::Plan::default();
         let (distances, constraints) = (world.distances(), world.constraints());
-        plan.compile(Given { distances, constraints, particles: world.particles.len() });
+        plan.compile(PlanInput { distances, constraints, particles: world.particles.len() });
         let sizes = plan.instance_batches.all.iter().map(|batch| batch.islands.len());
         sizes.collect::<Vec<_>>()
     };

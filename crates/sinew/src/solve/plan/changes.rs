@@ -1,6 +1,6 @@
 //! Changes: constraints added to and removed from the input lists since a plan was compiled, and the renumbering that results.
 
-use super::Given;
+use super::PlanInput;
 use super::keys::{DISTANCES, Fields, Key, RODS, rank_of, rank_of_kind};
 use crate::constraints::Rows;
 
@@ -83,7 +83,7 @@ impl Changes {
     }
 
     /// Whether one of the recorded changes connected, or may connect, two particles, consecutive in the constraint, for which the predicate is true.
-    pub(crate) fn any_between(&self, given: Given, holds: impl Fn(u32, u32) -> bool) -> bool {
+    pub(crate) fn any_between(&self, given: PlanInput, holds: impl Fn(u32, u32) -> bool) -> bool {
         let between = |rows: &[u32]| rows.windows(2).any(|pair| holds(pair[0], pair[1]));
         // Each later change may have shifted an added entry by one.
         let around = |at: usize| at.saturating_sub(MAX_CHANGES)..=at + MAX_CHANGES;
@@ -110,7 +110,7 @@ impl Changes {
     pub(super) fn renumber(
         &self,
         keys: &mut Vec<Key>,
-        given: &Given,
+        given: &PlanInput,
     ) -> (Vec<Removed>, Vec<Added>) {
         let (mut removed, mut added) = (Vec::new(), Vec::<Added>::new());
         for change in &self.few {
@@ -152,7 +152,7 @@ pub(super) fn list_of(key: &Key) -> List {
     }
 }
 
-impl Given<'_> {
+impl PlanInput<'_> {
     /// The valid distances and constraints after the first `same` entries of each list.
     pub(super) fn valid_from(&self, same: [usize; 2]) -> Vec<Added> {
         let [distances, constraints] = same;

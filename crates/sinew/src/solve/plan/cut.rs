@@ -61,7 +61,7 @@ impl Plan {
     /// Records which rows of a large island's run are used by a cluster batch that is not swept in the columns of that run.
     fn share_rows(&mut self, island: usize, cluster_batch: &mut ClusterBatch) {
         let island = &self.islands.list[island];
-        let run = self.run(island);
+        let run = self.contiguous_rows(island);
         if island.is_small() || cluster_batch.is_within(&run) {
             return;
         }
@@ -122,7 +122,7 @@ impl Plan {
             // Strides are mostly even. If the island's rows begin at a cache line, most batches of eight lanes then do.
             let island = &self.islands.list[found.island as usize];
             let [origin, run] =
-                [&island.members, &island.run].map(|of| self.islands.members[of.start]);
+                [&island.members, &island.contiguous].map(|of| self.islands.members[of.start]);
             let origin = if run <= rows.start { run } else { origin };
             rows.start -= (rows.start - origin) % 32;
             rows.start = rows.start.max(first);

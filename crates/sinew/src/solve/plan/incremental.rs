@@ -17,7 +17,7 @@ use super::changes::{Added, Changes, List, Removed, list_of};
 use super::colours::{GREEDY, OVERFLOW, StrideCounts, lowest};
 use super::keys::{Fields, Key};
 use super::place::{Compiling, may_stride};
-use super::{Given, GroupKind, Plan};
+use super::{GroupKind, Plan, PlanInput};
 use crate::constraints::Rows;
 
 /// Most constraints of an island that are recoloured before the update is given up.
@@ -38,7 +38,7 @@ pub(super) struct Fault {
 pub(super) fn update_incrementally(
     plan: &Plan,
     compiling: &mut Compiling,
-    (given, changes): (&Given, &Changes),
+    (given, changes): (&PlanInput, &Changes),
 ) -> Result<Vec<u32>, Fault> {
     let mut keys = core::mem::take(&mut compiling.keys);
     let mut scratch = core::mem::take(&mut compiling.scratch);
@@ -71,7 +71,7 @@ type Recheck = (GroupKind, u32);
 struct IncrementalUpdate<'a> {
     plan: &'a Plan,
     compiling: &'a mut Compiling,
-    given: &'a Given<'a>,
+    given: &'a PlanInput<'a>,
     /// The existing keys, sorted except where a colour changed, followed by the added ones.
     keys: &'a mut Vec<Key>,
     /// Number of existing keys.

@@ -87,7 +87,7 @@ impl InstanceBatch {
     }
 
     /// Whether solving `bodies` of its bodies in the batch is cheaper than solving them alone.
-    pub(in crate::solve) fn is_worth(&self, bodies: usize) -> bool {
+    pub(in crate::solve) fn is_worthwhile(&self, bodies: usize) -> bool {
         // Identical bodies are compacted with those of other batches.
         bodies >= if self.topology.is_some() { 1 } else { MIN_ISLANDS.min(self.islands.len()) }
     }
@@ -196,7 +196,7 @@ impl InstanceBatches {
             };
             multipliers += group.range.len();
             let joined = match self.parts[begin..].last_mut() {
-                Some(InstancePart::Constraints(last)) => last.join(&part),
+                Some(InstancePart::Constraints(last)) => last.append(&part),
                 _ => false,
             };
             if !joined {
@@ -298,7 +298,7 @@ fn has_same_constraints(plan: &Plan, one: usize, other: usize) -> bool {
     let groups = |island: &Island| &plan.groups[island.groups.clone()];
     groups(one).iter().zip(groups(other)).all(|(one, other)| {
         let cut = match (&one.wide, &other.wide) {
-            (Some(one), Some(other)) => one.is_like(other),
+            (Some(one), Some(other)) => one.has_same_layout(other),
             (None, None) => true,
             _ => false,
         };

@@ -36,7 +36,7 @@ use core::ops::Range;
 use super::chains::Chains;
 use super::rods::Rods;
 use super::tethers::Tethers;
-use super::wide::{ConstraintBatches, LooseDistances, Which};
+use super::wide::{BatchRange, ConstraintBatches, LooseDistances};
 use crate::constraints::{Constraint, Distance};
 use crate::islands::{Island, Islands};
 use crate::lanes::LANES;
@@ -96,7 +96,7 @@ pub(crate) struct ConstraintGroup {
     pub(crate) runs: Range<usize>,
     pub(crate) blocks: Range<usize>,
     /// For the others: their range among the constraint batches, if they have an eight-lane kernel and are not swept in columns.
-    pub(crate) wide: Option<Which>,
+    pub(crate) wide: Option<BatchRange>,
 }
 
 impl ConstraintGroup {
@@ -159,7 +159,7 @@ const IN_COLUMNS: (usize, usize) = (7, 8);
 
 /// The input of compilation.
 #[derive(Clone, Copy)]
-pub(crate) struct Given<'a> {
+pub(crate) struct PlanInput<'a> {
     pub(crate) distances: &'a [Distance],
     pub(crate) constraints: &'a [Constraint],
     /// Number of rows.
@@ -170,13 +170,13 @@ impl Plan {
     /// Compiles the valid ones of the given distances and constraints. Reuses allocated memory.
     ///
     /// A pinned particle (infinite mass) belongs to the island of the constraints attached to it, and merges several into one.
-    pub(crate) fn compile(&mut self, given: Given) {
+    pub(crate) fn compile(&mut self, given: PlanInput) {
         self.compiling.keys.clear();
         self.compile_from(&given, 0, &given.valid_from([0, 0]));
     }
 
     /// Like [`compile`](Self::compile), where the first `same` distances and constraints are unchanged.
-    pub(crate) fn compile_changed(&mut self, given: Given, same: [usize; 2]) {
+    pub(crate) fn compile_changed(&mut self, given: PlanInput, same: [usize; 2]) {
         let Compiling { keys, given: before, .. } = &mut self.compiling;
         // Constraints that were invalid at the last compilation may be valid now.
         if keys.len() < before.iter().sum() {
@@ -200,7 +200,7 @@ impl Plan {
     }
 
     /// Gives the result of [`compile`](Self::compile), incrementally where possible. The number of particles must not have changed.
-    pub(crate) fn keep_up(&mut self, given: Given, changes: &Changes) {
+    pub(crate) fn update(&mut self, given: PlanInput, changes: &Changes) {
         let mut compiling = core::mem::take(&mut self.compiling);
         let updated = incremental::update_incrementally(self, &mut compiling, (&given, changes));
         self.compiling = compiling;
@@ -222,7 +222,7 @@ impl Plan {
 
     /// Compiles all but the first `kept` islands, from the constraints that have a key and from those `added`. No constraint of the kept islands may have
     /// changed. Where an added constraint connects to one of them, fewer islands are kept.
-    fn compile_from(&mut self, given: &Given, kept: usize, added: &[Added]) {
+    fn compile_from(&mut self, given: &PlanInput, kept: usize, added: &[Added]) {
         let mut compiling = core::mem::take(&mut self.compiling);
         let old = &self.islands.of[..self.rows.min(given.particles)];
         let island = |&row: &u32| old.get(row as usize).map(|&island| island as usize);
@@ -262,7 +262,7 @@ impl Plan {
     }
 
     /// Copies the input in key order, beginning at the marked island `from`, and finds chains and instance batches.
-    fn cut(&mut self, given: &Given, from: usize) {
+    fn cut(&mut self, given: &PlanInput, from: usize) {
         self.cut_off(from);
         let keys = core::mem::take(&mut self.compiling.keys);
         let first = keys.partition_point(|key| Fields::is_before(key.group, from));
@@ -272,7 +272,7 @@ impl Plan {
         let mut instance_batches = core::mem::take(&mut self.instance_batches);
         instance_batches.find(self);
         self.instance_batches = instance_batches;
-        self.tethers.expire();
+        self.tethers.mark_stale();
         let Self { islands, groups, constraints, .. } = self;
         for island in &mut islands.list[from..] {
             let own = groups[island.groups.clone()].iter();
@@ -301,7 +301,7 @@ impl Plan {
 
     /// The contiguous run of rows of an island, if the island is worth sweeping with that run in columns because nearly all of its constraints are there.
     pub(crate) fn fits_columns(&self, island: &Island) -> Option<Range<u32>> {
-        let run = self.run(island);
+        let run = self.contiguous_rows(island);
         // Some rows beyond the last one are read and written back.
         let has_room = run.len().div_ceil(2) + 2 * LANES <= self.rods.half();
         (has_room && self.is_mostly_in_columns(island)).then_some(run)
@@ -309,7 +309,7 @@ impl Plan {
 
     /// Whether nearly all constraints of an island are in cluster batches that are swept in columns, within the island's contiguous run of rows.
     pub(crate) fn is_mostly_in_columns(&self, island: &Island) -> bool {
-        let run = self.run(island);
+        let run = self.contiguous_rows(island);
         let (mut all, mut within) = (0, 0);
         for cluster_batch in &self.cluster_batches[island.cluster_batches.clone()] {
             let groups = &self.groups[cluster_batch.groups.clone()];
@@ -321,8 +321,8 @@ impl Plan {
     }
 
     /// The longest contiguous run of rows of an island.
-    pub(crate) fn run(&self, island: &Island) -> Range<u32> {
-        match self.islands.members.get(island.run.clone()) {
+    pub(crate) fn contiguous_rows(&self, island: &Island) -> Range<u32> {
+        match self.islands.members.get(island.contiguous.clone()) {
             Some([first, .., last]) => *first..*last + 1,
             Some([one]) => *one..*one + 1,
             _ => 0..0,
@@ -345,7 +345,7 @@ impl Plan {
     /// The rows of an island's particles as contiguous ranges.
     pub(crate) fn runs(&self, island: &Island) -> impl Iterator<Item = Range<u32>> {
         // Shortcut: most islands are known to be one range.
-        let one = (island.run == island.members).then(|| self.run(island));
+        let one = (island.contiguous == island.members).then(|| self.contiguous_rows(island));
         let several = if one.is_some() { 0..0 } else { island.members.clone() };
         let members = self.islands.members.get(several).unwrap_or(&[]);
         let several = members.chunk_by(|one, next| one + 1 == *next);

@@ -6,7 +6,7 @@ use super::changes::{Added, list_of};
 use super::clusters::{Clusters, Place};
 use super::colours::{Colours, StrideCounts, Strides};
 use super::keys::{Fields, Key, is_rod, rank_of, rank_of_kind};
-use super::{Given, GroupKind, Plan};
+use super::{GroupKind, Plan, PlanInput};
 use crate::constraints::{Bound, Constraint, Distance};
 use crate::islands::Island;
 use crate::solve::rods;
@@ -38,7 +38,7 @@ pub(super) struct Compiling {
 
 impl Compiling {
     /// Records the size of an input whose valid constraints all have keys.
-    pub(super) fn note(&mut self, given: &Given) {
+    pub(super) fn note(&mut self, given: &PlanInput) {
         self.given = [given.distances.len(), given.constraints.len()];
     }
 
@@ -47,7 +47,7 @@ impl Compiling {
     pub(super) fn take_from(
         &mut self,
         kept: usize,
-        given: &Given,
+        given: &PlanInput,
         added: &[Added],
     ) -> [Vec<u32>; 2] {
         let first = self.keys.partition_point(|key| Fields::is_before(key.group, kept));
@@ -64,7 +64,7 @@ impl Compiling {
         &mut self,
         kept: usize,
         plan: &Plan,
-        given: &Given,
+        given: &PlanInput,
         numbers: &[Vec<u32>; 2],
     ) {
         self.number_slots(kept, plan);
@@ -193,7 +193,7 @@ impl Compiling {
         distances: impl Iterator<Item = &'a Distance>,
         scratch: &mut [StrideCounts; 2],
     ) -> (Clusters, [Strides; 2]) {
-        let Island { members, run, .. } = &plan.islands.list[island];
+        let Island { members, contiguous: run, .. } = &plan.islands.list[island];
         let run = run.start - members.start..run.end - members.start;
         scratch.iter_mut().for_each(StrideCounts::clear);
         let (mut count, mut reach) = (0, 0);

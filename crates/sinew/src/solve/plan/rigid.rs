@@ -16,7 +16,7 @@ const TOLERANCE: f32 = 1e-5;
 
 impl Plan {
     /// Whether an island consists of the particles of a body collider, connected pairwise by rods of the collider's distances, and has no other constraints.
-    pub(crate) fn ties_all_of(&self, collider: &BodyCollider, island: &Island) -> bool {
+    pub(crate) fn is_rigid_body_of(&self, collider: &BodyCollider, island: &Island) -> bool {
         let members = &self.islands.members[island.members.clone()];
         let groups = &self.groups[island.groups.clone()];
         let (Some(&first), Some(&last), count) = (members.first(), members.last(), members.len())

@@ -4,7 +4,7 @@ use super::*;
 
 /// Compiles a plan of these distances among `particles` particles.
 fn compile(plan: &mut Plan, distances: &[Distance], particles: usize) {
-    plan.compile(Given { distances, constraints: &[], particles });
+    plan.compile(PlanInput { distances, constraints: &[], particles });
 }
 
 #[test]

@@ -85,7 +85,7 @@ impl Plan {
                 }
             };
             let begin = island.members.start;
-            let run = island.run.start - begin..island.run.end - begin;
+            let run = island.contiguous.start - begin..island.contiguous.end - begin;
             let made = IslandTethers::of((members, run), (key, pins), fields, each);
             if place == tethers.islands.len() {
                 tethers.islands.push(made);
@@ -145,7 +145,7 @@ impl Plan {
     /// The spans of an island, within its contiguous run of rows.
     fn spans(&self, number: usize) -> Spans {
         let island = &self.islands.list[number];
-        let run = self.run(island);
+        let run = self.contiguous_rows(island);
         let within = |d: &&Distance| run.contains(&d.a) && run.contains(&d.b);
         Spans::of(run.start, run.len(), self.hard(island).1.filter(within))
     }

@@ -6,9 +6,9 @@
 
 use core::ops::Range;
 
-use super::worse;
+use super::max_error;
 use super::{
-    Correction, Relaxation, RodBlock, Rods, StridedBatch, Whole, moved, project, stretch,
+    Correction, FullCorrection, Relaxation, RodBlock, Rods, StridedBatch, moved, project, stretch,
     stretch_of,
 };
 use crate::constraints::project_rod;
@@ -21,7 +21,7 @@ type Colour<'a> = (&'a Range<usize>, &'a Range<usize>);
 impl Rods {
     /// Projects groups of rods (their strided batches and blocks) once, in order, on particles in columns. `rows` are the first row of the cluster batch and
     /// the first row of the columns. Returns the largest error found, metres.
-    pub(crate) fn sweep_turned<'a>(
+    pub(crate) fn sweep_columns<'a>(
         &self,
         columns: &mut Columns,
         groups: impl Iterator<Item = Colour<'a>>,
@@ -31,9 +31,10 @@ impl Rods {
     ) -> f32 {
         let rods = self;
         match relaxed {
-            None => {
-                with(instructions, SweepColumns { rods, columns, groups, rows, correction: Whole })
-            }
+            None => with(
+                instructions,
+                SweepColumns { rods, columns, groups, rows, correction: FullCorrection },
+            ),
             Some(correction) => {
                 with(instructions, SweepColumns { rods, columns, groups, rows, correction })
             }
@@ -52,11 +53,11 @@ impl Rods {
         let range = places.at(rows.start)..places.at(rows.end);
         columns.reset(self.half);
         columns.turn_in(0, &places.position[range], instructions);
-        self.measure_turned(columns, groups, (rows.start, rows.start), instructions)
+        self.measure_transposed(columns, groups, (rows.start, rows.start), instructions)
     }
 
-    /// Like [`measure_columns`](Self::measure_columns), on particles that are already in columns. `rows` as in [`sweep_turned`](Self::sweep_turned).
-    pub(crate) fn measure_turned<'a>(
+    /// Like [`measure_columns`](Self::measure_columns), on particles that are already in columns. `rows` as in [`sweep_columns`](Self::sweep_columns).
+    pub(crate) fn measure_transposed<'a>(
         &self,
         columns: &mut Columns,
         groups: impl Iterator<Item = Colour<'a>>,
@@ -67,7 +68,7 @@ impl Rods {
     }
 }
 
-/// The work of [`Rods::sweep_turned`].
+/// The work of [`Rods::sweep_columns`].
 struct SweepColumns<'a, G, C> {
     rods: &'a Rods,
     columns: &'a mut Columns,
@@ -104,7 +105,7 @@ impl<'a, G: Iterator<Item = Colour<'a>>, C: Correction> Work for SweepColumns<'_
     }
 }
 
-/// The work of [`Rods::measure_turned`].
+/// The work of [`Rods::measure_transposed`].
 struct MeasureColumns<'a, G> {
     rods: &'a Rods,
     columns: &'a mut Columns,
@@ -135,7 +136,7 @@ impl<'a, G: Iterator<Item = Colour<'a>>> Work for MeasureColumns<'_, G> {
                 let [one, other] = [&block.a, &block.b]
                     .map(|rows_of| rows_of.map(|row| columns.get(columns.at(row - rows.1))));
                 let rest = L::load(&block.rest);
-                worst = worse(worst, L::run(&one, 0), L::run(&other, 0), rest);
+                worst = max_error(worst, L::run(&one, 0), L::run(&other, 0), rest);
             }
         }
         (worst.0.largest(0.0), worst.1.largest(0.0))

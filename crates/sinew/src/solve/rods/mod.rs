@@ -11,7 +11,7 @@ mod columns;
 mod packed;
 mod soft;
 
-pub(super) use packed::worse;
+pub(super) use packed::max_error;
 pub(super) use soft::compliance;
 
 use core::ops::Range;
@@ -241,9 +241,9 @@ pub(super) trait Correction: Copy {
 
 /// All of every error.
 #[derive(Clone, Copy)]
-pub(super) struct Whole;
+pub(super) struct FullCorrection;
 
-impl Correction for Whole {
+impl Correction for FullCorrection {
     #[inline(always)]
     fn share<N: Number>(self, _: N, _: N) -> Option<N> {
         None

@@ -122,12 +122,12 @@ kernel!(
                 let left = run.count - along;
                 let at = |row: u32| run.rows((row + along * run.step) as usize, left);
                 let (one, other) = (L::rows(positions, &at(run.a)), L::rows(positions, &at(run.b)));
-                worst = worse(worst, one, other, L::load(&run.padded(rest, left)));
+                worst = max_error(worst, one, other, L::load(&run.padded(rest, left)));
             }
         }
         for block in &rods.blocks[blocks] {
             let (one, other) = (L::rows(positions, &block.a), L::rows(positions, &block.b));
-            worst = worse(worst, one, other, L::load(&block.rest));
+            worst = max_error(worst, one, other, L::load(&block.rest));
         }
         (worst.0.largest(0.0), worst.1.largest(0.0))
     }
@@ -135,7 +135,7 @@ kernel!(
 
 /// Maximum of errors and strains with those of eight more rods. A rod between two pins counts as zero.
 #[inline(always)]
-pub(in crate::solve) fn worse<L: Lanes>(
+pub(in crate::solve) fn max_error<L: Lanes>(
     (error, strain): (L, L),
     one: [L; 4],
     other: [L; 4],

@@ -35,8 +35,8 @@ use crate::islands::Island;
 use crate::lanes::LANES;
 use crate::particles::Places;
 pub(super) use pin_fields::PinFields;
-pub(super) use project::hold;
 use project::hold_one;
+pub(super) use project::project_tether;
 pub(super) use spans::Spans;
 
 /// Statics islands of no more particles have no tethers: with them, a rope between two pins still moved by micrometres after 20 000 such steps.
@@ -67,7 +67,7 @@ pub(crate) struct IslandTethers {
     /// For each member the index of the pin and the length of both tethers, metres; infinite where there is none.
     pub(in crate::solve) each: Vec<[(u32, f32); 2]>,
     /// Whether any member has a first tether, and whether any has a second one.
-    are_there: [bool; 2],
+    has_tethers: [bool; 2],
     pub(in crate::solve) blocks: Vec<TetherBlock>,
     /// The paths of the tethers along rods, where loads are measured.
     pub(in crate::solve) paths: Option<TetherPaths>,
@@ -98,7 +98,7 @@ pub(in crate::solve) struct TetherBlock {
 
 impl Tethers {
     /// Marks all tethers as out of date, after the plan was compiled.
-    pub(super) fn expire(&mut self) {
+    pub(super) fn mark_stale(&mut self) {
         self.stale = true;
     }
 
@@ -147,10 +147,10 @@ impl IslandTethers {
         fields: Option<PinFields>,
         each: Vec<[(u32, f32); 2]>,
     ) -> Self {
-        let are_there = [0, 1].map(|which| each.iter().any(|own| own[which].1.is_finite()));
+        let has_tethers = [0, 1].map(|which| each.iter().any(|own| own[which].1.is_finite()));
         let sections = [0..run.start, run.clone(), run.end..members.len()];
         let blocks = sections.into_iter().flat_map(|own| blocks(members, &each, own)).collect();
-        Self { key, pins, fields, each, are_there, blocks, paths: None }
+        Self { key, pins, fields, each, has_tethers, blocks, paths: None }
     }
 
     /// Positions of its pins, in an array that begins with row `first`.
@@ -169,12 +169,12 @@ impl IslandTethers {
     }
 
     /// Whether any member has a first tether, and whether any has a second one.
-    pub(super) fn are_there(&self) -> [bool; 2] {
-        self.are_there
+    pub(super) fn has_tethers(&self) -> [bool; 2] {
+        self.has_tethers
     }
 
     /// Whether another island has the same tethers, to pins of the same member indices.
-    pub(super) fn are_like(&self, other: &Self) -> bool {
+    pub(super) fn is_same_as(&self, other: &Self) -> bool {
         self.key == other.key
     }
 

@@ -53,7 +53,7 @@ impl IslandTethers {
     }
 }
 
-/// Moves one particle to the distance that a tether allows, as [`hold`] does for eight; returns the excess, metres.
+/// Moves one particle to the distance that a tether allows, as [`project_tether`] does for eight; returns the excess, metres.
 #[inline]
 pub(super) fn hold_one(q: &mut Vec4, pin: Vec4, length: f32) -> f32 {
     let d = (*q - pin).truncate();
@@ -84,7 +84,8 @@ impl Work for ProjectTethers<'_> {
             let mut rows = block.rows;
             rows.iter_mut().for_each(|row| *row -= first);
             let (p, w) = Vector::of(L::rows(position, &rows));
-            let (held, far, out) = hold(p, w, block.pins_of(pins), L::load(&block.length));
+            let (held, far, out) =
+                project_tether(p, w, block.pins_of(pins), L::load(&block.length));
             if out.any() {
                 L::put_rows(position, &rows, held.with(w));
                 worst = far.max(worst);
@@ -112,7 +113,8 @@ impl Work for ProjectColumns<'_> {
             let at = columns.at(block.member - first as u32);
             let mut eights = columns.eights();
             let (p, w) = Vector::of(eights.load::<L>(at));
-            let (held, far, out) = hold(p, w, block.pins_of(pins), L::load(&block.length));
+            let (held, far, out) =
+                project_tether(p, w, block.pins_of(pins), L::load(&block.length));
             if out.any() {
                 eights.put(at, held.with(w));
                 worst = far.max(worst);
@@ -138,7 +140,7 @@ impl TetherBlock {
 ///
 /// `C = ‖d‖ - L ≤ 0` with `d = p - q` and a pin of infinite mass: all of the correction goes to the particle, `Δp = -C d/‖d‖`.
 #[inline(always)]
-pub(in crate::solve) fn hold<L: Lanes>(
+pub(in crate::solve) fn project_tether<L: Lanes>(
     p: Vector<L>,
     w: L,
     pin: [L; 4],

@@ -272,7 +272,7 @@ impl Work for ProjectSpans<'_> {
             for (lane, length_) in again.iter_mut().enumerate() {
                 *length_ = if length[lane].is_finite() { *length_ } else { length[0] };
             }
-            let Some((one, other)) = hold(one, other, L::load(&again)) else { continue };
+            let Some((one, other)) = project_span(one, other, L::load(&again)) else { continue };
             L::put_rows(position, &ones, one);
             L::put_rows(position, &others, other);
         }
@@ -300,7 +300,11 @@ impl Work for SpanColumns<'_> {
                 let one = [columns.at(a), columns.at(a + 1)];
                 let other = [columns.at(b), columns.at(b + 1)];
                 let mut eights = columns.eights();
-                let held = hold(eights.load_run::<L>(one), eights.load_run(other), L::load(length));
+                let held = project_span(
+                    eights.load_run::<L>(one),
+                    eights.load_run(other),
+                    L::load(length),
+                );
                 let Some((moved, others)) = held else { continue };
                 // In this order: rows of the first eight at which no span begins may be among the other eight.
                 eights.put_run(one, moved);
@@ -314,7 +318,7 @@ impl Work for SpanColumns<'_> {
 ///
 /// As for a rope: with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`.
 #[inline(always)]
-fn hold<L: Lanes>(one: [L; 4], other: [L; 4], length: L) -> Option<([L; 4], [L; 4])> {
+fn project_span<L: Lanes>(one: [L; 4], other: [L; 4], length: L) -> Option<([L; 4], [L; 4])> {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
     let d = a - b;
     let (square, weights) = (d.length_squared(), wa + wb);

@@ -58,7 +58,7 @@ pub(super) fn run_wavefronts(
 ) {
     let begin = island_step.task.islands.start;
     for number in island_step.task.islands.clone() {
-        if !remaining.holds(number) {
+        if !remaining.contains(number) {
             continue;
         }
         let (plan, mut report) = (island_step.context.plan, island_step.reports[number - begin]);
@@ -82,7 +82,7 @@ pub(super) fn run_wavefronts(
         );
         counts.join(&mut report);
         island_step.reports[number - begin] = report;
-        remaining.leave(number..number + 1, members[0]..members[0] + members.len() as u32);
+        remaining.remove(number..number + 1, members[0]..members[0] + members.len() as u32);
     }
 }
 
@@ -101,7 +101,7 @@ impl TaskSlice<'_> {
         };
         let cluster_batches = island.cluster_batches.clone();
         let excluded =
-            island.is_left_alone() || island.rigid || island.free || island.groups.is_empty();
+            island.is_skipped() || island.rigid || island.free || island.groups.is_empty();
         // Spans would connect cluster batches at different stages.
         let excluded = excluded || plan.tethers.spans_of(island).is_some() || island.has_chains();
         let touches = !context.contacts.is_empty() || context.contacts.bounces();
@@ -332,7 +332,7 @@ impl Wavefront {
                         plan.groups[cluster_batch.groups.clone()].iter().map(ConstraintGroup::rods);
                     let rows = (cluster_batch.rows.start, first + window.rows.start as u32);
                     let columns = &mut window.moving.position;
-                    let found = plan.rods.sweep_turned(columns, groups, rows, None, instructions);
+                    let found = plan.rods.sweep_columns(columns, groups, rows, None, instructions);
                     worst[substep] = worst[substep].max(found);
                 }
                 StageKind::Measure { .. } => {
@@ -342,7 +342,7 @@ impl Wavefront {
                     let rows = (cluster_batch.rows.start, first + window.rows.start as u32);
                     let columns = &mut window.moving.position;
                     let (error, strain) =
-                        plan.rods.measure_turned(columns, groups, rows, instructions);
+                        plan.rods.measure_transposed(columns, groups, rows, instructions);
                     *left = (left.0.max(error), left.1.max(strain));
                 }
                 StageKind::Settle => {

@@ -7,7 +7,7 @@ use super::particle_access::ParticleAccess;
 use super::wide_constraint::WideConstraint;
 use super::wide_distance::WideDistance;
 use super::{
-    Addressing, Batch, BatchList, BatchLists, ConstraintBatches, MEASURING, Which, WideKernel,
+    Addressing, Batch, BatchList, BatchLists, BatchRange, ConstraintBatches, MEASURING, WideKernel,
     append, on_list,
 };
 use crate::constraints::{Constraint, Distance, FromKind, SubstepContext, Wide};
@@ -40,7 +40,7 @@ pub(in crate::solve) struct InstancedGroups<'a, T> {
     pub(in crate::solve) each: [&'a [T]; LANES],
     pub(in crate::solve) first: [u32; LANES],
     pub(in crate::solve) constraint_batches: &'a ConstraintBatches,
-    pub(in crate::solve) which: &'a Which,
+    pub(in crate::solve) which: &'a BatchRange,
     /// Where the group's multipliers begin among those of the instance batch.
     pub(in crate::solve) multipliers: usize,
 }
@@ -127,7 +127,7 @@ impl InstancedConstraints {
 
 impl ConstraintBatches {
     /// The packed compliance that a constraint of a group has outside of instance batches.
-    fn packed_compliance(&self, which: &Which, place: usize) -> &PackedCompliance {
+    fn packed_compliance(&self, which: &BatchRange, place: usize) -> &PackedCompliance {
         let block = which.blocks.start + place / which.each;
         let number = on_list!([&] self, which.list, |batches| batches[block].packed_compliance);
         &self.compliances[number as usize]
@@ -136,7 +136,7 @@ impl ConstraintBatches {
 
 impl InstancedGroup {
     /// Appends the next group if both are in the same list and adjacent there, so that they are swept as one. Returns whether it did.
-    pub(in crate::solve) fn join(&mut self, next: &Self) -> bool {
+    pub(in crate::solve) fn append(&mut self, next: &Self) -> bool {
         let (end, multipliers) = (self.range.end, self.multipliers + self.range.len());
         let joins =
             self.list == next.list && end == next.range.start && multipliers == next.multipliers;
@@ -169,9 +169,9 @@ fn instanced<W: Wide<N, Kind: FromKind>, const N: usize>(
     Some(Batch::new(members, (eight, groups.match_branches(own, place)), compliances))
 }
 
-impl Which {
+impl BatchRange {
     /// Whether another group has constraints of the same kind, batched in the same way.
-    pub(in crate::solve) fn is_like(&self, other: &Self) -> bool {
+    pub(in crate::solve) fn has_same_layout(&self, other: &Self) -> bool {
         self.list == other.list && self.each == other.each
     }
 }

@@ -199,7 +199,7 @@ pub(crate) type ConstraintBatches = BatchLists<ByRows>;
 
 /// The batches that belong to one group of constraints.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Which {
+pub(crate) struct BatchRange {
     list: BatchList,
     blocks: Range<usize>,
     /// How many of the group's constraints are in a batch: eight, or one if they share particles.
@@ -209,7 +209,7 @@ pub(crate) struct Which {
 impl ConstraintBatches {
     /// Adds the constraints of a group, all of one colour, in order. With `shared` the constraints share particles, and each gets a batch to itself. `None` if
     /// they have no wide kernel or differ in kind.
-    pub(crate) fn add(&mut self, constraints: &[Constraint], shared: bool) -> Option<Which> {
+    pub(crate) fn add(&mut self, constraints: &[Constraint], shared: bool) -> Option<BatchRange> {
         let each = if shared { 1 } else { LANES };
         let list = BatchList::of(&constraints.first()?.kind)?;
         let compliances = &mut self.compliances;
@@ -222,11 +222,11 @@ impl ConstraintBatches {
             },
             return None
         );
-        Some(Which { list, blocks, each })
+        Some(BatchRange { list, blocks, each })
     }
 
     /// Adds the distances of a group, likewise.
-    pub(crate) fn add_distances(&mut self, distances: &[Distance], shared: bool) -> Which {
+    pub(crate) fn add_distances(&mut self, distances: &[Distance], shared: bool) -> BatchRange {
         let (first, each) = (self.distances.len(), if shared { 1 } else { LANES });
         for some in distances.chunks(each) {
             let eight: [&Distance; LANES] =
@@ -234,7 +234,7 @@ impl ConstraintBatches {
             let rows = [eight.map(|d| d.a), eight.map(|d| d.b)];
             self.distances.push(Batch::new(rows, WideDistance::of(eight), &mut self.compliances));
         }
-        Which { list: BatchList::Distances, blocks: first..self.distances.len(), each }
+        BatchRange { list: BatchList::Distances, blocks: first..self.distances.len(), each }
     }
 
     /// Projects a group once. `all_multipliers` are those of its constraints, in order. Returns the largest error found, metres; for compliant ones the largest
@@ -242,7 +242,7 @@ impl ConstraintBatches {
     pub(crate) fn sweep(
         &self,
         places: &mut Places,
-        which: &Which,
+        which: &BatchRange,
         all_multipliers: &mut [f32],
         substep_context: SubstepContext,
         instructions: InstructionSet,
@@ -255,7 +255,7 @@ impl ConstraintBatches {
     pub(crate) fn measure(
         &self,
         places: &mut Places,
-        which: &Which,
+        which: &BatchRange,
         instructions: InstructionSet,
     ) -> f32 {
         self.pass(places, which, None, MEASURING, instructions)
@@ -264,7 +264,7 @@ impl ConstraintBatches {
     fn pass(
         &self,
         places: &mut Places,
-        which: &Which,
+        which: &BatchRange,
         multipliers: Option<ChunksMut<f32>>,
         substep_context: SubstepContext,
         instructions: InstructionSet,

@@ -7,7 +7,7 @@ mod strided;
 use glam::{Vec3, Vec4};
 
 use super::super::constraint_ref::{Local, SolveMode, project_constraint, project_distance};
-use super::{ConstraintBatches, Which};
+use super::{BatchRange, ConstraintBatches};
 use crate::constraints::checks::Random;
 use crate::constraints::{
     Angle, Area, Bend, Bound, Cone, Constraint, ConstraintKind, Distance, GradientAt, Hinge,
@@ -108,7 +108,7 @@ enum Group {
 }
 
 impl Group {
-    fn wide(&self) -> (ConstraintBatches, Which) {
+    fn wide(&self) -> (ConstraintBatches, BatchRange) {
         let mut constraint_batches = ConstraintBatches::default();
         let which = match self {
             Group::Constraints(constraints) => constraint_batches.add(constraints, false).unwrap(),

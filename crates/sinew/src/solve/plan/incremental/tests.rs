@@ -79,9 +79,9 @@ impl Lists {
         lists
     }
 
-    fn given(&self) -> Given<'_> {
+    fn given(&self) -> PlanInput<'_> {
         let Self { distances, constraints, particles, .. } = self;
-        Given { distances, constraints, particles: *particles }
+        PlanInput { distances, constraints, particles: *particles }
     }
 
     fn compiled(&self) -> Plan {

@@ -146,7 +146,7 @@ fn what_comes_and_goes_leaves_the_plan_of_what_is_there() {
     let mut kept = 0;
     for round in 0..300 {
         let now = bodies.lists();
-        let given = Given { distances: &now.0, constraints: &now.1, particles: now.2 };
+        let given = PlanInput { distances: &now.0, constraints: &now.1, particles: now.2 };
         let distances = before.0.iter().zip(&now.0).take_while(|(a, b)| a == b).count();
         let constraints = before.1.iter().zip(&now.1).take_while(|(a, b)| a == b).count();
         plan.compile_changed(given, [distances, constraints]);
@@ -169,12 +169,12 @@ fn what_is_added_behind_is_all_that_is_compiled() {
     bodies.sizes.extend([Body::Cloth(24); 3]);
     let (distances, constraints, particles) = bodies.lists();
     let mut plan = Plan::default();
-    plan.compile(Given { distances: &distances, constraints: &constraints, particles });
+    plan.compile(PlanInput { distances: &distances, constraints: &constraints, particles });
     let same = [distances.len(), constraints.len()];
     assert_eq!(plan.marked_before(plan.islands.list.len()), 3);
     bodies.sizes.push(Body::Rope(5));
     let (distances, constraints, particles) = bodies.lists();
-    let added = Given { distances: &distances, constraints: &constraints, particles };
+    let added = PlanInput { distances: &distances, constraints: &constraints, particles };
     assert_eq!(added.valid_from(same).len(), 4);
     plan.compile_changed(added, same);
     assert_eq!(plan.compiling.of_island.len(), 4);
@@ -183,7 +183,7 @@ fn what_is_added_behind_is_all_that_is_compiled() {
     let same = [distances.len(), constraints.len()];
     let (distances, constraints, particles) = bodies.lists();
     plan.compile_changed(
-        Given { distances: &distances, constraints: &constraints, particles },
+        PlanInput { distances: &distances, constraints: &constraints, particles },
         same,
     );
     let first = distances.iter().filter(|d| d.a < 24 * 24).count();

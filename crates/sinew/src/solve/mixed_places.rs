@@ -8,12 +8,12 @@ use crate::lanes::Columns;
 use crate::particles::Places;
 
 /// Positions of an island, of which a run of rows may be in columns.
-pub(super) struct TurnedPlaces<'a, 'b> {
+pub(super) struct MixedPlaces<'a, 'b> {
     pub(super) columns: Option<(&'a mut Columns, &'a Range<u32>)>,
     pub(super) places: &'a mut Places<'b>,
 }
 
-impl TurnedPlaces<'_, '_> {
+impl MixedPlaces<'_, '_> {
     pub(super) fn get(&self, row: u32) -> Vec4 {
         match &self.columns {
             Some((columns, run)) if run.contains(&row) => columns.get(columns.at(row - run.start)),
@@ -31,14 +31,14 @@ impl TurnedPlaces<'_, '_> {
     }
 
     /// Copies some rows of the run from the columns to memory.
-    pub(super) fn turn_out(&mut self, rows: impl Iterator<Item = u32>) {
+    pub(super) fn copy_out(&mut self, rows: impl Iterator<Item = u32>) {
         if self.columns.is_some() {
             rows.for_each(|row| self.places.position[self.places.at(row)] = self.get(row));
         }
     }
 
     /// Copies them back.
-    pub(super) fn turn_in(&mut self, rows: impl Iterator<Item = u32>) {
+    pub(super) fn copy_in(&mut self, rows: impl Iterator<Item = u32>) {
         if self.columns.is_some() {
             rows.for_each(|row| self.set(row, self.places.position[self.places.at(row)]));
         }
