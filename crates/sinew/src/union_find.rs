@@ -21,7 +21,7 @@ impl UnionFind {
     }
 
     /// Makes each of these indices a set of its own again. No other index may be in a set with one of them.
-    pub(crate) fn part(&mut self, these: &[u32]) {
+    pub(crate) fn isolate(&mut self, these: &[u32]) {
         for &one in these {
             self.parent[one as usize] = one;
         }

@@ -19,7 +19,7 @@ impl Pin {
     ///
     /// Each substep covers an equal part of the remaining path; the last ends exactly on the target.
     #[inline]
-    pub(crate) fn lead(&self, position: Vec3, remaining: u32) -> Vec3 {
+    pub(crate) fn step_towards_target(&self, position: Vec3, remaining: u32) -> Vec3 {
         if remaining <= 1 || !position.is_finite() {
             self.target
         } else {
@@ -37,7 +37,7 @@ mod tests {
         let pin = Pin { particle: 0, target: Vec3::new(0.3, 0.7, -0.1) };
         let mut at = Vec3::ZERO;
         for remaining in (1..=4).rev() {
-            let next = pin.lead(at, remaining);
+            let next = pin.step_towards_target(at, remaining);
             assert!(((next - at).length() - pin.target.length() / 4.0).abs() < 1e-6);
             at = next;
         }

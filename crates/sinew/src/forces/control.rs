@@ -55,7 +55,7 @@ pub(crate) fn apply(particles: &mut Particles, controls: &[Control]) {
         let Some(whole) = TotalMass::of(particles, &control.rows) else { continue };
         let lever = control.point.map_or(DVec3::ZERO, |point| whole.arm_of(particles, point));
         let force = control.force.as_dvec3();
-        let answer = whole.answer(force, control.torque.as_dvec3() + lever.cross(force));
+        let answer = whole.response(force, control.torque.as_dvec3() + lever.cross(force));
         for &row in &control.rows {
             let i = row as usize;
             if i < particles.len() && particles.position[i].w > 0.0 {

@@ -6,14 +6,14 @@ use core::ops::Range;
 use glam::Vec3;
 
 use super::loss;
-use crate::lanes::{Columns, Eights, LANES, Lanes, Vector, kernel};
+use crate::lanes::{Columns, ColumnsView, LANES, Lanes, Vector, kernel};
 
 /// Particles that stay in columns for all substeps of a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MovingColumns {
     pub(crate) position: Columns,
     /// Predicted positions; in the last substep, positions at its start.
-    pub(crate) begun: Columns,
+    pub(crate) start: Columns,
     pub(crate) velocity: Columns,
     pub(crate) rounding: Columns,
 }
@@ -47,23 +47,23 @@ impl StepConstants {
 impl MovingColumns {
     /// All four columns.
     pub(crate) fn each(&mut self) -> [&mut Columns; 4] {
-        [&mut self.position, &mut self.begun, &mut self.velocity, &mut self.rounding]
+        [&mut self.position, &mut self.start, &mut self.velocity, &mut self.rounding]
     }
 
     #[inline(always)]
     fn open(&mut self) -> OpenColumns<'_> {
         OpenColumns {
-            position: self.position.eights(),
-            begun: self.begun.eights(),
-            velocity: self.velocity.eights(),
-            rounding: self.rounding.eights(),
+            position: self.position.view(),
+            start: self.start.view(),
+            velocity: self.velocity.view(),
+            rounding: self.rounding.view(),
         }
     }
 }
 
 kernel!(
     /// Predicts the first positions of some lanes; their lags are in the `w` of the velocities. `last` if the substep is also the last.
-    pub(crate) fn begin_columns<L: Lanes>(
+    pub(crate) fn predict_columns<L: Lanes>(
         moving: &mut MovingColumns,
         lanes: [Range<usize>; 2],
         step: StepConstants,
@@ -91,7 +91,7 @@ kernel!(
 
 kernel!(
     /// Derives the velocities, and predicts the next positions. `last` if these are for the last substep.
-    pub(crate) fn go_on_with_columns<L: Lanes>(
+    pub(crate) fn advance_columns<L: Lanes>(
         moving: &mut MovingColumns,
         lanes: [Range<usize>; 2],
         step: StepConstants,
@@ -104,7 +104,7 @@ kernel!(
             let mut at = lanes.start;
             while at < lanes.end {
                 let (p, _) = Vector::of(open.position.load::<L>(at));
-                let (predicted, _) = Vector::of(open.begun.load::<L>(at));
+                let (predicted, _) = Vector::of(open.start.load::<L>(at));
                 let (u, _) = Vector::of(open.velocity.load::<L>(at));
                 let v = u + (p - predicted) * per;
                 open.predict(at, v, push - v * lost, h, last);
@@ -116,22 +116,22 @@ kernel!(
 
 kernel!(
     /// Derives the velocities after the last substep.
-    pub(crate) fn settle_columns<L: Lanes>(
+    pub(crate) fn derive_columns<L: Lanes>(
         moving: &mut MovingColumns,
         lanes: [Range<usize>; 2],
         step: StepConstants,
     ) {
         let (h, per) = (L::splat(step.h), L::splat(1.0 / step.h));
-        let OpenColumns { position, mut begun, mut velocity, mut rounding } = moving.open();
+        let OpenColumns { position, mut start, mut velocity, mut rounding } = moving.open();
         for lanes in lanes {
             let mut at = lanes.start;
             while at < lanes.end {
                 let (p, w) = Vector::of(position.load::<L>(at));
-                let (start, _) = Vector::of(begun.load::<L>(at));
+                let (from, _) = Vector::of(start.load::<L>(at));
                 let (u, _) = Vector::of(velocity.load::<L>(at));
-                velocity.put(at, (u + (p - (start + u * h)) * per).with(h));
+                velocity.put(at, (u + (p - (from + u * h)) * per).with(h));
                 velocity.put_fourth(at, h);
-                begun.put_fourth(at, w);
+                start.put_fourth(at, w);
                 rounding.put_fourth(at, L::zero());
                 at += LANES;
             }
@@ -141,10 +141,10 @@ kernel!(
 
 /// The columns while a kernel runs over them.
 struct OpenColumns<'a> {
-    position: Eights<'a>,
-    begun: Eights<'a>,
-    velocity: Eights<'a>,
-    rounding: Eights<'a>,
+    position: ColumnsView<'a>,
+    start: ColumnsView<'a>,
+    velocity: ColumnsView<'a>,
+    rounding: ColumnsView<'a>,
 }
 
 impl OpenColumns<'_> {
@@ -163,7 +163,7 @@ impl OpenColumns<'_> {
         let next = (p + u * h).or_else(moves, p);
         let u = Vector::new(moves.and(u.x), moves.and(u.y), moves.and(u.z));
         self.velocity.put(at, u.with(zero));
-        self.begun.put(at, if last { p } else { next }.with(zero));
+        self.start.put(at, if last { p } else { next }.with(zero));
         self.position.put(at, next.with(w));
         // Written last: the compiler turns a selection right after its load into masked stores, which take as long as everything else here.
         self.rounding.put(at, rounded.or_else(moves, before).with(zero));

@@ -52,7 +52,7 @@ use crate::particles::{Particles, Places};
 use crate::threads::{ExecutionContext, TASKS, each};
 
 pub(crate) use columns::{
-    MovingColumns, StepConstants, begin_columns, go_on_with_columns, settle_columns,
+    MovingColumns, StepConstants, advance_columns, derive_columns, predict_columns,
 };
 pub(crate) use wide::{Derive, MotionColumns, Predict, loss};
 

@@ -97,7 +97,7 @@ impl<'a> MotionColumns<'a> {
     }
 
     /// Reborrows all rows.
-    pub(crate) fn lend(&mut self) -> MotionColumns<'_> {
+    pub(crate) fn reborrow(&mut self) -> MotionColumns<'_> {
         MotionColumns { rounding: self.rounding, ..*self }
     }
 
@@ -121,7 +121,7 @@ impl<'a> MotionColumns<'a> {
 
 impl Predict<'_> {
     /// Reborrows some of them.
-    pub(crate) fn lend(&mut self, rows: Range<usize>) -> Predict<'_> {
+    pub(crate) fn slice(&mut self, rows: Range<usize>) -> Predict<'_> {
         let Self { position, start, velocity, motion, h } = self;
         motion.predict([position, start, velocity], rows, *h)
     }

@@ -93,27 +93,32 @@ impl Columns {
     }
 
     /// Copies particles into the rows from `row` on, an even number.
-    pub(crate) fn turn_in(&mut self, row: usize, packed: &[Vec4], instructions: InstructionSet) {
-        turn_in(self, row, packed, instructions);
+    pub(crate) fn transpose_in(
+        &mut self,
+        row: usize,
+        packed: &[Vec4],
+        instructions: InstructionSet,
+    ) {
+        transpose_in(self, row, packed, instructions);
     }
 
     /// Copies them back.
-    pub(crate) fn turn_out(
+    pub(crate) fn transpose_out(
         &mut self,
         row: usize,
         packed: &mut [Vec4],
         instructions: InstructionSet,
     ) {
-        turn_out(self, row, packed, instructions);
+        transpose_out(self, row, packed, instructions);
     }
 
     /// A view for access to eight entries at a time.
     #[inline(always)]
-    pub(crate) fn eights(&mut self) -> Eights<'_> {
+    pub(crate) fn view(&mut self) -> ColumnsView<'_> {
         let column = 2 * self.half;
         let numbers = self.numbers_mut();
         debug_assert_eq!(numbers.len(), 4 * column);
-        Eights { numbers: numbers.as_mut_ptr(), column, columns: PhantomData }
+        ColumnsView { numbers: numbers.as_mut_ptr(), column, columns: PhantomData }
     }
 
     #[inline(always)]
@@ -132,7 +137,7 @@ impl Columns {
 
 kernel!(
     /// Transposes particles into columns, from an even row on.
-    fn turn_in<L: Lanes>(to: &mut Columns, row: usize, packed: &[Vec4]) {
+    fn transpose_in<L: Lanes>(to: &mut Columns, row: usize, packed: &[Vec4]) {
         let (eights, last) = packed.as_chunks::<LANES>();
         let half = to.half;
         let [x, y, z, w] = halves(to.numbers_mut(), half, row / 2);
@@ -156,7 +161,7 @@ kernel!(
 
 kernel!(
     /// Transposes them back.
-    fn turn_out<L: Lanes>(from: &mut Columns, row: usize, packed: &mut [Vec4]) {
+    fn transpose_out<L: Lanes>(from: &mut Columns, row: usize, packed: &mut [Vec4]) {
         let count = row + packed.len();
         let (eights, last) = packed.as_chunks_mut::<LANES>();
         let half = from.half;
@@ -191,7 +196,7 @@ fn fours(column: &mut [f32], half: usize, from: usize) -> (HalfColumn<'_>, HalfC
 }
 
 /// Columns with access to eight consecutive entries from any index on.
-pub(crate) struct Eights<'a> {
+pub(crate) struct ColumnsView<'a> {
     numbers: *mut f32,
     /// Length of each of the four columns.
     column: usize,
@@ -200,21 +205,22 @@ pub(crate) struct Eights<'a> {
 
 /// Two runs of eight consecutive entries in a column, the first and the second ends of eight pairs, with a number for each lane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pair {
+pub(crate) struct EightPairs {
     /// The indices at which they begin.
     a: u32,
     b: u32,
     pub(crate) numbers: [f32; LANES],
 }
 
-impl Pair {
+impl EightPairs {
     /// Runs that begin with rows `a` and `b` and go on by two rows, in columns with their odd rows from `half` on.
     pub(crate) fn new(a: u32, b: u32, numbers: [f32; LANES], half: usize) -> Self {
         let place = |row: u32| Columns::place(row, half) as u32;
         Self { a: place(a), b: place(b), numbers }
     }
 
-    /// Sixteen rows from `first` on, each two after the one before, as eight pairs of neighbours in a column, in the order of [`PARTED`](super::PARTED).
+    /// Sixteen rows from `first` on, each two after the one before, as eight pairs of neighbours in a column, in the order of
+    /// [`PAIR_ORDER`](super::PAIR_ORDER).
     pub(crate) fn of_neighbours(first: u32, numbers: [f32; LANES], half: usize) -> Self {
         Self::new(first, first + 2 * LANES as u32, numbers, half)
     }
@@ -245,7 +251,7 @@ struct CheckedPair<'a> {
 
 impl<'a> CheckedPair<'a> {
     #[inline(always)]
-    fn of(eights: &Eights, pair: &'a Pair, from: usize) -> Self {
+    fn of(eights: &ColumnsView, pair: &'a EightPairs, from: usize) -> Self {
         let (a, b) = eights.find(pair, from);
         Self { a, b, numbers: &pair.numbers }
     }
@@ -253,7 +259,7 @@ impl<'a> CheckedPair<'a> {
 
 /// A computation on pairs in three steps that are pipelined: while the square root of one pair is pending, the division of the one before is, and the one
 /// before that is moved. A trait rather than closures, which cannot be forced to be inlined.
-pub(crate) trait OnPairs<L> {
+pub(crate) trait PairKernel<L> {
     /// The distances between the two ends.
     fn length(&self, one: [L; 3], other: [L; 3]) -> L;
     /// The factors by which to move the ends, from their `w`, the numbers of the pair and the distances.
@@ -262,7 +268,7 @@ pub(crate) trait OnPairs<L> {
     fn moved(&self, one: [L; 4], other: [L; 4], numbers: L, scale: L) -> ([L; 4], [L; 4]);
 }
 
-impl Eights<'_> {
+impl ColumnsView<'_> {
     /// `x y z w` of the eight entries from `at` on. Panics if they are out of range.
     #[inline(always)]
     pub(crate) fn load<L: Lanes>(&self, at: usize) -> [L; 4] {
@@ -283,15 +289,16 @@ impl Eights<'_> {
     #[inline(always)]
     pub(crate) fn put_fourth<L: Lanes>(&mut self, at: usize, fourth: L) {
         assert!(at + LANES <= self.column, "an eight that does not exist");
-        // SAFETY: they are within the last of four columns, as just checked; `Eights` borrows the columns exclusively.
+        // SAFETY: they are within the last of four columns, as just checked; `ColumnsView` borrows the columns exclusively.
         unsafe { fourth.store(&mut *self.numbers.add(3 * self.column + at).cast()) }
     }
 
-    /// `x y z w` of eight consecutive rows, in the order of [`PARITY`](super::PARITY). `at` has the indices of the first two. Panics if they are out of range.
+    /// `x y z w` of eight consecutive rows, in the order of [`PARITY_ORDER`](super::PARITY_ORDER). `at` has the indices of the first two. Panics if they are out
+    /// of range.
     #[inline(always)]
     pub(crate) fn load_run<L: Lanes>(&self, at: [usize; 2]) -> [L; 4] {
         assert!(at[0].max(at[1]) + LANES / 2 <= self.column, "an eight that does not exist");
-        // SAFETY: they are within a column, as just checked, and all four are as long; `Eights` borrows the columns exclusively.
+        // SAFETY: they are within a column, as just checked, and all four are as long; `ColumnsView` borrows the columns exclusively.
         let of = |column: usize| unsafe {
             let column = self.numbers.add(column * self.column);
             (&*column.add(at[0]).cast(), &*column.add(at[1]).cast())
@@ -310,7 +317,7 @@ impl Eights<'_> {
     pub(crate) fn put_run<L: Lanes>(&mut self, at: [usize; 2], [x, y, z, _]: [L; 4]) {
         let end = at[0].max(at[1]) + LANES / 2;
         assert!(end <= self.column && at[0].abs_diff(at[1]) >= LANES / 2, "no such eight");
-        // SAFETY: they are within a column, as just checked, and apart; `Eights` borrows the columns exclusively.
+        // SAFETY: they are within a column, as just checked, and apart; `ColumnsView` borrows the columns exclusively.
         unsafe {
             let (first, second) = (self.numbers.add(at[0]), self.numbers.add(at[1]));
             let (y_, z_) = (self.column, 2 * self.column);
@@ -322,7 +329,7 @@ impl Eights<'_> {
 
     /// The indices of the two runs of a pair, counted from lane `from` of the columns on. Panics if they are out of range.
     #[inline(always)]
-    pub(crate) fn find(&self, pair: &Pair, from: usize) -> (usize, usize) {
+    pub(crate) fn find(&self, pair: &EightPairs, from: usize) -> (usize, usize) {
         let (a, b) = (from + pair.a as usize, from + pair.b as usize);
         assert!(a.max(b) + LANES <= self.column, "an eight that does not exist");
         (a, b)
@@ -333,9 +340,9 @@ impl Eights<'_> {
     #[inline(always)]
     pub(crate) fn each<L: Lanes, const NEIGHBOURS: bool>(
         &mut self,
-        pairs: &[Pair],
+        pairs: &[EightPairs],
         from: usize,
-        work: &mut impl OnPairs<L>,
+        work: &mut impl PairKernel<L>,
     ) {
         let [first, pairs @ ..] = pairs else { return };
         let mut old = CheckedPair::of(self, first, from);
@@ -376,7 +383,7 @@ impl Eights<'_> {
     unsafe fn length<L: Lanes, const NEIGHBOURS: bool>(
         &self,
         at: CheckedPair,
-        work: &impl OnPairs<L>,
+        work: &impl PairKernel<L>,
     ) -> L {
         // SAFETY: as the caller guarantees.
         unsafe {
@@ -390,7 +397,7 @@ impl Eights<'_> {
         &self,
         at: CheckedPair,
         length: L,
-        work: &mut impl OnPairs<L>,
+        work: &mut impl PairKernel<L>,
     ) -> L {
         // SAFETY: as the caller guarantees.
         unsafe {
@@ -404,7 +411,7 @@ impl Eights<'_> {
         &mut self,
         at: CheckedPair,
         scale: L,
-        work: &impl OnPairs<L>,
+        work: &impl PairKernel<L>,
     ) {
         // SAFETY: as the caller guarantees.
         unsafe {
@@ -444,7 +451,7 @@ impl Eights<'_> {
     /// `at + LANES` is not beyond the length of a column.
     #[inline(always)]
     unsafe fn get<L: Lanes>(&self, at: usize) -> [L; 4] {
-        // SAFETY: they are within the first of four columns, as the caller guarantees, and the other columns are as long; `Eights` borrows the columns
+        // SAFETY: they are within the first of four columns, as the caller guarantees, and the other columns are as long; `ColumnsView` borrows the columns
         // exclusively.
         unsafe {
             let x = self.numbers.add(at);

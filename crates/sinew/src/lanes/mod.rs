@@ -54,7 +54,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::{Vec3, Vec4};
 
 pub(crate) use angle::atan2;
-pub(crate) use columns::{Columns, Eights, OnPairs, Pair};
+pub(crate) use columns::{Columns, ColumnsView, EightPairs, PairKernel};
 pub(crate) use doubles::Doubles;
 pub(crate) use vector::Vector;
 
@@ -65,10 +65,10 @@ pub(crate) const LANES: usize = 8;
 pub(crate) type LaneArray = [f32; LANES];
 
 /// Which of eight rows each lane holds when they are sorted by parity.
-pub(crate) const PARITY: [usize; LANES] = [0, 2, 4, 6, 1, 3, 5, 7];
+pub(crate) const PARITY_ORDER: [usize; LANES] = [0, 2, 4, 6, 1, 3, 5, 7];
 
 /// Which of eight pairs of neighbours each lane holds after sixteen numbers are [split](Lanes::deinterleave): each half of a register is sorted by itself.
-pub(crate) const PARTED: [usize; LANES] = [0, 1, 4, 5, 2, 3, 6, 7];
+pub(crate) const PAIR_ORDER: [usize; LANES] = [0, 1, 4, 5, 2, 3, 6, 7];
 
 /// The instruction set that kernels are compiled for. Results are the same bits with each of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -339,7 +339,7 @@ pub(crate) trait Lanes: Number {
     fn load_halves(low: &[f32; LANES / 2], high: &[f32; LANES / 2]) -> Self;
     /// Stores into two arrays.
     fn store_halves(self, low: &mut [f32; LANES / 2], high: &mut [f32; LANES / 2]);
-    /// Splits sixteen numbers, these eight and the `next`, as eight pairs of neighbours in the order of [`PARTED`]: the first of each, and the second.
+    /// Splits sixteen numbers, these eight and the `next`, as eight pairs of neighbours in the order of [`PAIR_ORDER`]: the first of each, and the second.
     fn deinterleave(self, next: Self) -> (Self, Self);
     /// Interleaves such firsts and seconds again to sixteen numbers.
     fn interleave(self, seconds: Self) -> (Self, Self);

@@ -5,7 +5,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::{Mat4, Vec4};
 
 use super::doubles::Each;
-use super::{LANES, Lanes, Number, PARITY, Record};
+use super::{LANES, Lanes, Number, PARITY_ORDER, Record};
 
 /// Lanes 0 to 3, and 4 to 7.
 #[derive(Clone, Copy, Debug)]
@@ -169,13 +169,13 @@ impl Lanes for Quads {
     #[inline(always)]
     fn run_by_parity(packed: &[Vec4], first: usize) -> [Self; 4] {
         let packed = &packed[first..first + LANES];
-        Self::columns(|i| packed[PARITY[i]])
+        Self::columns(|i| packed[PARITY_ORDER[i]])
     }
 
     #[inline(always)]
     fn put_run_by_parity(packed: &mut [Vec4], first: usize, columns: [Self; 4]) {
         let packed = &mut packed[first..first + LANES];
-        Self::each_row(columns, |i, value| packed[PARITY[i]] = value);
+        Self::each_row(columns, |i, value| packed[PARITY_ORDER[i]] = value);
     }
 
     #[inline(always)]

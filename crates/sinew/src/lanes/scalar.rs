@@ -8,7 +8,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::Vec4;
 
 use super::doubles::Each;
-use super::{LANES, Lanes, Number, PARITY, PARTED, Record};
+use super::{LANES, Lanes, Number, PAIR_ORDER, PARITY_ORDER, Record};
 
 /// Eight numbers, one after the other.
 #[derive(Clone, Copy, Debug)]
@@ -171,13 +171,13 @@ impl Lanes for Array {
 
     #[inline(never)]
     fn run_by_parity(packed: &[Vec4], first: usize) -> [Self; 4] {
-        Self::columns(|i| packed[first + PARITY[i]])
+        Self::columns(|i| packed[first + PARITY_ORDER[i]])
     }
 
     #[inline(never)]
     fn put_run_by_parity(packed: &mut [Vec4], first: usize, columns: [Self; 4]) {
         for lane in 0..LANES {
-            packed[first + PARITY[lane]] = Self::row(columns, lane);
+            packed[first + PARITY_ORDER[lane]] = Self::row(columns, lane);
         }
     }
 
@@ -207,14 +207,14 @@ impl Lanes for Array {
     #[inline(never)]
     fn deinterleave(self, next: Self) -> (Self, Self) {
         let all = [self.0, next.0].concat();
-        let each = |second: usize| core::array::from_fn(|lane| all[2 * PARTED[lane] + second]);
+        let each = |second: usize| core::array::from_fn(|lane| all[2 * PAIR_ORDER[lane] + second]);
         (Self(each(0)), Self(each(1)))
     }
 
     #[inline(never)]
     fn interleave(self, seconds: Self) -> (Self, Self) {
         let mut all = [[0.0; LANES]; 2];
-        for (lane, &pair) in PARTED.iter().enumerate() {
+        for (lane, &pair) in PAIR_ORDER.iter().enumerate() {
             all.as_flattened_mut()[2 * pair] = self.0[lane];
             all.as_flattened_mut()[2 * pair + 1] = seconds.0[lane];
         }

@@ -114,7 +114,7 @@ impl Particles {
         let Some(whole) = TotalMass::of(self, rows) else { return };
         let lever = point.map_or(DVec3::ZERO, |point| whole.arm_of(self, point));
         let (impulse, turn) = (impulse.as_dvec3(), turn.as_dvec3());
-        let answer = whole.answer(impulse, turn + lever.cross(impulse));
+        let answer = whole.response(impulse, turn + lever.cross(impulse));
         let rows = moving(self, rows);
         if rows.iter().all(|&i| answer.at(whole.arm(self, i)).is_finite()) {
             for i in rows {

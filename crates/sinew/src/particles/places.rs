@@ -47,7 +47,7 @@ impl<'a> Places<'a> {
     }
 
     /// Borrows the same rows again.
-    pub(crate) fn lend(&mut self) -> Places<'_> {
+    pub(crate) fn reborrow(&mut self) -> Places<'_> {
         Places {
             first: self.first,
             position: self.position,

@@ -82,7 +82,7 @@ impl TotalMass {
 
     /// Response to a force (N) at the barycentre and a torque (N·m): acceleration of the barycentre (m/s²) and angular acceleration (rad/s²). Or to an impulse
     /// and an angular impulse: the changes of velocity and angular velocity.
-    pub(crate) fn answer(&self, force: DVec3, torque: DVec3) -> PushShares {
+    pub(crate) fn response(&self, force: DVec3, torque: DVec3) -> PushShares {
         let turn = if torque == DVec3::ZERO { torque } else { pseudo_solve(self.inertia, torque) };
         PushShares { shift: force / self.mass, turn }
     }

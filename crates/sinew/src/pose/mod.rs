@@ -44,7 +44,7 @@ pub(crate) use inertia::spin as pseudo_solve;
 pub use inertia::{Motion, motion};
 pub(crate) use moments::MomentSums;
 pub use normals::normals;
-pub(crate) use symmetric::WORST;
+pub(crate) use symmetric::MAX_CONDITION;
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 

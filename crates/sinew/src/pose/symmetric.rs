@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// Condition bound above which [`solve`] gives up: compounds longer than about 1000 times their width.
-pub(crate) const WORST: f64 = 1e6;
+pub(crate) const MAX_CONDITION: f64 = 1e6;
 
 /// `x = K⁻¹ b` and a bound on the condition number of `K`, `tr(K) tr(K⁻¹)` (9 at best), if `K` is positive definite and well conditioned. By cofactors, which
 /// also decide that (Sylvester's criterion).
@@ -14,7 +14,7 @@ pub(crate) fn solve(k: &[[f64; 3]; 3], b: DVec3) -> Option<(DVec3, f64)> {
     let determinant = xx * cxx + xy * cxy + xz * cxz;
     let traces = (xx + yy + zz) * (cxx + cyy + czz);
     // Written so that NaN gives `None`. Products of tiny numbers may underflow to zero: that gives `None` as well.
-    if xx > 0.0 && czz > 0.0 && determinant > 0.0 && traces <= WORST * determinant {
+    if xx > 0.0 && czz > 0.0 && determinant > 0.0 && traces <= MAX_CONDITION * determinant {
         let x = DVec3::new(
             cxx * b.x + cxy * b.y + cxz * b.z,
             cxy * b.x + cyy * b.y + cyz * b.z,

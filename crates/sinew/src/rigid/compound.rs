@@ -96,7 +96,12 @@ impl CompoundBodies {
     }
 
     /// Ends a substep of `h` seconds: applies to the bodies what constraints did to their particles, and gives all particles the velocities of their bodies.
-    pub(crate) fn settle(&mut self, particles: &mut Particles, compounds: &[Compound], h: f32) {
+    pub(crate) fn end_substep(
+        &mut self,
+        particles: &mut Particles,
+        compounds: &[Compound],
+        h: f32,
+    ) {
         let mut placed = self.placed.iter();
         for (compound, slot) in compounds.iter().zip(&mut self.bodies) {
             if slot.is_none() {

@@ -131,7 +131,7 @@ struct Scratch {
     /// to be written only at the end.
     unobserved: bool,
     /// Triangles to which wind pressure is applied corner by corner: those that are not part of a rigid state.
-    separate_surfaces: Vec<Range<usize>>,
+    particle_surfaces: Vec<Range<usize>>,
     /// Whether nothing moves in this step.
     at_rest: bool,
     rest: Kept<rest::Rest>,
@@ -252,8 +252,8 @@ impl Simulation {
         let Self { particles, instructions, scratch, .. } = self;
         let Scratch { surfaces, pressures, air, substep, unobserved, .. } = scratch;
         // In the last substep all, because accelerations are read between steps.
-        let separate = *unobserved && substep.remaining > 1;
-        forces::apply_wind(particles, surfaces, pressures, separate, *instructions);
+        let only_particles = *unobserved && substep.remaining > 1;
+        forces::apply_wind(particles, surfaces, pressures, only_particles, *instructions);
         forces::apply_air(particles, surfaces, air, substep.length, *instructions);
     }
 
@@ -293,7 +293,8 @@ impl Simulation {
                 // Relative to the particle's origin: far out, world coordinates are too coarse for a path in small parts.
                 let pin = Pin { target: pin.target - self.particles.origin[i], ..*pin };
                 let here = self.particles.position[i];
-                self.particles.position[i] = pin.lead(here.truncate(), remaining).extend(here.w);
+                self.particles.position[i] =
+                    pin.step_towards_target(here.truncate(), remaining).extend(here.w);
             }
         }
     }
@@ -323,14 +324,14 @@ impl Simulation {
             let context = solve::SolveContext::new(plan, particle_contacts, parameters, execution);
             let stopped = body_contact.stopped();
             solve::propagate_impacts(particles, normal_impulses, context, stopped, solving, report);
-            solve::settle_all(particles, normal_impulses, context, single_rows, solving);
+            solve::derive_all(particles, normal_impulses, context, single_rows, solving);
             contacts.bounce(particles, h, gravity);
         }
         let reports = &mut report.islands;
         solve::limit_all_recoveries(particles, plan, (h, gravity), reports, sweep_scratch);
         integrate::finish(particles, settings.integrator, h);
         self.write_rigid_states(true);
-        self.scratch.moving.settle(&mut self.particles, &self.compounds, h);
+        self.scratch.moving.end_substep(&mut self.particles, &self.compounds, h);
         self.time += f64::from(h);
         self.scratch.substep.remaining = self.scratch.substep.remaining.saturating_sub(1);
     }

@@ -305,9 +305,9 @@ impl Simulation {
     /// Packs the triangles that winds and air act on, if there are any.
     pub(super) fn pack_surfaces(&mut self) {
         let Self { particles, forces, scratch, .. } = self;
-        let Scratch { surfaces, pressures, air, separate_surfaces, .. } = scratch;
+        let Scratch { surfaces, pressures, air, particle_surfaces, .. } = scratch;
         if !pressures.is_empty() || air.is_at_triangles() {
-            surfaces.pack(&forces.surfaces, separate_surfaces, &particles.origin);
+            surfaces.pack(&forces.surfaces, particle_surfaces, &particles.origin);
         }
     }
 }

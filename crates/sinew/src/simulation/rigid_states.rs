@@ -91,10 +91,10 @@ impl Simulation {
     /// Notes which forces act on the rigid states in this step, and which triangles belong to none of them.
     pub(super) fn note_forces(&mut self) {
         let Self { particles, forces, body_colliders, scratch, .. } = self;
-        let Scratch { plan, contacts, pressures, separate_surfaces, .. } = scratch;
-        separate_surfaces.clear();
+        let Scratch { plan, contacts, pressures, particle_surfaces, .. } = scratch;
+        particle_surfaces.clear();
         if !contacts.has_rigid_states() {
-            separate_surfaces.push(0..forces.surfaces.len());
+            particle_surfaces.push(0..forces.surfaces.len());
             return;
         }
         let named = forces.rows();
@@ -108,7 +108,7 @@ impl Simulation {
         if !pressures.is_empty() {
             states.find_skins(&forces.surfaces, body_colliders);
         }
-        states.note_forces(&plan.islands, (any, rows), pressures, separate_surfaces);
+        states.note_forces(&plan.islands, (any, rows), pressures, particle_surfaces);
     }
 
     /// Writes the particles of those rigid states whose particles are read within the step: after prediction, and at the end of a substep (`ends`).

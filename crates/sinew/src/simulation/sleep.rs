@@ -412,7 +412,7 @@ impl Simulation {
         if visited.len() == bounds.len() {
             groups.reset(bounds.len());
         } else {
-            groups.part(visited);
+            groups.isolate(visited);
         }
         for &[a, b] in pairs.iter() {
             let [a, b] = [visited[a as usize], visited[b as usize]];

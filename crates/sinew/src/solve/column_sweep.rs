@@ -44,10 +44,10 @@ impl<'a> ColumnSweep<'a> {
         let mut columns = core::mem::take(&mut scratch.island_columns);
         let (rows, instructions) = (places.at(run.start)..places.at(run.end), mode.instructions);
         columns.reset(plan.rods.half());
-        columns.turn_in(0, &places.position[rows.clone()], instructions);
+        columns.transpose_in(0, &places.position[rows.clone()], instructions);
         // The last block of eight tethers also reads lanes beyond the rows, which still hold the island that was in these columns before.
         columns.blank(rows.len());
-        let tethers = plan.tethers.of(island).filter(|_| mode.tethers);
+        let tethers = plan.tethers.of(island).filter(|_| mode.project_tethers);
         if let Some(tethers) = tethers {
             // Pins do not move during a sweep.
             scratch.pins.clear();
@@ -55,7 +55,7 @@ impl<'a> ColumnSweep<'a> {
         }
         let at = &mut MixedPlaces { columns: Some((&mut columns, run)), places };
         let mut worst = self.project_tethers(tethers, at, &scratch.pins);
-        if island.has_chains() && mode.relaxed.is_none() {
+        if island.has_chains() && mode.relaxation.is_none() {
             worst = worst.max(self.sweep_chains(at, scratch));
         }
         let parts = Parts { plan, island, mode };
@@ -70,11 +70,11 @@ impl<'a> ColumnSweep<'a> {
             worst = worst.max(found);
         }
         parts.sweep_again(at, multipliers, scratch);
-        if let Some(spans) = plan.tethers.spans_of(island).filter(|_| mode.tethers) {
+        if let Some(spans) = plan.tethers.spans_of(island).filter(|_| mode.project_tethers) {
             self.project_tethers(tethers, at, &scratch.pins);
             spans.project_columns(&mut columns, run.start, instructions);
         }
-        columns.turn_out(0, &mut places.position[rows], instructions);
+        columns.transpose_out(0, &mut places.position[rows], instructions);
         scratch.island_columns = columns;
         worst
     }

@@ -26,9 +26,9 @@ pub(crate) struct SolveMode {
     pub(crate) substep_context: SubstepContext,
     pub(crate) gradient_at: GradientAt,
     /// Whether tethers and spans are projected in this sweep.
-    pub(crate) tethers: bool,
+    pub(crate) project_tethers: bool,
     /// In a sweep of rods alone, the share of their errors that rods correct: see [`relaxation`](super::relaxation). `None` in normal sweeps.
-    pub(crate) relaxed: Option<Relaxation>,
+    pub(crate) relaxation: Option<Relaxation>,
     /// Whether this is the only sweep of the substep, so that no multiplier has to be accumulated.
     pub(crate) single_sweep: bool,
     /// An error above this counts as a violation, metres.
@@ -40,7 +40,7 @@ pub(crate) struct SolveMode {
 impl SolveMode {
     /// Whether a cluster batch takes part in the sweep.
     pub(super) fn takes(&self, cluster_batch: &ClusterBatch) -> bool {
-        self.relaxed.is_none() || cluster_batch.kind == GroupKind::Rods
+        self.relaxation.is_none() || cluster_batch.kind == GroupKind::Rods
     }
 
     /// What the largest error found in chains, metres, counts as. A direct solve corrects it at once, so it counts only where it is a violation.

@@ -47,9 +47,9 @@ pub(super) fn sweep_cluster_batch(
         let (columns, rows) = (&mut scratch.columns, cluster_batch.rows.clone());
         let range = places.at(rows.start)..places.at(rows.end);
         columns.reset(rods.half());
-        columns.turn_in(0, &places.position[range.clone()], instructions);
+        columns.transpose_in(0, &places.position[range.clone()], instructions);
         let worst = sweep_columns(columns, plan, cluster_batch, rows.start, multipliers, mode);
-        columns.turn_out(0, &mut places.position[range], instructions);
+        columns.transpose_out(0, &mut places.position[range], instructions);
         return worst;
     }
     let mut worst = 0.0_f32;
@@ -68,7 +68,7 @@ pub(super) fn sweep_cluster_batch(
                     );
                     worst = worst.max(found);
                 }
-                let how = (mode.gradient_at, mode.relaxed);
+                let how = (mode.gradient_at, mode.relaxation);
                 rods.sweep(places, runs, blocks, how, instructions)
             }
             GroupKind::Distances | GroupKind::Constraints => {
@@ -110,7 +110,7 @@ pub(super) fn sweep_columns(
     let (rows, instructions) = ((cluster_batch.rows.start, first), mode.instructions);
     if cluster_batch.kind == GroupKind::Rods {
         let each = groups.iter().map(ConstraintGroup::rods);
-        return plan.rods.sweep_columns(columns, each, rows, mode.relaxed, instructions);
+        return plan.rods.sweep_columns(columns, each, rows, mode.relaxation, instructions);
     }
     let (mut worst, how) = (0.0_f32, (mode.substep_context, instructions));
     for ConstraintGroup { range, runs, blocks, .. } in groups {
@@ -144,7 +144,7 @@ pub(super) fn sweep_shared(
     for stage in
         plan.cluster_batches[cluster_batches].chunk_by(|one, other| one.stage == other.stage)
     {
-        let mut left = Some((places.lend(), multipliers.lend()));
+        let mut left = Some((places.reborrow(), multipliers.reborrow()));
         let tasks = stage.chunks(stage.len().div_ceil(TASKS)).filter_map(|some| {
             let begin = number;
             number += some.len();

@@ -172,14 +172,14 @@ fn sweep_until_converged(
     let most = recovery(h, gravity);
     let mut swept = SweepResult { sweeps: 0, converged: false, touched: false, violated: false };
     while swept.sweeps < settings.max_sweeps && !swept.converged {
-        let (tethers, instructions) =
+        let (project_tethers, instructions) =
             (swept.sweeps == 0 || !island.is_small(), execution.instructions);
         let single_sweep = settings.max_sweeps == 1;
         let mode = SolveMode {
             substep_context,
             gradient_at,
-            tethers,
-            relaxed: None,
+            project_tethers,
+            relaxation: None,
             single_sweep,
             violation: most,
             instructions,
@@ -205,11 +205,11 @@ pub(super) fn project_tethers_and_chains(
     mode: SolveMode,
     scratch: &mut SweepScratch,
 ) -> f32 {
-    if mode.gradient_at == GradientAt::StepStart || mode.relaxed.is_some() {
+    if mode.gradient_at == GradientAt::StepStart || mode.relaxation.is_some() {
         return 0.0;
     }
     let mut worst = 0.0_f32;
-    if mode.tethers {
+    if mode.project_tethers {
         worst = project_tethers(plan, island, places, mode, scratch);
     }
     if island.has_chains() {
@@ -233,7 +233,7 @@ pub(super) fn project_tethers_and_spans(
     scratch: &mut SweepScratch,
 ) {
     let Some(spans) = plan.tethers.spans_of(island) else { return };
-    if mode.tethers && mode.gradient_at == GradientAt::Current {
+    if mode.project_tethers && mode.gradient_at == GradientAt::Current {
         project_tethers(plan, island, places, mode, scratch);
         spans.project(places.position, places.first, execution);
     }
@@ -315,8 +315,8 @@ mod tests {
     const MODE: SolveMode = SolveMode {
         substep_context: SubstepContext { h: 1.0 / 1200.0, sweeps: 2 },
         gradient_at: GradientAt::Current,
-        tethers: true,
-        relaxed: None,
+        project_tethers: true,
+        relaxation: None,
         single_sweep: false,
         violation: f32::INFINITY,
         instructions: InstructionSet::Simd128,
@@ -434,12 +434,12 @@ mod tests {
             world.step(1.0 / 60.0).unwrap();
             let (plan, mut scratch) = (world.plan().clone(), SweepScratch::default());
             let island = &plan.islands.list[0];
-            let mut swept = |relaxed: Option<Relaxation>| {
+            let mut swept = |relaxation: Option<Relaxation>| {
                 let mut own = world.particles.clone();
                 let mut multipliers = Multipliers::default();
                 multipliers.resize(plan.distances.len(), plan.constraints.len());
                 let instructions = InstructionSet::best();
-                let mode = SolveMode { tethers: false, relaxed, instructions, ..MODE };
+                let mode = SolveMode { project_tethers: false, relaxation, instructions, ..MODE };
                 let sums = &mut multipliers.all();
                 sweep_in_order(&plan, island, &mut scratch)(&mut Places::all(&mut own), sums, mode);
                 own.position

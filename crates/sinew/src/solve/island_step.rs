@@ -118,7 +118,7 @@ impl TaskSlice<'_> {
             position,
             origin,
             radius,
-            normal_impulses: self.normal_impulses.lend(),
+            normal_impulses: self.normal_impulses.reborrow(),
             reports: self.reports,
             motion: BatchMotion::Step(WholeStep {
                 start,
@@ -145,7 +145,7 @@ impl TaskSlice<'_> {
         let h = self.context.substep.h / first as f32;
         for (number, iteration_counts) in iteration_counts.iter().enumerate() {
             predict_all(Predict { h, ..self.predict(0..all) }, execution);
-            let slice = self.lend(self.context.later(number as u32));
+            let slice = self.with_context(self.context.later(number as u32));
             slice.solve_shared(thread_scratches);
             thread_scratches.with(|thread_scratch| {
                 let (number, report) = (self.task.islands.start, &mut self.reports[0]);

@@ -258,7 +258,7 @@ impl Loads {
         let tethers = &mut tethers[first..first + island.members.len()];
         let mut worst = 0.0_f32;
         // As for other islands: not where corrections are to conserve energy.
-        if mode.tethers
+        if mode.project_tethers
             && mode.gradient_at == GradientAt::Current
             && let Some(made) = plan.tethers.of(island)
         {

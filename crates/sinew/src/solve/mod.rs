@@ -74,4 +74,4 @@ pub(crate) use momentum::is_free;
 pub(crate) use plan::{Change, Changes, GroupKind, List, Plan, PlanInput};
 pub(crate) use recovery::limit_all_recoveries;
 pub(crate) use sweep_scratch::SweepScratch;
-pub(crate) use world::{SolveScratch, propagate_impacts, settle_all, solve_all};
+pub(crate) use world::{SolveScratch, derive_all, propagate_impacts, solve_all};

@@ -80,7 +80,7 @@ impl<'a> MultiplierSlice<'a> {
     }
 
     /// Reborrows the slice.
-    pub(crate) fn lend(&mut self) -> MultiplierSlice<'_> {
+    pub(crate) fn reborrow(&mut self) -> MultiplierSlice<'_> {
         MultiplierSlice { distances: self.distances, constraints: self.constraints, ..*self }
     }
 }

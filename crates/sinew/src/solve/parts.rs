@@ -52,7 +52,7 @@ impl Parts<'_> {
         let tie_rods = plan.tethers.tie_rods_of(island);
         let of_tie_rods = tie_rods.map_or(0, TieRods::sweeps);
         let of_parts = island.tie_sweeps.saturating_sub(1) as usize;
-        if mode.relaxed.is_some() || of_tie_rods.max(of_parts) == 0 {
+        if mode.relaxation.is_some() || of_tie_rods.max(of_parts) == 0 {
             return;
         }
         let run = plan.contiguous_rows(island);

@@ -78,8 +78,8 @@ pub(super) fn relax(
         let mode = SolveMode {
             substep_context: SubstepContext { h: context.substep.h, sweeps: SWEEPS.len() as u32 },
             gradient_at: GradientAt::Current,
-            tethers: false,
-            relaxed: Some(Relaxation { share: share * motion, tolerance }),
+            project_tethers: false,
+            relaxation: Some(Relaxation { share: share * motion, tolerance }),
             single_sweep: true,
             violation: f32::INFINITY,
             instructions: context.execution.instructions,

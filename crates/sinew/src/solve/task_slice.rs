@@ -76,14 +76,14 @@ impl TaskSlice<'_> {
     }
 
     /// Reborrows the slice with another context.
-    pub(super) fn lend<'b>(&'b mut self, context: SolveContext<'b>) -> TaskSlice<'b> {
+    pub(super) fn with_context<'b>(&'b mut self, context: SolveContext<'b>) -> TaskSlice<'b> {
         TaskSlice {
             context,
             task: self.task.clone(),
-            places: self.places.lend(),
-            motion: self.motion.lend(),
-            multipliers: self.multipliers.lend(),
-            normal_impulses: self.normal_impulses.lend(),
+            places: self.places.reborrow(),
+            motion: self.motion.reborrow(),
+            multipliers: self.multipliers.reborrow(),
+            normal_impulses: self.normal_impulses.reborrow(),
             reports: self.reports,
             momentum_drift: self.momentum_drift,
         }
@@ -97,9 +97,9 @@ impl TaskSlice<'_> {
     /// The slice of one of its islands.
     pub(super) fn island(&mut self, number: usize) -> IslandSlice<'_> {
         IslandSlice {
-            places: self.places.lend(),
-            multipliers: self.multipliers.lend(),
-            normal_impulses: self.normal_impulses.lend(),
+            places: self.places.reborrow(),
+            multipliers: self.multipliers.reborrow(),
+            normal_impulses: self.normal_impulses.reborrow(),
             report: &mut self.reports[number - self.task.islands.start],
         }
     }

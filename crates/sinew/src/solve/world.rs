@@ -110,7 +110,7 @@ impl SolveScratch {
 }
 
 /// Sweeps each island until its largest error is within its tolerance, at most `max_sweeps` times; then derives the velocities. If some rows are `open`,
-/// velocities are not derived: contacts between islands follow first, then [`settle_all`] for those rows. Adds to the report.
+/// velocities are not derived: contacts between islands follow first, then [`derive_all`] for those rows. Adds to the report.
 pub(crate) fn solve_all(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
@@ -205,7 +205,7 @@ pub(crate) fn propagate_impacts(
 }
 
 /// Derives the velocities of some rows after an `open` [`solve_all`].
-pub(crate) fn settle_all(
+pub(crate) fn derive_all(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
     context: SolveContext,
@@ -315,7 +315,7 @@ impl TaskSlice<'_> {
             motion: BatchMotion::Substep { start, velocity, momentum_drift },
             origin,
             radius,
-            normal_impulses: normal_impulses.lend(),
+            normal_impulses: normal_impulses.reborrow(),
             reports: self.reports,
             scratch: thread_scratch.of_batches(),
         }
@@ -368,10 +368,10 @@ fn sweep_shared(
             .with(|own| project_tethers_and_chains(plan, island, places, mode, &mut own.sweep));
         let cluster_batches = island.cluster_batches.clone();
         let found = gauss_seidel::sweep_shared(
-            places.lend(),
+            places.reborrow(),
             plan,
             cluster_batches,
-            multipliers.lend(),
+            multipliers.reborrow(),
             mode,
             execution,
             thread_scratches,

@@ -124,7 +124,7 @@ impl RigidForces {
         let mut next = 0;
         for (number, &owner) in skins.owners.iter().enumerate() {
             if owner != NONE && rests(owner as usize) {
-                if pressures.blow_on(number) {
+                if pressures.acts_on(number) {
                     windy[owner as usize / LANES] |= 1 << (owner as usize % LANES);
                 }
                 if next < number {

@@ -136,8 +136,8 @@ impl ParticleContacts {
             let (was, is) = self.frames_of(run.surface as usize, interval, origin);
             let work = SurfaceBatches {
                 contacts: self,
-                places: places.lend(),
-                normal_impulses: normal_impulses.lend(),
+                places: places.reborrow(),
+                normal_impulses: normal_impulses.reborrow(),
                 batches,
                 surface: (run.surface, form),
                 frames: [was, is],

@@ -43,7 +43,7 @@ impl<'a> NormalImpulses<'a> {
     }
 
     /// Reborrows.
-    pub(crate) fn lend(&mut self) -> NormalImpulses<'_> {
+    pub(crate) fn reborrow(&mut self) -> NormalImpulses<'_> {
         NormalImpulses { first: self.first, all: self.all }
     }
 

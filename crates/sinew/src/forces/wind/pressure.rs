@@ -96,7 +96,7 @@ impl Pressures {
     }
 
     /// Whether any wind blows on triangle `number`.
-    pub(crate) fn blow_on(&self, number: usize) -> bool {
+    pub(crate) fn acts_on(&self, number: usize) -> bool {
         self.winds().any(|wind| match wind {
             Pressure::Everywhere(w) => w.w != 0.0,
             Pressure::Each(of) => of[number].w != 0.0,
@@ -131,16 +131,17 @@ impl Pressures {
     }
 }
 
-/// Adds the force of winds on each triangle: `‖½ (p1-p0)×(p2-p0) · w‖ · w/‖w‖`, a third to each corner. With `separate` only on the separate triangles.
+/// Adds the force of winds on each triangle: `‖½ (p1-p0)×(p2-p0) · w‖ · w/‖w‖`, a third to each corner. With `only_particles` only on the triangles
+/// of particles that do not move as rigid states.
 pub(crate) fn apply(
     particles: &mut Particles,
     surfaces: &PackedSurfaces,
     pressures: &Pressures,
-    separate: bool,
+    only_particles: bool,
     instructions: InstructionSet,
 ) {
     for wind in pressures.winds() {
-        surfaces.accelerate(particles, &wind, separate, instructions);
+        surfaces.accelerate(particles, &wind, only_particles, instructions);
     }
 }
 

@@ -20,8 +20,8 @@ use crate::tracked::Tracked;
 pub(crate) struct PackedSurfaces {
     cells: Vec<CellRun>,
     gathered: Vec<GatheredTriangles>,
-    /// How many of `cells` and of `gathered` are separate; these come first. Separate triangles are those of particles that do not move as rigid states.
-    separate: [usize; 2],
+    /// How many of `cells` and of `gathered` are of particles that do not move as rigid states; these come first.
+    particle_counts: [usize; 2],
     /// Revision of the packed list, and the number of particles.
     packed: Option<(u64, usize)>,
     ranges: Vec<Range<usize>>,
@@ -82,25 +82,26 @@ pub(super) struct Motion<L> {
 }
 
 impl PackedSurfaces {
-    /// Packs the triangles: first those in the ranges of `separate`, ascending, then the others. A triangle with a missing particle is left out.
+    /// Packs the triangles: first those in the ranges of `particle_ranges`, ascending, then the others. A triangle with a missing particle is left out.
     pub(crate) fn pack(
         &mut self,
         surfaces: &Tracked<Vec<[u32; 3]>>,
-        separate: &[Range<usize>],
+        particle_ranges: &[Range<usize>],
         origin: &[Vec3],
     ) {
         let packed = Some((surfaces.revision(), origin.len()));
-        if self.packed != packed || self.ranges != separate {
-            (self.packed, self.separate) = (packed, [0; 2]);
+        if self.packed != packed || self.ranges != particle_ranges {
+            (self.packed, self.particle_counts) = (packed, [0; 2]);
             self.ranges.clear();
-            self.ranges.extend_from_slice(separate);
+            self.ranges.extend_from_slice(particle_ranges);
             self.cells.clear();
             self.gathered.clear();
             // The list may have become shorter since the ranges were computed.
             let len = surfaces.len();
-            let there = || separate.iter().map(|range| range.start.min(len)..range.end.min(len));
+            let there =
+                || particle_ranges.iter().map(|range| range.start.min(len)..range.end.min(len));
             self.pack_ranges(surfaces, there(), origin.len());
-            self.separate = [self.cells.len(), self.gathered.len()];
+            self.particle_counts = [self.cells.len(), self.gathered.len()];
             let begins = core::iter::once(0).chain(there().map(|range| range.end));
             let ends = there().map(|range| range.start).chain([len]);
             let between = begins.zip(ends).map(|(begin, end)| begin..end);
@@ -183,19 +184,22 @@ impl PackedSurfaces {
         }
     }
 
-    /// Adds the force on all triangles, or only on the separate ones; does nothing while there are fewer particles than were packed.
+    /// Adds the force on all triangles, or only on those in the ranges packed first; does nothing while there are fewer particles than were packed.
     pub(super) fn accelerate(
         &self,
         particles: &mut Particles,
         force: &impl SurfaceForce,
-        separate: bool,
+        only_particles: bool,
         instructions: InstructionSet,
     ) {
         if self.packed.is_none_or(|(_, packed)| packed > particles.len()) {
             return;
         }
-        let [cells, gathered] =
-            if separate { self.separate } else { [self.cells.len(), self.gathered.len()] };
+        let [cells, gathered] = if only_particles {
+            self.particle_counts
+        } else {
+            [self.cells.len(), self.gathered.len()]
+        };
         let (cells, gathered) = (&self.cells[..cells], &self.gathered[..gathered]);
         if cells.is_empty() && gathered.is_empty() {
             return;
@@ -469,11 +473,11 @@ mod tests {
     fn accelerated(
         particles: &mut Particles,
         force: &Trial,
-        (packed, separate): (&PackedSurfaces, bool),
+        (packed, only_particles): (&PackedSurfaces, bool),
         instructions: InstructionSet,
     ) -> Vec<Vec3> {
         particles.clear_sums(0.0);
-        packed.accelerate(particles, force, separate, instructions);
+        packed.accelerate(particles, force, only_particles, instructions);
         (0..particles.len()).map(|i| particles.acceleration(i)).collect()
     }
 
@@ -535,7 +539,7 @@ mod tests {
     }
 
     #[test]
-    fn separate_triangles_may_be_asked_for_alone_and_those_without_particles_are_left_out() {
+    fn separate_triangles_may_be_accelerated_alone_and_those_without_particles_are_left_out() {
         let (mut particles, mut triangles) = grid(20, 3, 0);
         triangles.extend([[0, 1, 1000], [u32::MAX, 0, 1]]);
         let separate = [3..30, 41..50];

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::lane_storage::LaneStorage;
 use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
-use crate::pose::{MomentSums, WORST, pseudo_solve};
+use crate::pose::{MAX_CONDITION, MomentSums, pseudo_solve};
 use crate::solve::momentum::{MomentumDrift, WideMomentumDrift};
 
 impl<D: Doubles> WideMomentumDrift<D> {
@@ -151,7 +151,7 @@ impl<D: Doubles> MomentSums<D> {
         let good = zero.lt(xx)
             & zero.lt(czz)
             & zero.lt(determinant)
-            & traces.le(D::splat(WORST) * determinant);
+            & traces.le(D::splat(MAX_CONDITION) * determinant);
         let x = Vector {
             x: cxx * b.x + cxy * b.y + cxz * b.z,
             y: cxy * b.x + cyy * b.y + cyz * b.z,

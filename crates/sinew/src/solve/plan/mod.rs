@@ -234,7 +234,7 @@ impl Plan {
 
         let numbers = compiling.take_from(kept, given, added);
         let connected = &mut compiling.connected;
-        connected.part(self.islands.members_from(kept));
+        connected.isolate(self.islands.members_from(kept));
         connected.resize(given.particles);
         for list in [List::Distances, List::Constraints] {
             for &number in &numbers[list as usize] {

@@ -12,7 +12,7 @@ use super::{
     stretch_of,
 };
 use crate::constraints::project_rod;
-use crate::lanes::{Columns, InstructionSet, LANES, Lanes, OnPairs, Vector, Work, with};
+use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PairKernel, Vector, Work, with};
 use crate::particles::Places;
 
 /// Ranges of the strided batches and of the blocks of a colour.
@@ -26,11 +26,11 @@ impl Rods {
         columns: &mut Columns,
         groups: impl Iterator<Item = Colour<'a>>,
         rows: (u32, u32),
-        relaxed: Option<Relaxation>,
+        relaxation: Option<Relaxation>,
         instructions: InstructionSet,
     ) -> f32 {
         let rods = self;
-        match relaxed {
+        match relaxation {
             None => with(
                 instructions,
                 SweepColumns { rods, columns, groups, rows, correction: FullCorrection },
@@ -52,7 +52,7 @@ impl Rods {
     ) -> (f32, f32) {
         let range = places.at(rows.start)..places.at(rows.end);
         columns.reset(self.half);
-        columns.turn_in(0, &places.position[range], instructions);
+        columns.transpose_in(0, &places.position[range], instructions);
         self.measure_transposed(columns, groups, (rows.start, rows.start), instructions)
     }
 
@@ -123,7 +123,7 @@ impl<'a, G: Iterator<Item = Colour<'a>>> Work for MeasureColumns<'_, G> {
         let mut worst = (L::zero(), L::zero());
         for (strided_batches, blocks) in groups {
             for strided_batches in &rods.strided_batches[strided_batches.clone()] {
-                let view = columns.eights();
+                let view = columns.view();
                 for pair in &rods.pairs[strided_batches.full.start..strided_batches.tails.end] {
                     let ((a, b), rest) = (view.find(pair, from), L::load(&pair.numbers));
                     let (_, left, _) = stretch(view.load(a), view.load(b), rest);
@@ -155,13 +155,9 @@ impl Rods {
         separated: &mut f32,
     ) -> L {
         let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()), soft: correction };
-        columns.eights().each::<L, false>(
-            &self.pairs[strided_batches.full.clone()],
-            from,
-            &mut pull,
-        );
+        columns.view().each::<L, false>(&self.pairs[strided_batches.full.clone()], from, &mut pull);
         let mut tail = Tail(pull);
-        columns.eights().each::<L, false>(
+        columns.view().each::<L, false>(
             &self.pairs[strided_batches.tails.clone()],
             from,
             &mut tail,
@@ -169,7 +165,7 @@ impl Rods {
         let Tail(RodPull { worst, all_move, .. }) = tail;
         if !all_move.all() {
             for pair in &self.pairs[strided_batches.full.start..strided_batches.tails.end] {
-                let (a, b) = columns.eights().find(pair, from);
+                let (a, b) = columns.view().find(pair, from);
                 *separated = separated.max(separate(columns, a, b, &pair.numbers));
             }
         }
@@ -226,7 +222,7 @@ impl<L: Lanes, S: Compliance<L>> RodPull<L, S> {
     }
 }
 
-impl<L: Lanes, S: Compliance<L>> OnPairs<L> for RodPull<L, S> {
+impl<L: Lanes, S: Compliance<L>> PairKernel<L> for RodPull<L, S> {
     #[inline(always)]
     fn length(&self, [x, y, z]: [L; 3], [p, q, r]: [L; 3]) -> L {
         (Vector::new(x, y, z) - Vector::new(p, q, r)).length()
@@ -249,7 +245,7 @@ impl<L: Lanes, S: Compliance<L>> OnPairs<L> for RodPull<L, S> {
 /// The same for partial batches. Lanes beyond the last rod may hold anything, NaN included, and belong to other constraints.
 pub(super) struct Tail<P>(pub(super) P);
 
-impl<L: Lanes, S: Compliance<L>> OnPairs<L> for Tail<RodPull<L, S>> {
+impl<L: Lanes, S: Compliance<L>> PairKernel<L> for Tail<RodPull<L, S>> {
     #[inline(always)]
     fn length(&self, one: [L; 3], other: [L; 3]) -> L {
         self.0.length(one, other)

@@ -17,7 +17,7 @@ pub(super) use soft::compliance;
 use core::ops::Range;
 
 use crate::constraints::Distance;
-use crate::lanes::{Columns, LANES, Lanes, Number, Pair, Vector};
+use crate::lanes::{Columns, EightPairs, LANES, Lanes, Number, Vector};
 
 /// cos² of 0.35 rad: the most that a rod may turn in a substep for its direction at the start of the substep to serve as the direction of correction.
 pub(super) const COS_SQUARED: f32 = 0.882_43;
@@ -31,7 +31,7 @@ pub(crate) struct Rods {
     /// The batches that are swept in columns, by colour.
     strided_batches: Vec<StridedBatch>,
     /// Their rods with their rest lengths; NaN in lanes beyond the last rod.
-    pairs: Vec<Pair>,
+    pairs: Vec<EightPairs>,
     /// Index at which odd rows begin in a column.
     half: usize,
     blocks: Vec<RodBlock>,
@@ -145,7 +145,7 @@ impl Rods {
                 let mut eight = [f32::NAN; LANES];
                 eight[..some.len()].copy_from_slice(some);
                 let (a, b) = (a - rows.start + along, b - rows.start + along);
-                let pair = Pair::new(a, b, eight, self.half);
+                let pair = EightPairs::new(a, b, eight, self.half);
                 if some.len() == LANES { &mut self.pairs } else { &mut tails }.push(pair);
             }
         }

@@ -16,13 +16,13 @@ impl Rods {
         places: &mut Places,
         runs: Range<usize>,
         blocks: Range<usize>,
-        (gradient_at, relaxed): (GradientAt, Option<Relaxation>),
+        (gradient_at, relaxation): (GradientAt, Option<Relaxation>),
         instructions: InstructionSet,
     ) -> f32 {
         let (rods, which) = (self, (runs, blocks));
         match gradient_at {
             GradientAt::Current => {
-                sweep_packed::<false>(rods, places, which, relaxed, instructions)
+                sweep_packed::<false>(rods, places, which, relaxation, instructions)
             }
             GradientAt::StepStart => sweep_packed::<true>(rods, places, which, None, instructions),
         }
@@ -58,7 +58,7 @@ kernel!(
         rods: &Rods,
         places: &mut Places<'_>,
         which: (Range<usize>, Range<usize>),
-        relaxed: Option<Relaxation>,
+        relaxation: Option<Relaxation>,
     ) -> f32 {
         let (runs, blocks) = which;
         let (mut worst, mut separated) = (L::zero(), 0.0_f32);
@@ -73,7 +73,7 @@ kernel!(
                     let left = run.count - along;
                     let rows = [run.rows(a, left), run.rows(b, left)];
                     let (found, together) =
-                        eight_rods::<L, START>(places, rows, &run.padded(rest, left), relaxed);
+                        eight_rods::<L, START>(places, rows, &run.padded(rest, left), relaxation);
                     (worst, separated) = (found.max(worst), separated.max(together));
                     continue;
                 }
@@ -83,7 +83,7 @@ kernel!(
                     let start = load::<L>(places.start, pattern, a, b);
                     project_from_start(one, other, start, rests, L::zero().same(L::zero()))
                 } else {
-                    project(one, other, rests, relaxed)
+                    project(one, other, rests, relaxation)
                 };
                 if pattern == LoadPattern::Pairs {
                     L::put_pairs(places.position, a, one, other);
@@ -100,7 +100,7 @@ kernel!(
         }
         for block in &rods.blocks[blocks] {
             let rows = [less(&block.a, places.first), less(&block.b, places.first)];
-            let (found, together) = eight_rods::<L, START>(places, rows, &block.rest, relaxed);
+            let (found, together) = eight_rods::<L, START>(places, rows, &block.rest, relaxation);
             (worst, separated) = (found.max(worst), separated.max(together));
         }
         worst.largest(separated)
@@ -181,14 +181,14 @@ fn eight_rods<L: Lanes, const START: bool>(
     places: &mut Places,
     [a, b]: [[u32; LANES]; 2],
     rest: &[f32; LANES],
-    relaxed: Option<Relaxation>,
+    relaxation: Option<Relaxation>,
 ) -> (L, f32) {
     let (one, other) = (L::rows(places.position, &a), L::rows(places.position, &b));
     let (one, other, error, moves) = if START {
         let start = (L::rows(places.start, &a), L::rows(places.start, &b));
         project_from_start(one, other, start, L::load(rest), L::zero().same(L::zero()))
     } else {
-        project(one, other, L::load(rest), relaxed)
+        project(one, other, L::load(rest), relaxation)
     };
     L::put_rows(places.position, &a, one);
     L::put_rows(places.position, &b, other);

@@ -5,7 +5,7 @@ use core::ops::Range;
 use super::columns::{Compliance, RodPull, Tail};
 use super::{Rods, StridedBatch, ends};
 use crate::constraints::{Distance, Softness, SubstepContext, project};
-use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PARTED, Pair, Work, with};
+use crate::lanes::{Columns, EightPairs, InstructionSet, LANES, Lanes, PAIR_ORDER, Work, with};
 
 /// How compliant distances of one stride follow each other.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -37,7 +37,7 @@ impl Pattern {
 
     /// Lane of the distance that follows the first one by this many steps.
     fn lane(self, steps: usize) -> usize {
-        if self == Self::Apart { steps } else { PARTED[steps] }
+        if self == Self::Apart { steps } else { PAIR_ORDER[steps] }
     }
 }
 
@@ -93,7 +93,7 @@ impl Rods {
         mut left: &[Distance],
         pattern: Pattern,
         first: u32,
-        tails: &mut Vec<Pair>,
+        tails: &mut Vec<EightPairs>,
         loose: &mut Vec<Distance>,
     ) {
         while let [begin, ..] = left {
@@ -109,8 +109,8 @@ impl Rods {
                 }
                 let (a, b) = (a - first, b - first);
                 let pair = match pattern {
-                    Pattern::Apart => Pair::new(a, b, rests, self.half),
-                    Pattern::Neighbours => Pair::of_neighbours(a, rests, self.half),
+                    Pattern::Apart => EightPairs::new(a, b, rests, self.half),
+                    Pattern::Neighbours => EightPairs::of_neighbours(a, rests, self.half),
                 };
                 if count == LANES { &mut self.pairs } else { &mut *tails }.push(pair);
             }
@@ -162,15 +162,15 @@ impl Work for SweepSoft<'_> {
             let soft = Soft { alpha, sums: &mut *sums, done };
             let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()), soft };
             if batch.neighbours {
-                columns.eights().each::<L, true>(full, from, &mut pull);
+                columns.view().each::<L, true>(full, from, &mut pull);
             } else {
-                columns.eights().each::<L, false>(full, from, &mut pull);
+                columns.view().each::<L, false>(full, from, &mut pull);
             }
             let mut tail = Tail(pull);
             if batch.neighbours {
-                columns.eights().each::<L, true>(tails, from, &mut tail);
+                columns.view().each::<L, true>(tails, from, &mut tail);
             } else {
-                columns.eights().each::<L, false>(tails, from, &mut tail);
+                columns.view().each::<L, false>(tails, from, &mut tail);
             }
             let Tail(RodPull { worst: found, all_move, soft }) = tail;
             (worst, done) = (found, soft.done);
@@ -229,7 +229,7 @@ impl<L: Lanes> Compliance<L> for Soft<'_, L> {
 #[cold]
 fn separate<'a>(
     columns: &mut Columns,
-    eights: impl Iterator<Item = &'a Pair>,
+    eights: impl Iterator<Item = &'a EightPairs>,
     batch: &StridedBatch,
     from: usize,
     sums: &mut [f32],
@@ -237,9 +237,9 @@ fn separate<'a>(
 ) -> f32 {
     let (mut worst, mut done) = (0.0_f32, 0);
     for pair in eights {
-        let (a, b) = columns.eights().find(pair, from);
+        let (a, b) = columns.view().find(pair, from);
         for lane in (0..LANES).filter(|lane| !pair.numbers[*lane].is_nan()) {
-            let pairs = 2 * PARTED[lane];
+            let pairs = 2 * PAIR_ORDER[lane];
             let places = match batch.neighbours {
                 false => [a + lane, b + lane],
                 true => [a + pairs, a + pairs + 1],

@@ -111,7 +111,7 @@ impl Work for ProjectColumns<'_> {
         let mut worst = L::zero();
         for block in blocks {
             let at = columns.at(block.member - first as u32);
-            let mut eights = columns.eights();
+            let mut eights = columns.view();
             let (p, w) = Vector::of(eights.load::<L>(at));
             let (held, far, out) =
                 project_tether(p, w, block.pins_of(pins), L::load(&block.length));

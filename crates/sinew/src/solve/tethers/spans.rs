@@ -21,7 +21,7 @@ use glam::Vec4;
 
 use super::tether_length;
 use crate::constraints::Distance;
-use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PARITY, Vector, Work, with};
+use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PARITY_ORDER, Vector, Work, with};
 use crate::threads::{ExecutionContext, each};
 
 /// The spans of one island, by colour. No two spans of a colour share a particle.
@@ -133,7 +133,7 @@ impl Spans {
         each.flat_map(|(first, reach, block)| {
             let spans = (0..LANES).filter(|lane| block.length[*lane].is_finite());
             spans.map(move |lane| {
-                let a = first + block.a + PARITY[lane] as u32;
+                let a = first + block.a + PARITY_ORDER[lane] as u32;
                 (a, a + reach, block.length[lane])
             })
         })
@@ -226,7 +226,8 @@ impl Strided {
                     };
                     let all = blocks.len() - before;
                     let last = blocks.last_mut().filter(|_| all > 0).filter(fits);
-                    let lane = |from: u32| PARITY.iter().position(|row| *row as u32 == a - from);
+                    let lane =
+                        |from: u32| PARITY_ORDER.iter().position(|row| *row as u32 == a - from);
                     if let Some(block) = last {
                         lane(block.a).into_iter().for_each(|lane| block.length[lane] = length);
                     } else {
@@ -263,7 +264,7 @@ impl Work for ProjectSpans<'_> {
             let (mut ones, mut others) = ([*a; LANES], [*a + reach; LANES]);
             for lane in 0..LANES {
                 // Where no span begins, the first one is repeated, since the row may not exist.
-                let row = if length[lane].is_finite() { PARITY[lane] as u32 } else { 0 };
+                let row = if length[lane].is_finite() { PARITY_ORDER[lane] as u32 } else { 0 };
                 (ones[lane], others[lane]) = (a + row, a + row + reach);
             }
             let (one, other) = (L::rows(position, &ones), L::rows(position, &others));
@@ -299,7 +300,7 @@ impl Work for SpanColumns<'_> {
                 let (a, b) = (from + a, from + a + part.reach);
                 let one = [columns.at(a), columns.at(a + 1)];
                 let other = [columns.at(b), columns.at(b + 1)];
-                let mut eights = columns.eights();
+                let mut eights = columns.view();
                 let held = project_span(
                     eights.load_run::<L>(one),
                     eights.load_run(other),

@@ -285,9 +285,9 @@ fn spans_pull_together_what_is_apart_keep_momentum_and_leave_what_is_slack() {
         {
             let (mut columns, mut position) = (Columns::default(), before.clone());
             columns.reset(Columns::half(2 * before.len()));
-            columns.turn_in(0, &before, instructions);
+            columns.transpose_in(0, &before, instructions);
             own.project_columns(&mut columns, 0, instructions);
-            columns.turn_out(0, &mut position, instructions);
+            columns.transpose_out(0, &mut position, instructions);
             assert!(position == after[0], "the same bits in columns");
         }
         let moved = |(p, q): (&Vec4, &Vec4)| (*q - *p).truncate();

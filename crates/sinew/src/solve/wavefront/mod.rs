@@ -28,7 +28,7 @@ use glam::Vec4;
 use smallvec::SmallVec;
 
 use crate::constraints::GradientAt;
-use crate::integrate::{Predict, StepConstants, begin_columns, go_on_with_columns, settle_columns};
+use crate::integrate::{Predict, StepConstants, advance_columns, derive_columns, predict_columns};
 use crate::lanes::InstructionSet;
 use crate::settings::Order;
 pub(super) use pipeline::pipelined_wavefront;
@@ -187,7 +187,7 @@ trait Store {
     fn wait(&mut self, end: usize);
 
     /// Borrows some rows for reading or writing.
-    fn lend(&mut self, rows: Range<usize>) -> Predict<'_>;
+    fn slice(&mut self, rows: Range<usize>) -> Predict<'_>;
 
     /// Returns the borrowed rows. All rows before `settled` are not needed any more at all.
     fn put_back(&mut self, settled: Option<usize>);
@@ -205,7 +205,7 @@ impl Store for TaskStore<'_, '_> {
     fn wait(&mut self, _: usize) {}
 
     #[inline(always)]
-    fn lend(&mut self, rows: Range<usize>) -> Predict<'_> {
+    fn slice(&mut self, rows: Range<usize>) -> Predict<'_> {
         self.island_step.predict(self.first + rows.start..self.first + rows.end)
     }
 
@@ -311,14 +311,14 @@ impl Wavefront {
                 StageKind::Begin => {
                     window.admit(rows.end, settled);
                     store.wait(rows.end);
-                    window.turn_in(rows.start, &store.lend(rows.clone()), instructions);
+                    window.transpose_in(rows.start, &store.slice(rows.clone()), instructions);
                     store.put_back(None);
                     let (lanes, last) = (window.lanes(rows), substeps == 1);
-                    begin_columns(&mut window.moving, lanes, step, last, instructions);
+                    predict_columns(&mut window.moving, lanes, step, last, instructions);
                 }
                 StageKind::Advance(substep) => {
                     let (lanes, last) = (window.lanes(rows), substep + 1 == substeps);
-                    go_on_with_columns(&mut window.moving, lanes, step, last, instructions);
+                    advance_columns(&mut window.moving, lanes, step, last, instructions);
                 }
                 StageKind::Tethers { substep } => {
                     let Some(tethers) = tethers else { continue };
@@ -347,8 +347,8 @@ impl Wavefront {
                 }
                 StageKind::Settle => {
                     let lanes = window.lanes(rows.clone());
-                    settle_columns(&mut window.moving, lanes, step, instructions);
-                    window.turn_out(rows.start, store.lend(rows.clone()), instructions);
+                    derive_columns(&mut window.moving, lanes, step, instructions);
+                    window.transpose_out(rows.start, store.slice(rows.clone()), instructions);
                     store.put_back(Some(rows.end));
                 }
             }

@@ -137,10 +137,10 @@ impl Store for PipelineWorker<'_, '_> {
         }
     }
 
-    fn lend(&mut self, rows: Range<usize>) -> Predict<'_> {
+    fn slice(&mut self, rows: Range<usize>) -> Predict<'_> {
         let (number, first) = (rows.start / self.chunk, rows.start / self.chunk * self.chunk);
         let chunk = self.chunks[number].lock().unwrap_or_else(PoisonError::into_inner);
-        self.held.insert(chunk).lend(rows.start - first..rows.end - first)
+        self.held.insert(chunk).slice(rows.start - first..rows.end - first)
     }
 
     fn put_back(&mut self, settled: Option<usize>) {

@@ -48,22 +48,32 @@ impl SlidingWindow {
     }
 
     /// Transposes rows into the columns.
-    pub(super) fn turn_in(&mut self, row: usize, packed: &Predict, instructions: InstructionSet) {
+    pub(super) fn transpose_in(
+        &mut self,
+        row: usize,
+        packed: &Predict,
+        instructions: InstructionSet,
+    ) {
         let row = row - self.rows.start;
         let MovingColumns { position, velocity, rounding, .. } = &mut self.moving;
-        position.turn_in(row, packed.position, instructions);
-        velocity.turn_in(row, packed.velocity, instructions);
-        rounding.turn_in(row, packed.motion.rounding, instructions);
+        position.transpose_in(row, packed.position, instructions);
+        velocity.transpose_in(row, packed.velocity, instructions);
+        rounding.transpose_in(row, packed.motion.rounding, instructions);
     }
 
     /// Transposes rows back.
-    pub(super) fn turn_out(&mut self, row: usize, packed: Predict, instructions: InstructionSet) {
+    pub(super) fn transpose_out(
+        &mut self,
+        row: usize,
+        packed: Predict,
+        instructions: InstructionSet,
+    ) {
         let row = row - self.rows.start;
-        let MovingColumns { position, begun, velocity, rounding } = &mut self.moving;
-        position.turn_out(row, packed.position, instructions);
-        begun.turn_out(row, packed.start, instructions);
-        velocity.turn_out(row, packed.velocity, instructions);
-        rounding.turn_out(row, packed.motion.rounding, instructions);
+        let MovingColumns { position, start, velocity, rounding } = &mut self.moving;
+        position.transpose_out(row, packed.position, instructions);
+        start.transpose_out(row, packed.start, instructions);
+        velocity.transpose_out(row, packed.velocity, instructions);
+        rounding.transpose_out(row, packed.motion.rounding, instructions);
     }
 
     /// The lanes of some rows, of which the first is a multiple of 32.

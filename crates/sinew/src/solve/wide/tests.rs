@@ -64,8 +64,8 @@ impl State {
         let mode = SolveMode {
             substep_context,
             gradient_at: GradientAt::Current,
-            tethers: true,
-            relaxed: None,
+            project_tethers: true,
+            relaxation: None,
             single_sweep: false,
             violation: f32::INFINITY,
             instructions: InstructionSet::best(),

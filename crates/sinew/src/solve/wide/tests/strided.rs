@@ -18,7 +18,7 @@ fn in_columns(state: &State, distances: &[Distance], set: InstructionSet) -> (St
     let (mut columns, mut state) = (Columns::default(), state.clone());
     let mut sums = vec![0.0; distances.len()];
     columns.reset(rods.half());
-    columns.turn_in(0, &state.now, set);
+    columns.transpose_in(0, &state.now, set);
     let found = [(); 3].map(|()| {
         let (columns, how, batches) = (&mut columns, (CONTEXT, set), batches.clone());
         let (found, count) = rods.sweep_soft(columns, batches, (2, 0), &mut sums, how);
@@ -26,7 +26,7 @@ fn in_columns(state: &State, distances: &[Distance], set: InstructionSet) -> (St
         let sums = &mut sums[count..];
         found.max(sweep_loose(&loose, columns, blocks.clone(), 2, sums, CONTEXT, set))
     });
-    columns.turn_out(0, &mut state.now, set);
+    columns.transpose_out(0, &mut state.now, set);
     (state, found)
 }
 
