@@ -87,10 +87,10 @@
 //! | `islands` | which particles constraints connect |
 //! | `lanes` | SIMD: eight numbers side by side, with the same bits on every instruction set; the only `unsafe` |
 //! | `threads` | tasks, and the [`Workers`] that a caller may lend |
+//! | `coincident` | vertices of a mesh that coincide |
 //! | `convex_hull` | the convex hull of points |
 //! | `hash` | FNV-1a |
-//! | `kept` | scratch memory that is not copied with its owner |
-//! | `same_place` | vertices of a mesh that coincide |
+//! | `not_cloned` | scratch memory that is not copied with its owner |
 //! | `tracked` | change tracking: [`Tracked`] lists, equal by their revision without a comparison of their elements |
 //! | `union_find` | disjoint sets: islands, sleeping groups, zones, pieces of a mesh |
 //!
@@ -103,6 +103,7 @@
 //! nothing; inside a step nothing panics and nothing divides by zero. Results depend on the input alone: no unordered iteration, no platform maths, no fused
 //! operations.
 
+pub(crate) mod coincident;
 pub mod collide;
 pub mod constraints;
 pub(crate) mod convex_hull;
@@ -110,14 +111,13 @@ pub mod forces;
 pub(crate) mod hash;
 pub mod integrate;
 pub(crate) mod islands;
-pub(crate) mod kept;
 pub(crate) mod lanes;
 pub mod ledger;
+pub(crate) mod not_cloned;
 pub mod particles;
 pub mod pose;
 pub mod recipes;
 pub mod rigid;
-pub(crate) mod same_place;
 pub(crate) mod settings;
 pub mod simulation;
 pub mod solve;

@@ -15,7 +15,7 @@ use super::body_collider::BodyCollider;
 use super::manifold::Broad;
 use super::material::BodyContacts;
 use super::world::World;
-use crate::kept::Kept;
+use crate::not_cloned::NotCloned;
 use crate::particles::{NO_BODY, Particles};
 
 /// Bodies that are near another one in a step. Scratch.
@@ -31,7 +31,7 @@ pub(crate) struct Nearby {
     shapes: Participation,
     bodies: Vec<BodyExtent>,
     bounds: Vec<(Vec3, Vec3)>,
-    broad: Kept<Broad>,
+    broad: NotCloned<Broad>,
     pairs: Vec<[u32; 2]>,
     /// For each body the greatest distance that its shapes reach beyond its particles, metres; may be missing for bodies without shapes.
     overhangs: Vec<f32>,

@@ -50,8 +50,8 @@ impl Attractor {
 /// Adds gravity, which needs no mass (`f = m g`, so `a = g`), and the external force of each particle.
 pub(crate) fn apply(particles: &mut Particles, forces: &Forces, instructions: InstructionSet) {
     particles.accelerate_all(forces.gravity);
-    for number in 0..particles.column_summary.singular.len() {
-        let i = particles.column_summary.singular[number] as usize;
+    for number in 0..particles.column_summary.nonuniform.len() {
+        let i = particles.column_summary.nonuniform[number] as usize;
         let w = particles.position[i].w;
         if w > 0.0 {
             // In addition to the gravity applied to all.

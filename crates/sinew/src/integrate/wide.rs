@@ -39,9 +39,9 @@ pub(crate) struct MotionColumns<'a> {
     pub(crate) medium: &'a [f32],
     pub(crate) drift: &'a [Vec3],
     /// Acceleration that is added to that of every particle, m/s².
-    pub(crate) common: Vec4,
+    pub(crate) uniform_acceleration: Vec4,
     /// Damping rate that is added to that of every particle, 1/s.
-    pub(crate) air: f32,
+    pub(crate) uniform_damping: f32,
 }
 
 impl<'a> MotionColumns<'a> {
@@ -58,8 +58,8 @@ impl<'a> MotionColumns<'a> {
             damping,
             medium: if particles.medium_dirty { &particles.medium } else { &[] },
             drift: &particles.drift,
-            common: particles.common.extend(0.0),
-            air: particles.air,
+            uniform_acceleration: particles.uniform_acceleration.extend(0.0),
+            uniform_damping: particles.uniform_damping,
         };
         (Places { first: 0, position, start, origin, radius, velocity }, motion)
     }
@@ -166,10 +166,18 @@ impl Work for Predict<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { position, start, velocity, motion, h } = self;
-        let MotionColumns { rounding, acceleration, damping, medium, drift, common, air } = motion;
-        let rates = Rates { damping, medium, air };
+        let MotionColumns {
+            rounding,
+            acceleration,
+            damping,
+            medium,
+            drift,
+            uniform_acceleration,
+            uniform_damping,
+        } = motion;
+        let rates = Rates { damping, medium, uniform_damping };
         let mut step = Step {
-            common: L::two(&[common; 2], 0),
+            uniform_acceleration: L::two(&[uniform_acceleration; 2], 0),
             h,
             steady: rates.same().map_or(f32::NAN, |rate| loss(rate * h)),
             last: (0.0, 0.0),
@@ -239,7 +247,7 @@ fn derive_two<L: Lanes>(
 
 /// What is the same in the steps of all particles.
 struct Step<'a, L> {
-    common: L,
+    uniform_acceleration: L,
     h: f32,
     rates: Rates<'a>,
     /// The share of velocity that is lost over a whole substep where all have the same damping; NaN where they differ.
@@ -264,8 +272,8 @@ impl<L: Lanes> Step<'_, L> {
         let v = L::two(velocity, 0);
         let tau = (v.fourths() + L::splat(self.h)) * L::splat(0.5);
         let a = match acceleration {
-            Some(a) => L::two(a, 0) + self.common,
-            None => self.common,
+            Some(a) => L::two(a, 0) + self.uniform_acceleration,
+            None => self.uniform_acceleration,
         };
         let before = L::two(rounding, 0);
         let lags = [velocity[0].w, velocity[1].w];
@@ -323,7 +331,7 @@ impl<L: Lanes> Step<'_, L> {
 struct Rates<'a> {
     damping: &'a [f32],
     medium: &'a [f32],
-    air: f32,
+    uniform_damping: f32,
 }
 
 impl Rates<'_> {
@@ -333,7 +341,7 @@ impl Rates<'_> {
             [all] => *all,
             each => each.get(i).copied().unwrap_or(0.0),
         };
-        own + (self.air + self.medium.get(i).copied().unwrap_or(0.0))
+        own + (self.uniform_damping + self.medium.get(i).copied().unwrap_or(0.0))
     }
 
     /// The rate of all particles, if it is the same.

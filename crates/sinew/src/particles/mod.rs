@@ -73,7 +73,7 @@ pub struct Particles {
     /// Whether `acceleration` was written to in this substep; otherwise it is all zeros.
     pub(crate) acceleration_dirty: bool,
     /// Acceleration that all particles that are not pinned have in addition, m/s².
-    pub(crate) common: Vec3,
+    pub(crate) uniform_acceleration: Vec3,
     pub(crate) external: Vec<Vec3>,
     pub(crate) radius: Vec<f32>,
     pub(crate) charge: Vec<f32>,
@@ -83,7 +83,7 @@ pub struct Particles {
     /// Whether `medium` was written to in this substep; otherwise it is all zeros.
     pub(crate) medium_dirty: bool,
     /// Damping that all particles have in addition, 1/s.
-    pub(crate) air: f32,
+    pub(crate) uniform_damping: f32,
     pub(crate) drift: Vec<Vec3>,
     pub(crate) body: Vec<u32>,
     /// Position of each particle in its body's rest shape, metres; NaN for one without. Empty while none has one.
@@ -94,7 +94,7 @@ pub struct Particles {
     writes: u64,
     pub(crate) column_summary: ColumnSummary,
     /// Whether rows moved by the caller are recorded, and those rows in order.
-    watched: bool,
+    records_edits: bool,
     moved: Vec<u32>,
     /// Rows that the caller applied forces or media to, recorded likewise.
     pushed: Vec<u32>,
@@ -162,7 +162,7 @@ impl Particles {
         self.note_edit();
         if len < self.len() {
             // The recorded rows may soon hold other particles.
-            self.watch(false);
+            self.record_edits(false);
             self.note_sleepers(false);
         }
         self.position.resize(len, Vec4::ZERO);
@@ -282,19 +282,19 @@ impl Particles {
     }
 
     /// Starts or stops recording rows that are moved or given a velocity, and clears the record.
-    pub(crate) fn watch(&mut self, watched: bool) {
-        self.watched = watched;
+    pub(crate) fn record_edits(&mut self, on: bool) {
+        self.records_edits = on;
         self.moved.clear();
         self.pushed.clear();
     }
 
     /// Removes one row from the record of moved rows, and returns it.
-    pub(crate) fn take_moved(&mut self) -> Option<u32> {
+    pub(crate) fn pop_moved(&mut self) -> Option<u32> {
         self.moved.pop()
     }
 
     /// The same for rows that forces or media were added to.
-    pub(crate) fn take_pushed(&mut self) -> Option<u32> {
+    pub(crate) fn pop_pushed(&mut self) -> Option<u32> {
         self.pushed.pop()
     }
 
@@ -343,14 +343,14 @@ impl Particles {
     #[inline]
     pub(super) fn note_moved(&mut self, i: usize) {
         self.note_write(i);
-        if self.watched {
+        if self.records_edits {
             self.moved.push(i as u32);
         }
     }
 
     #[inline]
     fn note_pushed(&mut self, i: usize) {
-        if self.watched && self.pushed.last() != Some(&(i as u32)) {
+        if self.records_edits && self.pushed.last() != Some(&(i as u32)) {
             self.pushed.push(i as u32);
         }
     }
@@ -379,7 +379,7 @@ impl Particles {
     pub fn set_external_force(&mut self, i: usize, force: Vec3) {
         self.note_edit();
         self.external[i] = force;
-        self.note_singular(i);
+        self.note_nonuniform(i);
     }
 
     /// Multiple of the world's gravity that acts on particle `i`. 1 by default.
@@ -392,7 +392,7 @@ impl Particles {
         if scale.is_finite() && scale != self.gravity_scale[i] {
             self.note_edit();
             self.gravity_scale[i] = scale;
-            self.note_singular(i);
+            self.note_nonuniform(i);
         }
     }
 
@@ -445,7 +445,7 @@ impl Particles {
         self.charge[i] = seed.charge;
         self.gravity_scale[i] = seed.gravity_scale;
         self.forget_summary();
-        self.note_singular(i);
+        self.note_nonuniform(i);
         self.body[i] = NO_BODY;
         if let Some(rest) = self.rest.get_mut(i) {
             *rest = Vec3::NAN;

@@ -11,7 +11,7 @@ use super::Particles;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ColumnSummary {
     /// Rows with a gravity scale other than 1 or an external force, ascending.
-    pub(crate) singular: Vec<u32>,
+    pub(crate) nonuniform: Vec<u32>,
     /// Whether no particle has a charge.
     pub(crate) neutral: bool,
     /// The damping of all particles, 1/s, if it is the same.
@@ -22,23 +22,23 @@ pub(crate) struct ColumnSummary {
 
 impl Particles {
     /// Lists row `i` as one whose gravity and external force are summed separately.
-    pub(super) fn note_singular(&mut self, i: usize) {
-        let (row, singular) = (i as u32, &mut self.column_summary.singular);
+    pub(super) fn note_nonuniform(&mut self, i: usize) {
+        let (row, nonuniform) = (i as u32, &mut self.column_summary.nonuniform);
         // Mostly all rows are written, in ascending order.
-        if singular.last().is_none_or(|&last| last < row) {
-            singular.push(row);
-        } else if let Err(at) = singular.binary_search(&row) {
-            singular.insert(at, row);
+        if nonuniform.last().is_none_or(|&last| last < row) {
+            nonuniform.push(row);
+        } else if let Err(at) = nonuniform.binary_search(&row) {
+            nonuniform.insert(at, row);
         }
         self.note_pushed(i);
     }
 
-    /// Discards the summary, except the singular rows that still exist.
+    /// Discards the summary, except the nonuniform rows that still exist.
     pub(super) fn forget_summary(&mut self) {
         let (rows, summary) = (self.len(), &mut self.column_summary);
-        if summary.singular.last().is_some_and(|&row| row as usize >= rows) {
-            let singular = summary.singular.partition_point(|&row| (row as usize) < rows);
-            summary.singular.truncate(singular);
+        if summary.nonuniform.last().is_some_and(|&row| row as usize >= rows) {
+            let nonuniform = summary.nonuniform.partition_point(|&row| (row as usize) < rows);
+            summary.nonuniform.truncate(nonuniform);
         }
         (summary.neutral, summary.damping, summary.as_of) = (false, None, None);
     }
@@ -51,18 +51,18 @@ impl Particles {
         // Without an early exit the compiler vectorises the loop.
         let first = self.damping.first().copied().unwrap_or(0.0);
         let even = self.damping.iter().fold(true, |even, &rate| even & (rate == first));
-        let mut singular = core::mem::take(&mut self.column_summary.singular);
-        singular.clear();
-        let is_singular =
+        let mut nonuniform = core::mem::take(&mut self.column_summary.nonuniform);
+        nonuniform.clear();
+        let is_nonuniform =
             |&i: &usize| self.gravity_scale[i] != 1.0 || self.external[i] != Vec3::ZERO;
-        singular.extend((0..self.len()).filter(is_singular).map(|row| row as u32));
+        nonuniform.extend((0..self.len()).filter(is_nonuniform).map(|row| row as u32));
         let neutral = self.charge.iter().fold(true, |neutral, &charge| neutral & (charge == 0.0));
         let (damping, as_of) = (even.then_some(first), Some(self.edits()));
-        self.column_summary = ColumnSummary { singular, neutral, damping, as_of };
+        self.column_summary = ColumnSummary { nonuniform, neutral, damping, as_of };
     }
 
-    /// Clears the sums: no acceleration, and the damping `air` (1/s) of all particles.
-    pub(crate) fn clear_sums(&mut self, air: f32) {
+    /// Clears the sums: no acceleration, and the damping `rate` (1/s) of all particles.
+    pub(crate) fn clear_sums(&mut self, rate: f32) {
         if self.acceleration_dirty {
             self.acceleration.fill(Vec4::ZERO);
         }
@@ -70,15 +70,15 @@ impl Particles {
             self.medium.fill(0.0);
         }
         (self.acceleration_dirty, self.medium_dirty) = (false, false);
-        (self.common, self.air) = (Vec3::ZERO, air);
+        (self.uniform_acceleration, self.uniform_damping) = (Vec3::ZERO, rate);
         self.drift.clear();
     }
 
     /// Acceleration of particle `i` summed so far in this substep, m/s².
     #[inline]
     pub fn acceleration(&self, i: usize) -> Vec3 {
-        let common = if self.position[i].w > 0.0 { self.common } else { Vec3::ZERO };
-        if self.acceleration_dirty { self.acceleration[i].truncate() + common } else { common }
+        let uniform = if self.position[i].w > 0.0 { self.uniform_acceleration } else { Vec3::ZERO };
+        if self.acceleration_dirty { self.acceleration[i].truncate() + uniform } else { uniform }
     }
 
     /// Adds a force, N, for this substep: for a force law of the caller's, between `accumulate_forces` and `integrate`. Forces add up; pinned particles are not
@@ -112,7 +112,7 @@ impl Particles {
 
     /// Adds an acceleration, m/s², to every particle that is not pinned.
     pub(crate) fn accelerate_all(&mut self, acceleration: Vec3) {
-        self.common += acceleration;
+        self.uniform_acceleration += acceleration;
     }
 
     /// Drags particle `i` towards `velocity` (m/s) in this substep, at the rate `rate` (1/s, finite): the effect of a medium, which may be moving. Media add
@@ -138,6 +138,6 @@ impl Particles {
     /// Rate at which particle `i` loses velocity in this substep, 1/s: its own damping, and that of the media it is in.
     #[inline]
     pub(crate) fn rate(&self, i: usize) -> f32 {
-        self.damping[i] + (self.air + self.medium[i])
+        self.damping[i] + (self.uniform_damping + self.medium[i])
     }
 }

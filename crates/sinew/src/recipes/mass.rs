@@ -19,9 +19,9 @@
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::nearest::bounds;
+use crate::coincident::first_coincident;
 use crate::collide::{Shape, ShapeKind};
 use crate::convex_hull::convex_hull;
-use crate::same_place::first_in_place;
 
 /// Volume, barycentre and second moments of the interior of a closed mesh, at uniform density.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -200,7 +200,7 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MassFault> {
     if let Some(number) = triangles.iter().position(|t| !t.iter().all(is_vertex)) {
         return Err(MassFault::NoSuchVertex(number));
     }
-    let same = first_in_place(positions);
+    let same = first_coincident(positions);
     // Every side of a triangle as its edge and a direction, +1 or -1. In a closed surface the directions of each edge sum to zero.
     let mut sides = Vec::with_capacity(3 * triangles.len());
     for t in triangles {

@@ -30,8 +30,8 @@ use crate::collide::{
 use crate::constraints::{Boundaries, Constraint, Distance, Pin};
 use crate::forces::{self, Forces};
 use crate::islands::Islands;
-use crate::kept::Kept;
 use crate::lanes::InstructionSet;
+use crate::not_cloned::NotCloned;
 use crate::particles::Particles;
 use crate::rigid::{Compound, CompoundBodies};
 use crate::settings::{BodySettings, SolverSettings};
@@ -106,7 +106,7 @@ struct Scratch {
     sweep_scratch: solve::SweepScratch,
     lane_particles: Vec<solve::LaneParticles>,
     moving: CompoundBodies,
-    sleep_scratch: Kept<sleep::SleepScratch>,
+    sleep_scratch: NotCloned<sleep::SleepScratch>,
     /// Pinned particles that were given another origin for this step.
     anchors: Vec<prepare::PinnedOrigin>,
     /// Pressure of each wind on each triangle, sampled when the step began.
@@ -134,7 +134,7 @@ struct Scratch {
     particle_surfaces: Vec<Range<usize>>,
     /// Whether nothing moves in this step.
     at_rest: bool,
-    rest: Kept<rest::Rest>,
+    rest: NotCloned<rest::Rest>,
 }
 
 /// Position within a step.
@@ -351,7 +351,7 @@ impl Simulation {
         }
         self.wake();
         self.scratch.loads.end(&self.scratch.plan);
-        self.particles.watch(false);
+        self.particles.record_edits(false);
         let len = self.particles.len();
         let awake = |rows: &Range<usize>| rows.start.min(len)..rows.end.min(len);
         for mut among in self.scratch.awake_rows.iter().map(awake) {

@@ -10,7 +10,7 @@ use super::{Scratch, Simulation};
 use crate::collide::{BodyContacts, Collider, ContactParticipant};
 use crate::constraints::Boundaries;
 use crate::forces::Forces;
-use crate::kept::Kept;
+use crate::not_cloned::NotCloned;
 use crate::settings::{BodySettings, SolverSettings};
 use crate::tracked::Tracked;
 
@@ -80,7 +80,7 @@ impl Simulation {
     /// Whether the last two steps were at rest, so that the next is one too if nothing changes until then. Compares only the particles and the constraints, not
     /// the other inputs of a step.
     pub fn is_settled(&self) -> bool {
-        let Scratch { rest: Kept(rest), changes, .. } = &self.scratch;
+        let Scratch { rest: NotCloned(rest), changes, .. } = &self.scratch;
         let inputs = rest.inputs.as_ref().filter(|_| rest.settled && changes.is_empty());
         inputs.is_some_and(|inputs| inputs.writes == self.particles.writes())
     }

@@ -101,7 +101,7 @@ impl Simulation {
         let any = named.is_none();
         let charges = if particles.column_summary.neutral { &[][..] } else { &particles.charge };
         let charged = charges.iter().enumerate().filter(|(_, charge)| **charge != 0.0);
-        let rows = particles.column_summary.singular.iter().copied();
+        let rows = particles.column_summary.nonuniform.iter().copied();
         let rows = rows.chain(named.into_iter().flatten());
         let rows = rows.chain(charged.map(|(row, _)| row as u32));
         let states = contacts.rigid_states();

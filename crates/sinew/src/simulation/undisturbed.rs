@@ -31,7 +31,7 @@ impl Simulation {
         let is_calm = winds.is_empty() || surfaces.is_empty();
         let quiet = is_calm && self.forces.rows().is_some_and(|mut rows| rows.next().is_none());
         let summary = &self.particles.column_summary;
-        quiet && summary.singular.is_empty() && summary.neutral
+        quiet && summary.nonuniform.is_empty() && summary.neutral
     }
 
     /// Whether nothing moves in this step: all islands sleep or are single pinned particles at rest, and the geometry around them is static. Then each substep

@@ -165,7 +165,7 @@ kernel!(
         let MotionContext { particles, began, first, step, near } = context;
         let [position, velocity] = about;
         let (position, velocity) = (Vector::double(position), Vector::double(velocity));
-        let common = Vector::<L>::splat(particles.common);
+        let common = Vector::<L>::splat(particles.uniform_acceleration);
         let near = Vector::<L>::splat(near);
         let mut own = MomentSums::<L::Doubles>::none();
         for (rows, masses) in eights {

@@ -38,7 +38,7 @@ pub(crate) fn advance_all(
     iteration_counts.clear();
     iteration_counts.resize_with(substeps as usize, AtomicU32::default);
     let (places, motion) = MotionColumns::all(particles);
-    // The accumulated forces are the same for all particles, and are in `common`.
+    // The accumulated forces are the same for all particles, and are in `uniform_acceleration`.
     let motion = MotionColumns { acceleration: &[], medium: &[], drift: &[], ..motion };
     let (normal_impulses, multipliers) =
         (NormalImpulses::all(normal_impulses), all_multipliers.all());
@@ -111,7 +111,8 @@ impl TaskSlice<'_> {
         iteration_counts: &'b [AtomicU32],
     ) -> BatchSolve<'b> {
         let Places { position, start, velocity, origin, radius, .. } = &mut self.places;
-        let MotionColumns { rounding, damping, air, common, .. } = &mut self.motion;
+        let MotionColumns { rounding, damping, uniform_damping, uniform_acceleration, .. } =
+            &mut self.motion;
         BatchSolve {
             context: self.context,
             task: &self.task,
@@ -125,8 +126,8 @@ impl TaskSlice<'_> {
                 velocity,
                 rounding,
                 damping,
-                air: *air,
-                common: common.truncate(),
+                uniform_damping: *uniform_damping,
+                uniform_acceleration: uniform_acceleration.truncate(),
                 iteration_counts,
             }),
             scratch: thread_scratch.of_batches(),

@@ -28,7 +28,7 @@ use super::wavefront::Wavefront;
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, MotionColumns, StepRows, derive};
 use crate::islands::{Island, Singles};
-use crate::kept::Kept;
+use crate::not_cloned::NotCloned;
 use crate::particles::{Particles, Places};
 use crate::threads::{ExecutionContext, Pool, each};
 
@@ -46,7 +46,7 @@ pub(crate) struct SolveScratch {
     /// Scratch of cloth that shapes press on.
     pressed: PressedScratch,
     /// The largest sweep count of each substep of a whole step.
-    iteration_counts: Kept<Vec<AtomicU32>>,
+    iteration_counts: NotCloned<Vec<AtomicU32>>,
 }
 
 /// What a thread needs while it solves.

@@ -23,8 +23,8 @@ use super::swept_bounds::{SweptBounds, WideSweptBounds};
 use super::wide_contact::{
     Contact, SWEEPS, WideContact, colour, keep_for_impacts, pack_contacts, put, set_levels,
 };
-use crate::kept::Kept;
 use crate::lanes::LANES;
+use crate::not_cloned::NotCloned;
 use crate::particles::{NO_BODY, Particles};
 
 /// From this number of body colliders outside the grid on, the grid is filled anew: each of them is compared with each that leaves its swept bounds.
@@ -219,7 +219,7 @@ impl BodyContactSolver {
             groups,
             nearby,
             order: endless,
-            dormant: Kept(dormant),
+            dormant: NotCloned(dormant),
             ..
         } = self;
         bounds.resize(swept.len(), (Vec3::NAN, Vec3::NAN));

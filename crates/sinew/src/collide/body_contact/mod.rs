@@ -66,8 +66,8 @@ use super::pressed::PressedCloth;
 use super::recovery::in_substep;
 use super::shape::Shape;
 use super::world::World;
-use crate::kept::Kept;
 use crate::lanes::{InstructionSet, LANES, with};
+use crate::not_cloned::NotCloned;
 use crate::particles::Particles;
 use bodies::{Bodies, CENTRE};
 use broad_phase::MissedPairs;
@@ -134,8 +134,8 @@ pub(crate) struct BodyContactSolver {
     static_geometry: Vec<StaticGeometry>,
     floor: Option<Shape>,
     swept: Vec<SweptBounds>,
-    clusters: Kept<ClusterSearch>,
-    narrow_phase: Kept<NarrowPhase>,
+    clusters: NotCloned<ClusterSearch>,
+    narrow_phase: NotCloned<NarrowPhase>,
     bounds: Vec<(Vec3, Vec3)>,
     /// Body colliders that have left their swept bounds in this substep.
     outside_bounds: Vec<u32>,
@@ -167,7 +167,7 @@ pub(crate) struct BodyContactSolver {
     sticking: Vec<bool>,
     /// For each group a bit for each body collider that sleeps. It keeps the pose that was extracted when the step began.
     asleep: Vec<u32>,
-    dormant: Kept<DormantColliders>,
+    dormant: NotCloned<DormantColliders>,
     /// Whether the broad phase has run since the last substep.
     fresh: bool,
     /// Length of the last substep, seconds.

@@ -9,7 +9,7 @@ use super::super::filter::ContactFilter;
 use super::super::frame::Frame;
 use super::super::manifold::{ManifoldScratch, collide};
 use super::groups::BodyGroups;
-use crate::kept::Kept;
+use crate::not_cloned::NotCloned;
 use crate::particles::{NO_BODY, Particles};
 use crate::pose::pose;
 
@@ -30,7 +30,7 @@ pub(super) struct RestOverlaps {
     /// Body and number of each body collider; rest frames of the parts of one body, and their bounds.
     body_colliders: Vec<(u32, u32)>,
     frames: Vec<(u32, Frame, (Vec3, Vec3))>,
-    scratch: Kept<ManifoldScratch>,
+    scratch: NotCloned<ManifoldScratch>,
 }
 
 impl RestOverlaps {

@@ -154,7 +154,7 @@ impl BodyContactSolver {
         self.rigid.count = 0;
         self.rigid.idle = false;
         self.rigid.states.clear();
-        particles.watch(false);
+        particles.record_edits(false);
         if held
             || self.rigid.islands.iter().all(|&island| island == NONE)
             || self.bodies.rows.is_empty()
@@ -211,7 +211,7 @@ impl BodyContactSolver {
         }
         let sound = groups.parts.iter().filter(|part| part.sound).count();
         rigid.idle = *count == sound && self.contacts.is_empty() && self.loose.is_empty();
-        particles.watch(*count > 0);
+        particles.record_edits(*count > 0);
     }
 
     /// Whether there are rigid states in this step.
@@ -228,7 +228,7 @@ impl BodyContactSolver {
     /// released.
     pub(crate) fn release_moved(&mut self, particles: &mut Particles, all: &mut Islands) -> bool {
         let mut any = false;
-        while let Some(row) = particles.take_moved() {
+        while let Some(row) = particles.pop_moved() {
             let Some(&number) = all.of.get(row as usize) else { continue };
             let island = &mut all.list[number as usize];
             if !core::mem::take(&mut island.is_rigid_state) {
@@ -282,7 +282,7 @@ impl BodyContactSolver {
 
     /// Marks the rigid states whose particles were pushed from outside.
     fn note_pushed(&mut self, particles: &mut Particles, islands: &Islands) {
-        while let Some(row) = particles.take_pushed() {
+        while let Some(row) = particles.pop_pushed() {
             self.rigid.force(&self.groups, islands, row);
         }
     }
@@ -311,14 +311,14 @@ impl BodyContactSolver {
             if state.lanes == 0 {
                 continue;
             }
-            state.note_losses(particles.air, h);
+            state.note_losses(particles.uniform_damping, h);
             let acting = Acting { particles, pressures, h };
             let body = (&group.mass, slots);
             let sums = forces.sum(number, body, state, acting, *instructions);
             let advance = AdvanceStates {
                 mass: &group.mass,
                 state,
-                common: particles.common,
+                common: particles.uniform_acceleration,
                 sums,
                 h,
                 wide_swept,
@@ -339,11 +339,11 @@ impl BodyContactSolver {
         let RigidIslands { states, idle, times, .. } = rigid;
         note_times(times, substep..substeps, h, substeps);
         for ((state, group), wide_swept) in states.iter_mut().zip(&groups.groups).zip(wide_swept) {
-            state.note_losses(particles.air, h);
+            state.note_losses(particles.uniform_damping, h);
             let advance = AdvanceStates {
                 mass: &group.mass,
                 state,
-                common: particles.common,
+                common: particles.uniform_acceleration,
                 sums: None,
                 h,
                 wide_swept,

@@ -15,7 +15,7 @@ use super::surface::{SpherePath, SphereSlide, Surface, first_crossing, skin, sli
 use super::tree::TriangleTree;
 use super::triangle::{ClosestPoint, Feature, Triangle};
 use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
-use crate::same_place::first_in_place;
+use crate::coincident::first_coincident;
 
 /// Triangles with their acceleration structures.
 #[derive(Clone, Debug, PartialEq)]
@@ -240,7 +240,7 @@ impl Surface for Mesh {
 
 /// Merges vertices at the same position, in the order of first appearance, and drops triangles that have a position twice.
 fn welded(vertices: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let first = first_in_place(vertices);
+    let first = first_coincident(vertices);
     let mut number = vec![u32::MAX; vertices.len()];
     let mut places = Vec::new();
     for i in 0..vertices.len() {

@@ -6,8 +6,8 @@
 use glam::Vec3;
 
 use crate::collide::manifold::{Broad, NO_GROUP};
-use crate::kept::Kept;
 use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, Work, with};
+use crate::not_cloned::NotCloned;
 
 /// Finds overlapping boxes. Only allocations are kept between calls.
 #[derive(Clone, Debug, Default)]
@@ -17,7 +17,7 @@ pub(super) struct BlockSearch {
     bounds: Vec<(Vec3, Vec3)>,
     groups: Vec<u32>,
     near: Vec<[u32; 2]>,
-    broad: Kept<Broad>,
+    broad: NotCloned<Broad>,
 }
 
 /// Consecutive boxes of one group. An invalid box or an empty lane has a least corner of +∞ and a greatest of -∞, so that nothing overlaps it.

@@ -70,9 +70,9 @@ pub(crate) struct WholeStep<'a> {
     /// Damping rates, 1/s: one for each row, or a single one for all rows.
     pub(crate) damping: &'a [f32],
     /// Damping rate that is added to that of every particle, 1/s.
-    pub(crate) air: f32,
+    pub(crate) uniform_damping: f32,
     /// Acceleration of all particles, m/s².
-    pub(crate) common: Vec3,
+    pub(crate) uniform_acceleration: Vec3,
     /// For each substep, the largest sweep count of any island.
     pub(crate) iteration_counts: &'a [AtomicU32],
 }
@@ -185,7 +185,7 @@ impl<'a> BatchSolve<'a> {
                     if substep < 2 {
                         storage.note_losses(h);
                     }
-                    predict_lanes(storage, whole.common, h, instructions);
+                    predict_lanes(storage, whole.uniform_acceleration, h, instructions);
                 }
             }
             lane_compaction.solve(&context, &mut self.normal_impulses);
@@ -437,7 +437,7 @@ fn limit_recovery(
 
 /// Stores the damping rate of each particle, 1/s.
 fn note_rates(batch: &InstanceBatch, begin: u32, whole: &WholeStep, storage: &mut LaneStorage) {
-    let air = whole.air + 0.0;
+    let air = whole.uniform_damping + 0.0;
     storage.rate.clear();
     if let [all] = whole.damping {
         storage.rate.resize(batch.members as usize, [all + air; LANES]);

@@ -116,7 +116,7 @@ impl TaskSlice<'_> {
             [all] => *all,
             _ => return None,
         };
-        let rate = rate + (motion.air + 0.0);
+        let rate = rate + (motion.uniform_damping + 0.0);
         if !fit {
             return None;
         }
@@ -130,7 +130,7 @@ impl TaskSlice<'_> {
             return None;
         }
         StepConstants::new(
-            motion.common.truncate(),
+            motion.uniform_acceleration.truncate(),
             rate,
             context.substep.h / island.microsteps as f32,
         )

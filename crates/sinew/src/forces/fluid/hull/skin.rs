@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::same_place::first_in_place;
+use crate::coincident::first_coincident;
 
 /// The surface mesh of a body that floats by its shape, and the particles that carry it.
 ///
@@ -83,7 +83,7 @@ impl Hull {
             return Err(HullFault::MissingVertex);
         }
         if let Skin::Posed { vertices, .. } = &skin {
-            let one = first_in_place(vertices);
+            let one = first_coincident(vertices);
             triangles.iter_mut().flatten().for_each(|v| *v = one[*v as usize]);
         }
         let rim = rim_of(&triangles);

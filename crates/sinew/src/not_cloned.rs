@@ -2,16 +2,16 @@
 
 /// Memory kept from call to call to save allocations. Its content carries no state: a clone starts with the default.
 #[derive(Default)]
-pub(crate) struct Kept<T>(pub(crate) T);
+pub(crate) struct NotCloned<T>(pub(crate) T);
 
-impl<T: Default> Clone for Kept<T> {
+impl<T: Default> Clone for NotCloned<T> {
     fn clone(&self) -> Self {
         Self::default()
     }
 }
 
-impl<T> core::fmt::Debug for Kept<T> {
+impl<T> core::fmt::Debug for NotCloned<T> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("Kept")
+        f.write_str("NotCloned")
     }
 }
