@@ -12,7 +12,7 @@ use core::sync::atomic::{AtomicU64, Ordering};
 ///
 /// let mut list = Tracked::from(vec![1, 2]);
 /// let copy = list.clone();
-/// assert!(list == copy, "without a look at what is in them");
+/// assert!(list == copy, "without a comparison of the elements");
 /// list.push(3);
 /// assert!(list != copy);
 /// ```
@@ -136,7 +136,7 @@ mod tests {
     fn a_copy_is_equal_until_one_of_them_is_written_and_then_the_value_says() {
         let one = Tracked::from(Unlike);
         let mut other = one.clone();
-        assert_eq!(one, other, "nobody looked");
+        assert_eq!(one, other, "by their revision, without a comparison");
         let _ = &mut *other;
         assert_ne!(one, other);
         assert_ne!(Tracked::from(Unlike), Tracked::from(Unlike));

@@ -23,7 +23,7 @@ pub(super) struct BodyClasses {
     /// Class of each row; empty where all rows are of class 0.
     of_row: Vec<u32>,
     /// [Edits](Particles::edits) and number of the particles when `of_row` was last built.
-    seen: Option<(u64, usize)>,
+    built_for: Option<(u64, usize)>,
 }
 
 impl BodyClass {
@@ -43,10 +43,10 @@ impl BodyClasses {
                 self.classes.get(class as usize) == Some(&BodyClass::of(body))
             });
         let now = (particles.edits(), particles.len());
-        if same && self.seen == Some(now) {
+        if same && self.built_for == Some(now) {
             return;
         }
-        self.seen = Some(now);
+        self.built_for = Some(now);
         if !same {
             self.classes.clear();
             self.classes.push(BodyClass::of(&BodyContacts::DEFAULT));

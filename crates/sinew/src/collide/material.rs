@@ -213,7 +213,7 @@ mod tests {
         let (player, wall) = (Layers::new(1, 2), Layers::new(2, 1));
         assert!(player.meets(wall) && wall.meets(player));
         assert!(!player.meets(player));
-        assert!(!player.meets(Layers::new(2, 4)), "the other does not mind it");
+        assert!(!player.meets(Layers::new(2, 4)), "only one of the two collides with the other");
         assert!(Layers::default().meets(Layers::default()));
         assert!(!Layers::NONE.meets(Layers::default()));
     }

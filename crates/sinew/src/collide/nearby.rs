@@ -214,8 +214,9 @@ impl Nearby {
         if !(0..bodies.len()).any(is_large) {
             return;
         }
-        let meet = |&&[a, b]: &&[u32; 2]| contacts[a as usize].collides_with(&contacts[b as usize]);
-        let both_ways = pairs.iter().filter(meet).flat_map(|&[a, b]| [[a, b], [b, a]]);
+        let may_touch =
+            |&&[a, b]: &&[u32; 2]| contacts[a as usize].collides_with(&contacts[b as usize]);
+        let both_ways = pairs.iter().filter(may_touch).flat_map(|&[a, b]| [[a, b], [b, a]]);
         large_pairs.extend(both_ways.filter(|&[body, other]| {
             let other = &bodies[other as usize];
             is_large(body as usize) && (other.free || other.has_shapes)

@@ -335,8 +335,8 @@ impl ColumnsView<'_> {
         (a, b)
     }
 
-    /// Applies `work` to some pairs, of which no two have a used lane in common; with `NEIGHBOURS` to pairs [of neighbours](Pair::of_neighbours). `from` as in
-    /// [`find`](Self::find).
+    /// Applies `work` to some pairs, of which no two have a used lane in common; with `NEIGHBOURS` to pairs [of neighbours](EightPairs::of_neighbours). `from`
+    /// as in [`find`](Self::find).
     #[inline(always)]
     pub(crate) fn each<L: Lanes, const NEIGHBOURS: bool>(
         &mut self,

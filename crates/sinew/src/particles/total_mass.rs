@@ -50,12 +50,12 @@ impl TotalMass {
         let (mut mass, mut first) = (0.0, DVec3::ZERO);
         for (i, m) in counted() {
             mass += m;
-            first += aside(particles, i, anchor) * m;
+            first += relative(particles, i, anchor) * m;
         }
         let centre = first / mass;
         let mut inertia = [[0.0; 3]; 3];
         for (i, m) in counted() {
-            let r = aside(particles, i, anchor) - centre;
+            let r = relative(particles, i, anchor) - centre;
             let (rr, components) = (r.length_squared(), r.to_array());
             for (row, a) in inertia.iter_mut().zip(components) {
                 for (entry, b) in row.iter_mut().zip(components) {
@@ -70,7 +70,7 @@ impl TotalMass {
 
     /// Vector from the barycentre to row `i`, metres.
     pub(crate) fn arm(&self, particles: &Particles, i: usize) -> DVec3 {
-        aside(particles, i, self.anchor) - self.centre
+        relative(particles, i, self.anchor) - self.centre
     }
 
     /// Vector from the barycentre to a point of the world, metres.
@@ -111,7 +111,7 @@ fn mass(particles: &Particles, i: usize) -> f64 {
 }
 
 /// `p_i - p_anchor`, metres, exact wherever both are.
-fn aside(particles: &Particles, i: usize, anchor: usize) -> DVec3 {
+fn relative(particles: &Particles, i: usize, anchor: usize) -> DVec3 {
     local(particles, i) - local(particles, anchor)
         + (particles.origin[i].as_dvec3() - particles.origin[anchor].as_dvec3())
 }

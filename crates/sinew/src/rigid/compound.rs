@@ -112,7 +112,7 @@ impl CompoundBodies {
                 *slot = slot.as_ref().and_then(|body| pushed(particles, compound, body, &push, h));
             }
             if let Some(body) = slot
-                && body.settle_rows(particles, &compound.rows, &compound.rest).is_err()
+                && body.write_rows_in_step(particles, &compound.rows, &compound.rest).is_err()
             {
                 *slot = None;
             }

@@ -143,7 +143,7 @@ impl RigidBody {
     }
 
     /// [`write_rows`](Self::write_rows) for the step itself: wakes nothing.
-    pub(crate) fn settle_rows(
+    pub(crate) fn write_rows_in_step(
         &self,
         particles: &mut Particles,
         rows: &[usize],

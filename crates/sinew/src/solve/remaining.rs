@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_leaves_is_not_among_it_and_all_else_is() {
+    fn what_is_removed_is_gone_and_all_else_remains() {
         let task = Task { islands: 2..9, rows: 20..90, ..Task::default() };
         let mut rest = Remaining::default();
         rest.reset(&task);

@@ -1,9 +1,9 @@
 //! Particle contacts: single particles against planes, boxes and colliders.
 //!
 //! Each particle is a sphere of its radius. In a substep it moves from its start position to the one that was predicted and corrected by constraints. In the
-//! frame of a collider, which may itself move, that is a segment from one point to another ([`Shape::touch`]). Where the particle overlaps at the end of the
-//! segment, or passed through the shape, it is placed just outside, on the side that it came from, and friction reduces its slip. Nothing gets through, however
-//! fast the particle and however thin the shape.
+//! frame of a collider, which may itself move, that is a segment from one point to another ([`Shape::touch`](crate::collide::Shape::touch)). Where the particle
+//! overlaps at the end of the segment, or passed through the shape, it is placed just outside, on the side that it came from, and friction reduces its slip.
+//! Nothing gets through, however fast the particle and however thin the shape.
 //!
 //! The broad phase runs once a step (`broad_phase`), with a margin for the distance that the fastest particle of an island may cover. A particle that
 //! nevertheless moves further, flung by something, is tested against every collider.
@@ -394,10 +394,10 @@ impl ParticleContacts {
     #[inline]
     fn frames_of(&self, number: usize, interval: InstantInterval, origin: Vec3) -> (Frame, Frame) {
         let frame = |instant: u32| &self.frames[instant as usize * self.surfaces.len() + number];
-        let seen = |instant: u32| frame(instant).seen_from(origin);
-        let is = seen(interval.end);
+        let relative = |instant: u32| frame(instant).seen_from(origin);
+        let is = relative(interval.end);
         // Most surfaces are static: then there is only one pose, and nothing is carried along.
-        let was = if self.surfaces[number].moves { seen(interval.begin) } else { is };
+        let was = if self.surfaces[number].moves { relative(interval.begin) } else { is };
         (was, is)
     }
 }

@@ -55,8 +55,8 @@ pub(super) fn list(
     materials.clear();
     let mut add = |surface: ContactSurface, bound: Option<PlaneOrBox>| {
         let combined = |class: &BodyClass| {
-            let meets = surface.layers.meets(class.layers);
-            meets.then(|| surface.combined_material(&class.material))
+            let applies = surface.layers.meets(class.layers);
+            applies.then(|| surface.combined_material(&class.material))
         };
         let is_bound = |class: &BodyClass, material: &CombinedMaterial| {
             let CombinedMaterial { restitution, drag, .. } = *material;
@@ -104,8 +104,9 @@ pub(super) fn list(
     for (number, collider) in colliders.iter().enumerate() {
         if collider.is_valid() {
             let number = number as u32;
-            let asked = collider.sensor || collider.events || filter.ignores_collider(number);
-            let bound = if asked { None } else { PlaneOrBox::of(collider) };
+            let needs_surface =
+                collider.sensor || collider.events || filter.ignores_collider(number);
+            let bound = if needs_surface { None } else { PlaneOrBox::of(collider) };
             add(ContactSurface::of(collider, number), bound);
         }
     }

@@ -82,7 +82,7 @@ fn what_is_out_of_reach_changes_no_bit() {
 }
 
 #[test]
-fn what_is_flung_out_of_reach_meets_what_is_there() {
+fn what_is_flung_out_of_reach_touches_what_is_there() {
     for plate in [false, true] {
         let mut world = hung();
         if plate {
@@ -216,7 +216,7 @@ fn settings_of_one_body_change_no_bit_of_others() {
 }
 
 #[test]
-fn a_room_that_is_turned_moves_or_is_a_sensor_is_looked_for_and_does_what_it_should() {
+fn a_room_that_is_turned_moves_or_is_a_sensor_is_found_and_does_what_it_should() {
     let turned = Frame::new(Vec3::Y * 20.0, glam::Quat::from_xyzw(0.0, 1e-3, 0.0, 1.0));
     let up = Frame::at(Vec3::Y * 20.01);
     for (collider, holds) in [

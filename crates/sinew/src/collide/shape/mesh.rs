@@ -107,8 +107,8 @@ impl Mesh {
     pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let reach = radius.max(self.skin);
         let (low, high) = (from.min(to) - Vec3::splat(reach), from.max(to) + Vec3::splat(reach));
-        let meets = low.cmple(self.bounds.1).all() && high.cmpge(self.bounds.0).all();
-        if !(meets && from.is_finite() && to.is_finite() && radius.is_finite()) {
+        let overlaps = low.cmple(self.bounds.1).all() && high.cmpge(self.bounds.0).all();
+        if !(overlaps && from.is_finite() && to.is_finite() && radius.is_finite()) {
             return None;
         }
         let (distance, off) = self.distances.sample(to);

@@ -416,15 +416,15 @@ mod tests {
             list.begin_substep(&participants, &particles);
             for _ in 0..6 {
                 list.update();
-                let mut asked = vec![false; candidates.len()];
+                let mut listed = vec![false; candidates.len()];
                 for (place, close) in
                     (0..).map_while(|place| Some((place, list.close_lanes(place, 0)?)))
                 {
                     for lane in SetLanes(close) {
-                        asked[list.number(place, lane as u32) as usize] = true;
+                        listed[list.number(place, lane as u32) as usize] = true;
                     }
                 }
-                passed_over += asked.iter().filter(|&&asked| !asked).count();
+                passed_over += listed.iter().filter(|&&listed| !listed).count();
                 for (number, candidate) in candidates.iter().enumerate() {
                     let place = |of: &[Vec4], i: usize| particles.origin[i] + of[i].truncate();
                     let at = |of: &[Vec4]| candidate.four.map(|i| place(of, i as usize).as_dvec3());
@@ -435,7 +435,7 @@ mod tests {
                     let passes = four.crossing().is_some();
                     touching += u32::from(touches);
                     passing += u32::from(passes);
-                    assert!(asked[number] || !touches && !passes, "{substep}: {number}");
+                    assert!(listed[number] || !touches && !passes, "{substep}: {number}");
                 }
                 for _ in 0..5 {
                     let i = dice.below(COUNT) as usize;

@@ -15,12 +15,12 @@
 //!
 //! # What touches what
 //!
-//! The triangles are those of [`Forces::surfaces`](crate::forces::Forces::surfaces) whose three particles belong to one body with [`BodyContacts::surface`].
-//! Every particle with a radius that collides with the body according to [`pairs`](super::pairs) (another body's, or its own if the body collides with itself)
-//! collides with its triangles, at the sum of both thicknesses ([`solve`]), from either side. Where both bodies have surfaces, edges collide with edges too:
-//! two meshes can pass through each other without a corner ever passing through a triangle. A particle does not collide with the triangles that it is a corner
-//! of, nor an edge with one that it shares an end with. Corners of listed triangles take no part in [`pairs`](super::pairs), unless their body collides with
-//! itself: what touches a corner touches its triangles there.
+//! The triangles are those of [`Forces::surfaces`](crate::forces::Forces::surfaces) whose three particles belong to one body with
+//! [`BodyContacts::surface`](crate::BodyContacts::surface). Every particle with a radius that collides with the body according to [`pairs`](super::pairs)
+//! (another body's, or its own if the body collides with itself) collides with its triangles, at the sum of both thicknesses ([`solve`]), from either side.
+//! Where both bodies have surfaces, edges collide with edges too: two meshes can pass through each other without a corner ever passing through a triangle. A
+//! particle does not collide with the triangles that it is a corner of, nor an edge with one that it shares an end with. Corners of listed triangles take no
+//! part in [`pairs`](super::pairs), unless their body collides with itself: what touches a corner touches its triangles there.
 //!
 //! # Stages
 //!

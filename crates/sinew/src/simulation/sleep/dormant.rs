@@ -465,12 +465,12 @@ mod tests {
             ("a ball that comes", |world| {
                 world.colliders[0].end = Frame::at(Vec3::new(-0.6, 0.5, 0.0));
             }),
-            ("who touches nobody", |world| world.contacts[0].disabled = true),
+            ("a body that touches nothing", |world| world.contacts[0].disabled = true),
             ("a pair that is ignored", |world| {
                 world.ignored.push([0, 1].map(ContactParticipant::Body));
             }),
             ("a lost cache", |world| world.contact_cache.clear()),
-            ("one who wakes", |world| world.sleep[2].still = 0.0),
+            ("one that wakes", |world| world.sleep[2].still = 0.0),
             ("other substeps", |world| world.settings.substeps = 7),
             ("a box that comes near", |world| {
                 (32..40).for_each(|row| world.particles.set_velocity(row, Vec3::X * -14.0));

@@ -51,7 +51,7 @@ fn in_flat_cloth_they_are_straight_lines() {
 
 /// Tethers are bounds that the rods imply: where all rods have their rest lengths, no tether is shorter than the distance of the particle from its pin.
 #[test]
-fn none_asks_for_more_than_the_rods_do() {
+fn none_requires_more_than_the_rods_do() {
     let dome = |p: Vec3| Vec3::new(p.x, p.y, 0.8 - 1.6 * (p.x * p.x + p.y * p.y));
     let pleats = |p: Vec3| Vec3::new(p.x, p.y, 0.1 * (9.0 * p.x).abs().fract());
     let shapes: [&dyn Fn(Vec3) -> Vec3; 2] = [&dome, &pleats];
