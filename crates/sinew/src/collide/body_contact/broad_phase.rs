@@ -218,6 +218,7 @@ impl BodyContactSolver {
             bounds,
             groups,
             nearby,
+            instructions,
             order: endless,
             dormant: NotCloned(dormant),
             ..
@@ -232,7 +233,7 @@ impl BodyContactSolver {
             body(i) != NO_BODY && body(i) == body(i - 1)
         };
         let travel = |i: usize| swept.get(i).map_or(Vec3::ZERO, |one| one.velocity * world.dt);
-        clusters.0.pairs(bounds, same_body, travel, nearby);
+        clusters.0.pairs(bounds, same_body, travel, *instructions, nearby);
         pairs.clear();
         // Pairs of two dormant body colliders are known from the step before.
         let needs_query = |pair: &[u32; 2]| {

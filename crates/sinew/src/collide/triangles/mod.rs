@@ -4,7 +4,6 @@
 //! |---|---|
 //! | `participants` | triangles, their corners and edges, and particles that take part |
 //! | `neighbour_list` | candidate pairs with a margin, and whether a margin was exceeded |
-//! | `block_search` | broad phase of the triangles' boxes |
 //! | `close_list` | the candidates that are close in this substep |
 //! | `least_distance` | lower bounds of distances, eight at a time |
 //! | `distance` | nearest points of a particle and a triangle, and of two edges |
@@ -48,7 +47,6 @@
 //!
 //! The thickness is weaker than that: under pressure it may shrink for a while, but never to nothing.
 
-mod block_search;
 mod close_list;
 mod crossing;
 mod least_distance;

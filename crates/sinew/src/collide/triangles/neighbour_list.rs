@@ -7,10 +7,9 @@
 use glam::{DVec3, Vec3};
 
 use super::super::distance::{of_segments, to_triangle};
-use super::block_search::BlockSearch;
 use super::participants::{EDGES, TriangleParticipants, largest};
 use crate::collide::filter::ContactFilter;
-use crate::collide::manifold::{Aabb, NO_GROUP};
+use crate::collide::manifold::{Aabb, BlockSearch, NO_GROUP};
 use crate::lanes::InstructionSet;
 use crate::particles::{NO_BODY, Particles};
 

@@ -2,7 +2,8 @@
 //! nearby clusters, and boxes are compared with those of their own and of nearby clusters.
 //!
 //! A bone has eleven other bones of its ragdoll around it. In a grid they are a dense group of boxes of many sizes, each of which would search some thirty
-//! cells to find pairs that are known in advance. Compared directly they are 66 pairs, and a hundred ragdolls are a hundred clusters of similar size.
+//! cells to find pairs that are known in advance. Compared directly, eight at a time, they are
+//! 66 pairs, and a hundred ragdolls are two hundred clusters of similar size.
 //!
 //! # Lasting candidates
 //!
@@ -12,11 +13,12 @@
 
 use glam::Vec3;
 
-use super::grid::BoxEntry;
+use super::blocks::{BoxBlock, CompareBlocks};
 use super::{Broad, is_box, overlap};
+use crate::lanes::{InstructionSet, LANES, with};
 
-/// Greatest number of boxes in a cluster: a long rope is split into runs of links, because one cluster of all of them would extend across the level.
-const MAX_BOXES: usize = 16;
+/// Greatest number of boxes in a cluster: those of a [`BoxBlock`]. One cluster of all links of a long rope would extend across the level anyway.
+const MAX_BOXES: usize = LANES;
 
 /// Margin on each side of an enlarged box, as a share of the box's largest extent, and the number of further steps whose expected displacement it covers.
 const MARGIN: f32 = 0.06;
@@ -42,12 +44,11 @@ pub(crate) struct ClusterSearch {
     /// Grid of the boxes as they were when [`fill`](Self::fill) was called within the step, and whether it was.
     refilled: Broad,
     is_refilled: bool,
-    /// Scratch: nearby pairs of clusters; those of which one has left its enlarged box; query results; boxes of a cluster; boxes of the clusters near it.
+    /// Scratch: nearby pairs of clusters; those of which one has left its enlarged box; query results; the boxes of each cluster.
     near: Vec<[u32; 2]>,
     near_outside: Vec<[u32; 2]>,
     around: Vec<u32>,
-    own: Vec<BoxEntry>,
-    others: Vec<BoxEntry>,
+    blocks: Vec<BoxBlock>,
 }
 
 impl ClusterSearch {
@@ -58,6 +59,7 @@ impl ClusterSearch {
         bounds: &[(Vec3, Vec3)],
         joined: impl Fn(usize) -> bool,
         displacement: impl Fn(usize) -> Vec3,
+        instructions: InstructionSet,
         out: &mut Vec<[u32; 2]>,
     ) {
         self.is_refilled = false;
@@ -72,28 +74,17 @@ impl ClusterSearch {
         let boxes = core::mem::take(&mut self.boxes);
         self.find_near(&boxes, bounds, displacement);
         self.boxes = boxes;
-        let Self { starts, boxes, near, own, others, .. } = self;
+        let Self { starts, blocks, near, .. } = self;
+        blocks.clear();
+        blocks.extend(starts.windows(2).map(|ends| {
+            let mut block = BoxBlock::new(ends[0]);
+            for one in &bounds[ends[0] as usize..ends[1] as usize] {
+                block.push(one);
+            }
+            block
+        }));
         out.clear();
-        let mut near = near.iter().peekable();
-        for (cluster, around) in boxes.iter().enumerate() {
-            own.clear();
-            own.extend(members(starts, cluster, bounds));
-            others.clear();
-            let whole = BoxEntry::new(around, 0);
-            while let Some(&[_, other]) = near.next_if(|pair| pair[0] as usize == cluster) {
-                let theirs = members(starts, other as usize, bounds);
-                others.extend(theirs.filter(|one| one.overlaps(&whole)));
-            }
-            for (i, one) in own.iter().enumerate() {
-                let mut compare = |other: &BoxEntry| {
-                    if one.overlaps(other) {
-                        out.push([one.number, other.number]);
-                    }
-                };
-                own[i + 1..].iter().for_each(&mut compare);
-                others.iter().for_each(compare);
-            }
-        }
+        with(instructions, CompareBlocks { blocks, groups: &[], near, last: u32::MAX, out });
     }
 
     /// Finds the pairs of clusters whose boxes overlap or touch, sorted.
@@ -271,15 +262,4 @@ fn merge(into: &mut Vec<[u32; 2]>, from: &[[u32; 2]]) {
         to -= 1;
         into[to] = one;
     }
-}
-
-/// The valid boxes of a cluster.
-fn members(
-    starts: &[u32],
-    cluster: usize,
-    bounds: &[(Vec3, Vec3)],
-) -> impl Iterator<Item = BoxEntry> {
-    let numbers = starts[cluster]..starts[cluster + 1];
-    let good = numbers.filter(|&number| is_box(&bounds[number as usize]));
-    good.map(|number| BoxEntry::new(&bounds[number as usize], number))
 }

@@ -6,9 +6,9 @@ use super::aabb::Aabb;
 
 /// A box in a grid.
 #[derive(Clone, Copy)]
-pub(super) struct BoxEntry {
+struct BoxEntry {
     bounds: Aabb,
-    pub(super) number: u32,
+    number: u32,
     /// Boxes of one group are not compared with each other, except for [`NO_GROUP`].
     group: u32,
 }
@@ -23,13 +23,13 @@ pub(super) fn are_compared(group: u32, other: u32) -> bool {
 }
 
 impl BoxEntry {
-    pub(super) fn new(bounds: &(Vec3, Vec3), number: u32) -> Self {
+    fn new(bounds: &(Vec3, Vec3), number: u32) -> Self {
         Self { bounds: Aabb::new(*bounds), number, group: NO_GROUP }
     }
 
     /// Whether two boxes overlap or touch.
     #[inline(always)]
-    pub(super) fn overlaps(&self, other: &Self) -> bool {
+    fn overlaps(&self, other: &Self) -> bool {
         self.bounds.overlaps(&other.bounds)
     }
 }

@@ -5,17 +5,20 @@
 //! so that it stays small however far apart the boxes lie, and neighbours along x are neighbours in memory. Boxes of half the size have a grid of their own,
 //! and are compared with the grids of larger boxes too. Small sets and unbounded boxes (floors, half-spaces) have no grid; they are compared with everything.
 //!
-//! Boxes that stay close to each other are searched as one (`clusters`).
+//! Consecutive boxes that are close to each other are searched as one, and compared eight at a time (`blocks`): thousands of triangles afresh each time, parts
+//! of bodies with candidates that last for several steps (`clusters`).
 //!
 //! Sweep-and-prune along one axis would compare more: in a pile of 1000 boxes each overlaps some 150 others along the axis, and is compared with 14 here.
 
 mod aabb;
+mod blocks;
 mod clusters;
 mod grid;
 
 use glam::Vec3;
 
 pub(crate) use aabb::Aabb;
+pub(crate) use blocks::BlockSearch;
 pub(crate) use clusters::ClusterSearch;
 pub(crate) use grid::NO_GROUP;
 use grid::{BoxGrid, are_compared};

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::*;
 use crate::collide::manifold::tests::Dice;
+use crate::lanes::InstructionSet;
 
 fn naive(bounds: &[(Vec3, Vec3)]) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
@@ -96,10 +97,16 @@ fn a_search_in_clusters_has_the_same_pairs() {
         let size = [1, 2, 12, 50][round % 4];
         let spread = [1.0, 10.0, 1e3][round % 3];
         let bounds = clusters(200 / size, size, (spread, 1.0), &mut dice);
-        search.pairs(&bounds, |i| i < 200 && i % size != 0, |_| Vec3::ZERO, &mut out);
+        search.pairs(
+            &bounds,
+            |i| i < 200 && i % size != 0,
+            |_| Vec3::ZERO,
+            InstructionSet::best(),
+            &mut out,
+        );
         assert_eq!(out, naive(&bounds), "{round}");
     }
-    search.pairs(&[], |_| true, |_| Vec3::ZERO, &mut out);
+    search.pairs(&[], |_| true, |_| Vec3::ZERO, InstructionSet::best(), &mut out);
     assert!(out.is_empty());
 }
 
@@ -115,7 +122,7 @@ fn candidates_that_last_have_the_same_pairs() {
         let ways: Vec<_> = (0..count).map(|_| 0.05 * dice.vector()).collect();
         let joined = |i: usize| i + 1 < count && !i.is_multiple_of(size);
         for step in 0..40_usize {
-            search.pairs(&bounds, joined, |i| ways[i], &mut out);
+            search.pairs(&bounds, joined, |i| ways[i], InstructionSet::best(), &mut out);
             assert_eq!(out, naive(&bounds), "{round} {step}");
             for (own, way) in bounds.iter_mut().zip(&ways) {
                 let by = way + 0.002 * dice.vector();
@@ -146,7 +153,7 @@ fn a_moved_box_finds_all_that_it_overlaps_now() {
         let mut bounds = clusters(200 / size, size, (spread, 1.0), &mut dice);
         let count = bounds.len() as u32 - 1;
         let joined = |i: usize| i < count as usize && !i.is_multiple_of(size);
-        search.pairs(&bounds, joined, |_| Vec3::ZERO, &mut out);
+        search.pairs(&bounds, joined, |_| Vec3::ZERO, InstructionSet::best(), &mut out);
         let moved: Vec<u32> = (0..count).step_by(7).collect();
         for &number in &moved {
             let to = around(dice.vector() * spread, dice.vector().abs() * 2.0);

@@ -1,17 +1,15 @@
-//! Finds overlapping boxes of triangles. Consecutive triangles are close to each other and mostly of one cloth: blocks of eight are searched as one, and the
-//! boxes of two nearby blocks are compared eight at a time. (Bones and links of ropes are searched in a similar way by
-//! [`ClusterSearch`](crate::collide::manifold::ClusterSearch): a dozen that are joined, with lasting candidates. Here the pairs are rebuilt each time, and
-//! there are thousands.)
+//! Blocks of consecutive boxes that are close to each other, such as the triangles of a cloth or the bones of a ragdoll: up to eight boxes are searched as one,
+//! and the boxes of two nearby blocks are compared eight at a time.
 
 use glam::Vec3;
 
-use crate::collide::manifold::{Broad, NO_GROUP};
+use super::{Broad, NO_GROUP, is_box};
 use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, Work, with};
 use crate::not_cloned::NotCloned;
 
-/// Finds overlapping boxes. Only allocations are kept between calls.
+/// Finds overlapping boxes of triangles and particles, afresh in each call: only allocations are kept.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BlockSearch {
+pub(crate) struct BlockSearch {
     blocks: Vec<BoxBlock>,
     /// The bounds and the group of each block, and the pairs of overlapping blocks.
     bounds: Vec<(Vec3, Vec3)>,
@@ -22,8 +20,8 @@ pub(super) struct BlockSearch {
 
 /// Consecutive boxes of one group. An invalid box or an empty lane has a least corner of +∞ and a greatest of -∞, so that nothing overlaps it.
 #[derive(Clone, Copy, Debug)]
-struct BoxBlock {
-    first: u32,
+pub(super) struct BoxBlock {
+    pub(super) first: u32,
     count: u32,
     least: [[f32; LANES]; 3],
     most: [[f32; LANES]; 3],
@@ -32,7 +30,7 @@ struct BoxBlock {
 impl BlockSearch {
     /// Finds all pairs `[i, j]`, `i < j`, of boxes (least and greatest corner) that overlap or touch and are not of one [group](NO_GROUP), sorted. Boxes from
     /// `last` on are not triangles, and are not compared with each other.
-    pub(super) fn pairs(
+    pub(crate) fn pairs(
         &mut self,
         boxes: &[(Vec3, Vec3)],
         of: impl Fn(usize) -> u32,
@@ -53,26 +51,35 @@ impl BlockSearch {
                 groups.push(group);
             }
             let (Some(block), Some(bounds)) = (blocks.last_mut(), bounds.last_mut()) else { break };
-            let lane = block.count as usize;
-            block.count += 1;
-            if least.cmple(most).all() {
-                for axis in 0..3 {
-                    block.least[axis][lane] = least[axis];
-                    block.most[axis][lane] = most[axis];
-                }
+            if block.push(&(least, most)) {
                 *bounds = (bounds.0.min(least), bounds.1.max(most));
             }
         }
         broad.0.pairs_of_groups(bounds, groups, near);
         out.clear();
-        with(instructions, ComparePairs { blocks, groups, near, last: last as u32, out });
+        with(instructions, CompareBlocks { blocks, groups, near, last: last as u32, out });
     }
 }
 
 impl BoxBlock {
-    fn new(first: u32) -> Self {
+    /// An empty block; its first box will be number `first`.
+    pub(super) fn new(first: u32) -> Self {
         let (least, most) = ([[f32::INFINITY; LANES]; 3], [[f32::NEG_INFINITY; LANES]; 3]);
         Self { first, count: 0, least, most }
+    }
+
+    /// Adds a box to the next lane, and returns whether it is valid.
+    pub(super) fn push(&mut self, one: &(Vec3, Vec3)) -> bool {
+        let lane = self.count as usize;
+        self.count += 1;
+        if !is_box(one) {
+            return false;
+        }
+        for axis in 0..3 {
+            self.least[axis][lane] = one.0[axis];
+            self.most[axis][lane] = one.1[axis];
+        }
+        true
     }
 
     /// A bit for each box of the block that a box overlaps or touches.
@@ -88,16 +95,19 @@ impl BoxBlock {
     }
 }
 
-/// Compares the boxes of nearby blocks; `near` are the pairs of those, sorted.
-struct ComparePairs<'a> {
-    blocks: &'a [BoxBlock],
-    groups: &'a [u32],
-    near: &'a [[u32; 2]],
-    last: u32,
-    out: &'a mut Vec<[u32; 2]>,
+/// Adds the pairs of overlapping boxes, sorted, of nearby blocks and within each block.
+pub(super) struct CompareBlocks<'a> {
+    pub(super) blocks: &'a [BoxBlock],
+    /// The [group](NO_GROUP) of each block, whose boxes are not compared with each other; blocks beyond its end have none.
+    pub(super) groups: &'a [u32],
+    /// Pairs of nearby blocks, sorted.
+    pub(super) near: &'a [[u32; 2]],
+    /// Blocks from this box on are compared only with those before.
+    pub(super) last: u32,
+    pub(super) out: &'a mut Vec<[u32; 2]>,
 }
 
-impl Work for ComparePairs<'_> {
+impl Work for CompareBlocks<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -117,7 +127,7 @@ impl Work for ComparePairs<'_> {
                 let least = [block.least[0][lane], block.least[1][lane], block.least[2][lane]];
                 let most = [block.most[0][lane], block.most[1][lane], block.most[2][lane]];
                 let i = block.first + lane as u32;
-                if groups[number] == NO_GROUP {
+                if groups.get(number).is_none_or(|&group| group == NO_GROUP) {
                     let behind = u32::MAX << (lane + 1);
                     for other in SetLanes(block.overlapping::<L>(least, most) & behind) {
                         out.push([i, block.first + other as u32]);
