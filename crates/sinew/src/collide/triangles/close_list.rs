@@ -22,7 +22,7 @@ use crate::particles::Particles;
 pub(super) struct CloseList {
     /// Instruction set of the kernels; all give the same bits.
     pub(super) instructions: InstructionSet,
-    /// The candidates kept by [`pick`](Self::pick), in order: those of corners first.
+    /// The candidates of the neighbour list, in order: those of corners first.
     blocks: Vec<CandidateBlock>,
     /// `ends`: position of each member, metres from the first member's origin, and in `w` its displacement in this substep relative to the mean displacement of
     /// all members. `starts`: that position less that displacement.
@@ -70,16 +70,15 @@ const EXCESS_SHARE: f32 = 0.1;
 const ALLOWANCE_DECAY: f32 = 0.9;
 
 impl CloseList {
-    /// Keeps the candidates, those of corners first, that can come into contact if each member moves no further from its position than its `range`, metres.
-    pub(super) fn pick(
+    /// Drops the candidates that cannot come into contact as long as each member moves no further from its position than its `range`, metres.
+    pub(super) fn prune(
         &mut self,
-        candidates: &[TriangleCandidate],
+        candidates: &mut Vec<TriangleCandidate>,
         participants: &TriangleParticipants,
         particles: &Particles,
         ranges: &[f32],
     ) {
-        let Self { blocks, ends, instructions, .. } = self;
-        blocks.clear();
+        let Self { ends, instructions, .. } = self;
         let (zero, mut far) = (first_origin(participants, particles), 0.0_f32);
         ends.clear();
         ends.extend(participants.rows.iter().zip(ranges).map(|(&row, range)| {
@@ -88,16 +87,32 @@ impl CloseList {
             at.extend(*range)
         }));
         let slack = 2.0 * ROUNDING * far;
-        let mut number = 0;
-        while let Some(first) = candidates.get(number) {
-            let mut wide = WideCandidate::new(first, participants);
-            let others = candidates[number + 1..].iter().take(LANES - 1);
-            for other in others.take_while(|other| other.edges == first.edges) {
-                wide.put(other.four, reach_of(other, participants));
-            }
+        let (mut number, mut count) = (0, 0);
+        while number < candidates.len() {
+            let wide = WideCandidate::of_some(&candidates[number..], participants);
             let test = CloseTest { wide: &wide, ends, slack, both: true };
-            push_lanes(blocks, &wide, with(*instructions, test), |lane| (number + lane) as u32);
+            for lane in SetLanes(with(*instructions, test)) {
+                candidates[count] = candidates[number + lane];
+                count += 1;
+            }
             number += wide.count as usize;
+        }
+        candidates.truncate(count);
+    }
+
+    /// Takes the candidates of the list, those of corners first.
+    pub(super) fn pack(
+        &mut self,
+        candidates: &[TriangleCandidate],
+        participants: &TriangleParticipants,
+    ) {
+        self.blocks.clear();
+        let mut number = 0;
+        while number < candidates.len() {
+            let wide = WideCandidate::of_some(&candidates[number..], participants);
+            let numbers = core::array::from_fn(|lane| (number + lane) as u32);
+            number += wide.count as usize;
+            self.blocks.push(CandidateBlock { wide, numbers });
         }
     }
 
@@ -217,8 +232,18 @@ impl WideCandidate {
         wide
     }
 
-    fn new(candidate: &TriangleCandidate, participants: &TriangleParticipants) -> Self {
-        Self::of(candidate.four, reach_of(candidate, participants), candidate.edges)
+    /// The first of some candidates, and those of its kind that follow it.
+    #[inline(always)]
+    fn of_some(candidates: &[TriangleCandidate], participants: &TriangleParticipants) -> Self {
+        let first = &candidates[0];
+        let mut wide = Self::of(first.four, reach_of(first, participants), first.edges);
+        for other in candidates[1..].iter().take(LANES - 1) {
+            if other.edges != first.edges {
+                break;
+            }
+            wide.put(other.four, reach_of(other, participants));
+        }
+        wide
     }
 
     /// Whether there is a free lane for another candidate of this kind.
@@ -393,14 +418,17 @@ mod tests {
             let mut sorted = four;
             sorted.sort_unstable();
             if sorted.windows(2).all(|pair| pair[0] != pair[1]) {
-                return TriangleCandidate { four, most: f32::INFINITY, edges };
+                return TriangleCandidate { four, most: f32::INFINITY, edges, pair: [0; 2] };
             }
         };
         let candidates: Vec<_> =
             (0..1501).map(|number| candidate(number >= 700, &mut dice)).collect();
         let mut list = CloseList::default();
         let anywhere = [f32::INFINITY; COUNT];
-        list.pick(&candidates, &participants, &particles, &anywhere);
+        let mut kept = candidates.clone();
+        list.prune(&mut kept, &participants, &particles, &anywhere);
+        assert_eq!(kept.len(), candidates.len());
+        list.pack(&candidates, &participants);
         let (mut touching, mut passing, mut passed_over) = (0, 0, 0);
         for substep in 0..200 {
             // All share a motion; each has one of its own, some of them fast.
@@ -467,15 +495,13 @@ mod tests {
                 four: [0; 4].map(|_| dice.below(COUNT)),
                 most: f32::INFINITY,
                 edges: number >= 1900,
+                pair: [number, 0],
             })
             .collect();
         let mut list = CloseList::default();
-        list.pick(&all, &participants, &particles, &ranges);
-        let taken: Vec<u32> = list
-            .blocks
-            .iter()
-            .flat_map(|block| block.numbers[..block.wide.count as usize].iter().copied())
-            .collect();
+        let mut kept = all.clone();
+        list.prune(&mut kept, &participants, &particles, &ranges);
+        let taken: Vec<u32> = kept.iter().map(|candidate| candidate.pair[0]).collect();
         let (mut left, mut near) = (taken.iter().peekable(), 0);
         for (number, candidate) in (0..).zip(&all) {
             if left.next_if(|next| **next == number).is_some() {

@@ -24,11 +24,11 @@
 //! # Stages
 //!
 //! [`broad_phase`](Triangles::broad_phase) runs once a step and builds the neighbour list, unless that of an earlier step is still valid. In each substep
-//! [`project`](Triangles::project) rebuilds the list if a margin was exceeded, selects the close candidates, eight at a time (`close_list`), and sweeps over
-//! these up to [`SWEEPS`] times: candidates that overlap or have passed through each other are corrected at once. A later sweep tests only candidates with a
-//! member that moved since the last one, and a further round of sweeps only those with a member that contacts displaced by more than its reserve. Candidates
-//! that still pass through each other after that move together for the rest of the substep (`zone`). All decisions are made in double precision and one after
-//! the other: this tier is for tens of thousands of triangles, not for millions.
+//! [`project`](Triangles::project) refreshes the part of the list whose members exceed their margins (all of it if they are many), selects the close
+//! candidates, eight at a time (`close_list`), and sweeps over these up to [`SWEEPS`] times: candidates that overlap or have passed through each other are
+//! corrected at once. A later sweep tests only candidates with a member that moved since the last one, and a further round of sweeps only those with a member
+//! that contacts displaced by more than its reserve. Candidates that still pass through each other after that move together for the rest of the substep
+//! (`zone`). All decisions are made in double precision and one after the other: this tier is for tens of thousands of triangles, not for millions.
 //!
 //! # Order and determinism
 //!
@@ -91,8 +91,9 @@ pub(crate) struct Triangles {
     reported: Vec<TriangleHit>,
     /// Length of the step, seconds.
     dt: f32,
-    /// Rebuilds of the neighbour list and rounds of zones in this step.
+    /// Rebuilds of the neighbour list, refreshes of a part of it, and rounds of zones in this step.
     rebuilds: u32,
+    refreshes: u32,
     rounds: u32,
 }
 
@@ -129,7 +130,7 @@ impl Triangles {
     ) {
         self.reported.clear();
         self.hits.clear();
-        (self.rebuilds, self.rounds, self.dt) = (0, 0, dt);
+        (self.rebuilds, self.refreshes, self.rounds, self.dt) = (0, 0, 0, dt);
         core::mem::swap(&mut self.participants, &mut self.former);
         self.participants.collect(particles, surfaces, (filter, nearby), excluded);
         if self.is_empty() {
@@ -138,9 +139,12 @@ impl Triangles {
         }
         let Self { participants, former, neighbours, .. } = self;
         neighbours.begin_step(participants, particles, dt);
-        if !participants.is_same_as(former) || !neighbours.is_valid(participants, particles, filter)
-        {
+        let is_valid =
+            participants.is_same_as(former) && neighbours.is_valid(participants, particles, filter);
+        if !is_valid {
             self.rebuild(particles, filter, false);
+        } else if neighbours.exceeds_margins(participants, particles, true) {
+            self.update(particles, filter, false);
         }
     }
 
@@ -172,8 +176,9 @@ impl Triangles {
         if self.is_empty() || last >= particles.len() {
             return 0.0;
         }
-        if self.neighbours.is_margin_exceeded(&self.participants, particles, true) {
-            self.rebuild(particles, filter, true);
+        self.neighbours.begin_substep();
+        if self.neighbours.exceeds_margins(&self.participants, particles, true) {
+            self.update(particles, filter, true);
         }
         if self.neighbours.candidates.is_empty() {
             return 0.0;
@@ -216,7 +221,7 @@ impl Triangles {
             if !far || repeat == MAX_REPEATS {
                 break;
             }
-            fresh = neighbours.is_margin_exceeded(participants, particles, false);
+            fresh = neighbours.exceeds_margins(participants, particles, false);
             if fresh {
                 // Candidates are renumbered: contacts of this substep are found by their members from now on.
                 self.reset_hit_indices();
@@ -224,7 +229,7 @@ impl Triangles {
                 self.earlier.clear();
                 self.earlier.extend(numbered.map(|(index, hit)| (hit.members, index)));
                 self.earlier.sort_unstable();
-                self.rebuild(particles, filter, true);
+                self.update(particles, filter, true);
             }
         }
         self.reset_hit_indices();
@@ -316,11 +321,32 @@ impl Triangles {
         worst
     }
 
+    /// Brings the list up to date where members have exceeded their margins.
+    fn update(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
+        let Self { participants, neighbours, .. } = self;
+        if neighbours.few_exceed() {
+            participants.index_triangles();
+            neighbours.refresh((participants, filter), particles, self.dt, within);
+            self.take_found(particles);
+            self.refreshes += 1;
+        } else {
+            self.rebuild(particles, filter, within);
+        }
+    }
+
     fn rebuild(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
-        let Self { participants, neighbours, state, .. } = self;
+        let Self { participants, neighbours, .. } = self;
         neighbours.rebuild((participants, filter), particles, self.dt, within);
-        let TriangleNeighbours { candidates, ranges, .. } = neighbours;
-        state.close.pick(candidates, participants, particles, ranges);
+        self.take_found(particles);
         self.rebuilds += 1;
+    }
+
+    /// Takes those of the candidates found into the list that can come into contact.
+    fn take_found(&mut self, particles: &Particles) {
+        let Self { participants, neighbours, state, .. } = self;
+        let TriangleNeighbours { found, ranges, .. } = neighbours;
+        state.close.prune(found, participants, particles, ranges);
+        neighbours.merge();
+        state.close.pack(&neighbours.candidates, participants);
     }
 }

@@ -21,18 +21,31 @@ pub(super) struct TriangleCandidate {
     /// Upper limit of the contact distance, metres: their distance in the rest shape; infinite for two bodies.
     pub(super) most: f32,
     pub(super) edges: bool,
+    /// The two overlapping boxes that it was found for, by which candidates of a kind are sorted.
+    pub(super) pair: [u32; 2],
 }
 
 /// The neighbour list, and the state from which it was built. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TriangleNeighbours {
-    /// Candidates of particles and triangles, then those of edges.
+    /// Candidates of particles and triangles, then those of edges; each kind sorted by the pair of boxes.
     pub(super) candidates: Vec<TriangleCandidate>,
-    /// Edge candidates, before they are appended to the others.
+    /// Candidates found by the last search, likewise; those of edges before they are appended; and the list with some of them replaced.
+    pub(super) found: Vec<TriangleCandidate>,
     edges: Vec<TriangleCandidate>,
+    merged: Vec<TriangleCandidate>,
     /// Position of each member when the list was built, metres from its own origin, and its margin, metres.
     home: Vec<Vec3>,
     margin: Vec<f32>,
+    /// Length of the shortest edge of each member, metres.
+    shortest: Vec<f32>,
+    /// Displacement of all members since then, metres: each was within its margin about it when margins were last tested, and when this substep began.
+    common: Vec3,
+    common_at_start: Vec3,
+    /// Members that have exceeded their margins, ascending; the boxes that depend on them, a mark for each box, and the list of those marked.
+    exceeded: Vec<u32>,
+    is_affected: Vec<bool>,
+    affected: Vec<u32>,
     /// How far contacts may displace each member from its predicted position in a substep of this step before the list is tested again, metres: part of its
     /// margin.
     pub(super) reserve: Vec<f32>,
@@ -41,6 +54,8 @@ pub(super) struct TriangleNeighbours {
     /// Whether each member is pinned, and its origin, metres, when the list was built.
     pinned: Vec<bool>,
     origin: Vec<Vec3>,
+    /// What boxes are relative to, metres.
+    zero: Vec3,
     /// Version of the contact filter's [rules](ContactFilter::changes) for which the list was built; `None` if there is no list.
     rules: Option<u64>,
     /// The boxes of members; those of the [`EDGES`] of each triangle, and of the whole triangle; and those of triangles and loose particles.
@@ -57,8 +72,9 @@ pub(super) struct TriangleNeighbours {
 /// greater (a faster member may hit it). The path is clamped to the bounds below, which are shares of its shortest edge and of its radius.
 ///
 /// A wider margin finds more candidates that are never close, a narrower one is exceeded sooner. Two sheets of 64 × 64, one of which falls on the other, on a
-/// ball, take 35.7, 35.8 and 35.1 ms a frame with a half, 0.7 and one step.
-const MARGIN_STEPS: f32 = 1.0;
+/// ball: contacts of triangles take 101, 60 and 52 ms a tick with one step, a half and a quarter while they land (ticks 30 to 60), 32, 33 and 42 after that, and
+/// 17 to 20 at rest with any of them.
+const MARGIN_STEPS: f32 = 0.5;
 const MIN_MARGIN: [f32; 2] = [0.02, 0.25];
 const MAX_MARGIN: [f32; 2] = [0.5, 1.0];
 
@@ -72,6 +88,13 @@ pub(super) const LONGER: f32 = 1.0 + 1e-5;
 
 /// Further out, squares overflow in `f32`, metres.
 const FAR: f64 = 1e15;
+
+/// When a member exceeds its margin, members that have used up this share of theirs are refreshed with it, because they would be next: at rest the two sheets
+/// are refreshed 11, 3 and 1 times a tick with 1, 0.75 and 0.5, the last of which has the whole list rebuilt more often.
+const NEARLY: f32 = 0.75;
+
+/// The whole list is rebuilt if more than one in this many members has exceeded its margin; otherwise only their part of it.
+const REBUILD_DIVISOR: usize = 16;
 
 impl TriangleNeighbours {
     pub(super) fn clear(&mut self) {
@@ -104,7 +127,7 @@ impl TriangleNeighbours {
         ));
     }
 
-    /// Whether the list of an earlier step, with the same participants, is valid for the step that begins.
+    /// Whether the list of an earlier step, with the same participants, can serve the step that begins, apart from members that exceed their margins.
     pub(super) fn is_valid(
         &self,
         participants: &TriangleParticipants,
@@ -118,29 +141,120 @@ impl TriangleNeighbours {
             && rows.zip(self.pinned.iter().zip(&self.origin)).all(|(row, (&pinned, &origin))| {
                 (particles.position[row].w == 0.0) == pinned && particles.origin[row] == origin
             })
-            && !self.is_margin_exceeded(participants, particles, true)
     }
 
-    /// Whether a member has moved further than its margin relative to the mean displacement; with `keeps_reserve`, further than its margin less its reserve, so
-    /// that contacts may still displace it.
-    pub(super) fn is_margin_exceeded(
-        &self,
+    /// A substep begins where the last one ended.
+    pub(super) fn begin_substep(&mut self) {
+        self.common_at_start = self.common;
+    }
+
+    /// Finds the members that have moved further than their margins relative to the mean displacement; with `keeps_reserve`, further than their margins less
+    /// their reserves, so that contacts may still displace them. Returns whether there are any.
+    pub(super) fn exceeds_margins(
+        &mut self,
         participants: &TriangleParticipants,
         particles: &Particles,
         keeps_reserve: bool,
     ) -> bool {
-        let Self { home, margin, reserve, .. } = self;
+        let Self { home, margin, reserve, exceeded, .. } = self;
         let rows = participants.rows.iter().map(|&row| row as usize);
         let moved = |(row, home): (usize, &Vec3)| particles.position[row].truncate() - *home;
-        let displacements = rows.zip(home).map(moved);
+        let displacements = rows.zip(&*home).map(moved);
         let common = mean(displacements.clone());
-        let limits = margin.iter().zip(reserve);
+        let limits = margin.iter().zip(&*reserve);
         let limits = limits.map(|(all, kept)| if keeps_reserve { all - kept } else { *all });
-        // NaN is ignored.
-        displacements.zip(limits).any(|(own, limit)| (own - common).length() * LONGER > limit)
+        exceeded.clear();
+        let mut any = false;
+        for ((own, limit), number) in displacements.zip(limits).zip(0..) {
+            // NaN is ignored.
+            let displacement = (own - common).length() * LONGER;
+            any |= displacement > limit;
+            if displacement > NEARLY * limit {
+                exceeded.push(number);
+            }
+        }
+        self.common = common;
+        any
     }
 
-    /// Builds the list, at the beginning of a step of `dt` seconds, or `within` a substep that has been predicted.
+    /// Whether so few members exceed their margins that [`refresh`](Self::refresh) does.
+    pub(super) fn few_exceed(&self) -> bool {
+        self.exceeded.len() * REBUILD_DIVISOR <= self.home.len()
+    }
+
+    /// Searches for the candidates of the members that exceed their margins, and takes the present positions as theirs; otherwise as
+    /// [`rebuild`](Self::rebuild). The result is in `found`, and goes into the list by [`merge`](Self::merge).
+    ///
+    /// All boxes are of one frame, which moves along with the mean displacement: what has not exceeded its margin is in its box there, both when the substep
+    /// began and as it ends, and so is what is put in anew.
+    pub(super) fn refresh(
+        &mut self,
+        (participants, filter): (&TriangleParticipants, &ContactFilter),
+        particles: &Particles,
+        dt: f32,
+        within: bool,
+    ) {
+        let speeds = Speeds::of(participants, particles);
+        for place in 0..self.exceeded.len() {
+            let i = self.exceeded[place] as usize;
+            let row = participants.rows[i] as usize;
+            self.margin[i] = self.margin_of(participants, i, speeds.of_row(particles, row) * dt);
+            self.home[i] = particles.position[row].truncate() - self.common;
+        }
+        self.reach_of_all(participants, particles, within);
+        let count = participants.triangles.len();
+        let Self { exceeded, is_affected, affected, .. } = &mut *self;
+        is_affected.clear();
+        is_affected.resize(count + participants.loose.len(), false);
+        affected.clear();
+        for &member in &*exceeded {
+            let loose =
+                participants.loose.binary_search(&member).map(|place| (count + place) as u32);
+            for &item in participants.triangles_of(member).iter().chain(&loose) {
+                if !core::mem::replace(&mut is_affected[item as usize], true) {
+                    affected.push(item);
+                }
+            }
+        }
+        for place in 0..self.exceeded.len() {
+            self.enclose_member(participants, particles, self.exceeded[place] as usize, within);
+        }
+        let Self { affected, own, of_triangles, boxes, search, instructions, pairs, .. } = self;
+        for &item in &*affected {
+            let item = item as usize;
+            boxes[item] = match participants.triangles.get(item) {
+                Some(corners) => {
+                    of_triangles[item] = boxes_of(corners, own);
+                    of_triangles[item][3].corners()
+                }
+                None => own[participants.loose[item - count] as usize].corners(),
+            };
+            search.put(item, &boxes[item]);
+        }
+        search.around(affected, boxes, count, *instructions, pairs);
+        self.find_candidates(participants, filter);
+    }
+
+    /// Replaces the candidates of affected boxes by those found.
+    pub(super) fn merge(&mut self) {
+        let Self { candidates, found, merged, is_affected, .. } = self;
+        let is_affected = |candidate: &&TriangleCandidate| {
+            candidate.pair.iter().any(|&item| is_affected[item as usize])
+        };
+        let order = |candidate: &TriangleCandidate| (candidate.edges, candidate.pair);
+        merged.clear();
+        let mut found = found.iter().peekable();
+        for &kept in candidates.iter().filter(|candidate| !is_affected(candidate)) {
+            while let Some(&one) = found.next_if(|one| order(one) < order(&kept)) {
+                merged.push(one);
+            }
+            merged.push(kept);
+        }
+        merged.extend(found);
+        core::mem::swap(candidates, merged);
+    }
+
+    /// Builds the list, at the beginning of a step of `dt` seconds, or `within` a substep that has been predicted. The result is in `found`.
     pub(super) fn rebuild(
         &mut self,
         (participants, filter): (&TriangleParticipants, &ContactFilter),
@@ -149,6 +263,7 @@ impl TriangleNeighbours {
         within: bool,
     ) {
         self.rules = Some(filter.changes());
+        (self.common, self.common_at_start) = (Vec3::ZERO, Vec3::ZERO);
         self.measure(participants, particles, dt);
         self.enclose(participants, particles, within);
         let Self { boxes, pairs, search, instructions, .. } = self;
@@ -164,20 +279,27 @@ impl TriangleNeighbours {
             None => participants.loose[i - count],
         };
         search.pairs(boxes, |i| group(member(i)), count, *instructions, pairs);
-        let pairs = core::mem::take(&mut self.pairs);
         self.candidates.clear();
+        self.is_affected.clear();
+        self.find_candidates(participants, filter);
+    }
+
+    /// Finds the candidates of all pairs of boxes.
+    fn find_candidates(&mut self, participants: &TriangleParticipants, filter: &ContactFilter) {
+        let pairs = core::mem::take(&mut self.pairs);
+        self.found.clear();
         self.edges.clear();
         let mut cached = None;
-        for &[i, j] in &pairs {
-            self.add_candidates((participants, filter), [i as usize, j as usize], &mut cached);
+        for &pair in &pairs {
+            self.add_candidates((participants, filter), pair, &mut cached);
         }
         self.pairs = pairs;
-        self.candidates.append(&mut self.edges);
+        self.found.append(&mut self.edges);
     }
 
     /// Computes the margins.
     fn measure(&mut self, participants: &TriangleParticipants, particles: &Particles, dt: f32) {
-        let Self { home, margin, reserve, pinned, origin, .. } = self;
+        let Self { home, shortest, pinned, origin, .. } = self;
         home.clear();
         home.extend(
             participants.rows.iter().map(|&row| particles.position[row as usize].truncate()),
@@ -187,9 +309,9 @@ impl TriangleNeighbours {
             .extend(participants.rows.iter().map(|&row| particles.position[row as usize].w == 0.0));
         origin.clear();
         origin.extend(participants.rows.iter().map(|&row| particles.origin[row as usize]));
-        // Square of the shortest edge of each member; for members without edges, the mean over all edges of triangles.
-        margin.clear();
-        margin.resize(participants.rows.len(), f32::INFINITY);
+        // For members without edges, the mean over all edges of triangles. Squares at first.
+        shortest.clear();
+        shortest.resize(participants.rows.len(), f32::INFINITY);
         let (mut sum, mut count) = (0.0, 0.0);
         for (triangle, own) in participants.triangles.iter().zip(&participants.own) {
             for (place, [i, j]) in EDGES.into_iter().enumerate() {
@@ -200,23 +322,32 @@ impl TriangleNeighbours {
                     sum += f64::from(square);
                     count += 1.0;
                     for end in ends {
-                        margin[end] = margin[end].min(square);
+                        shortest[end] = shortest[end].min(square);
                     }
                 }
             }
         }
         let typical = if count > 0.0 { (sum / count) as f32 } else { 0.0 };
-        let velocity = |row: u32| particles.velocity[row as usize].truncate();
-        let all = mean(participants.rows.iter().map(|&row| velocity(row)));
-        let speed = |row: u32| (velocity(row) - all).length();
-        let usual = mean(participants.rows.iter().map(|&row| Vec3::splat(speed(row)))).x;
-        for (i, (margin, &row)) in margin.iter_mut().zip(&participants.rows).enumerate() {
-            let edge = if *margin < f32::INFINITY { *margin } else { typical }.sqrt();
-            let of = |share: [f32; 2]| share[0] * edge + share[1] * participants.radius[i];
-            let own =
-                (MARGIN_STEPS * speed(row).max(usual) * dt).max(of(MIN_MARGIN)).min(of(MAX_MARGIN));
-            *margin = own + reserve[i];
+        for square in shortest {
+            *square = if *square < f32::INFINITY { *square } else { typical }.sqrt();
         }
+        let speeds = Speeds::of(participants, particles);
+        let rows = participants.rows.iter().map(|&row| row as usize);
+        let mut margin = core::mem::take(&mut self.margin);
+        margin.clear();
+        margin.extend(
+            rows.enumerate().map(|(i, row)| {
+                self.margin_of(participants, i, speeds.of_row(particles, row) * dt)
+            }),
+        );
+        self.margin = margin;
+    }
+
+    /// The margin of a member that moves by `path` in a step, metres.
+    fn margin_of(&self, participants: &TriangleParticipants, i: usize, path: f32) -> f32 {
+        let (edge, radius) = (self.shortest[i], participants.radius[i]);
+        let of = |share: [f32; 2]| share[0] * edge + share[1] * radius;
+        (MARGIN_STEPS * path).max(of(MIN_MARGIN)).min(of(MAX_MARGIN)) + self.reserve[i]
     }
 
     /// Computes the boxes.
@@ -226,39 +357,66 @@ impl TriangleNeighbours {
         particles: &Particles,
         within: bool,
     ) {
-        let Self { margin, own, of_triangles, boxes, ranges, .. } = self;
         let is_there = |row: &u32| particles.position[*row as usize].is_finite();
         let first =
             participants.rows.iter().copied().find(is_there).unwrap_or(participants.rows[0]);
-        let zero = particles.origin[first as usize];
-        let path = |i: usize| displacement(particles, participants.rows[i]).as_dvec3();
-        own.clear();
-        ranges.clear();
-        for (i, &row) in participants.rows.iter().enumerate() {
-            let row = row as usize;
-            let shift = (particles.origin[row] - zero).as_dvec3();
-            let to = shift + particles.position[row].truncate().as_dvec3();
-            let back = if within { path(i) } else { DVec3::ZERO };
-            let from = to - back;
-            ranges.push((back.as_vec3().length() + margin[i]) * LONGER);
-            // A coordinate is rounded by at most 2⁻²⁴ of itself, and so is its sum with the rest.
-            let rounding = to.abs().max(from.abs()).max_element() * 2e-7;
-            let about = f64::from(margin[i] + participants.radius[i]) + rounding;
-            let (low, high) = (from.min(to) - about, from.max(to) + about);
-            // A member that is not finite has no box, and no candidates.
-            let extent = low.abs().max(high.abs()).max_element();
-            let good = from.is_finite() && to.is_finite() && extent < FAR;
-            own.push(if good { Aabb::new((low.as_vec3(), high.as_vec3())) } else { Aabb::NOWHERE });
+        self.zero = particles.origin[first as usize];
+        self.own.clear();
+        self.own.resize(participants.rows.len(), Aabb::NOWHERE);
+        for i in 0..participants.rows.len() {
+            self.enclose_member(participants, particles, i, within);
         }
+        self.reach_of_all(participants, particles, within);
+        let Self { own, of_triangles, boxes, .. } = self;
         of_triangles.clear();
-        of_triangles.extend(participants.triangles.iter().map(|corners| {
-            let corners = corners.map(|corner| own[corner as usize]);
-            let [a, b, c] = EDGES.map(|[i, j]| corners[i].and(&corners[j]));
-            [a, b, c, a.and(&c)]
-        }));
+        of_triangles.extend(participants.triangles.iter().map(|corners| boxes_of(corners, own)));
         boxes.clear();
         boxes.extend(of_triangles.iter().map(|[.., all]| all.corners()));
         boxes.extend(participants.loose.iter().map(|&i| own[i as usize].corners()));
+    }
+
+    /// Computes the box of a member, from where it was when the substep began to where it is.
+    fn enclose_member(
+        &mut self,
+        participants: &TriangleParticipants,
+        particles: &Particles,
+        i: usize,
+        within: bool,
+    ) {
+        let row = participants.rows[i] as usize;
+        let shift = (particles.origin[row] - self.zero).as_dvec3();
+        let place = |at: Vec3, common: Vec3| shift + at.as_dvec3() - common.as_dvec3();
+        let to = place(particles.position[row].truncate(), self.common);
+        let from =
+            if within { place(particles.start[row].truncate(), self.common_at_start) } else { to };
+        // A coordinate is rounded by at most 2⁻²⁴ of itself, and so is its sum with the rest.
+        let rounding = to.abs().max(from.abs()).max_element() * 2e-7;
+        let about = f64::from(self.margin[i] + participants.radius[i]) + rounding;
+        let (low, high) = (from.min(to) - about, from.max(to) + about);
+        // A member that is not finite has no box, and no candidates.
+        let extent = low.abs().max(high.abs()).max_element();
+        let good = from.is_finite() && to.is_finite() && extent < FAR;
+        let corners = (low.as_vec3(), high.as_vec3());
+        self.own[i] = if good { Aabb::new(corners) } else { Aabb::NOWHERE };
+    }
+
+    /// Computes how far each member can be from its position in the moving frame: at any time within its margin about its home, and `within` a substep at its
+    /// start.
+    fn reach_of_all(
+        &mut self,
+        participants: &TriangleParticipants,
+        particles: &Particles,
+        within: bool,
+    ) {
+        let Self { home, margin, ranges, common, common_at_start, .. } = self;
+        ranges.clear();
+        for ((&row, home), margin) in participants.rows.iter().zip(home).zip(&*margin) {
+            let row = row as usize;
+            let at = particles.position[row].truncate() - *common;
+            let start = particles.start[row].truncate() - *common_at_start;
+            let path = if within { (at - start).length() } else { 0.0 };
+            ranges.push(((at - *home).length() + margin).max(path + margin) * LONGER);
+        }
     }
 
     /// Adds the candidates of two overlapping boxes: of two triangles, or of a triangle and a particle. `cached` holds whether the last two bodies of triangles
@@ -267,15 +425,15 @@ impl TriangleNeighbours {
     fn add_candidates(
         &mut self,
         (participants, filter): (&TriangleParticipants, &ContactFilter),
-        [i, j]: [usize; 2],
+        pair: [u32; 2],
         cached: &mut Option<([u32; 2], bool)>,
     ) {
-        let count = participants.triangles.len();
+        let (count, [i, j]) = (participants.triangles.len(), pair.map(|item| item as usize));
         let Some(&one) = participants.triangles.get(i) else { return };
         if j >= count {
             let particle = participants.loose[j - count];
             if participants.may_touch(filter, particle, one[0]) {
-                self.add_corner(participants, particle, i);
+                self.add_corner(participants, particle, i, pair);
             }
             return;
         }
@@ -294,7 +452,7 @@ impl TriangleNeighbours {
             for (place, &corner) in corners.iter().enumerate() {
                 let owned = participants.own[which] & (1 << place) != 0;
                 if owned && participants.radius[corner as usize] > 0.0 {
-                    self.add_corner(participants, corner, against);
+                    self.add_corner(participants, corner, against, pair);
                 }
             }
         }
@@ -308,7 +466,7 @@ impl TriangleNeighbours {
                 let owned = participants.own[j] & (8 << place) != 0;
                 if owned && edge.overlaps(&of_other[place]) {
                     let four = [one[a], one[b], other[c], other[d]];
-                    let candidate = self.edge_candidate(participants, four);
+                    let candidate = self.edge_candidate(participants, four, pair);
                     self.edges.extend(candidate);
                 }
             }
@@ -316,7 +474,13 @@ impl TriangleNeighbours {
     }
 
     #[inline]
-    fn add_corner(&mut self, participants: &TriangleParticipants, particle: u32, triangle: usize) {
+    fn add_corner(
+        &mut self,
+        participants: &TriangleParticipants,
+        particle: u32,
+        triangle: usize,
+        pair: [u32; 2],
+    ) {
         let corners = participants.triangles[triangle];
         let [a, b, c] = corners;
         if corners.contains(&particle)
@@ -324,8 +488,8 @@ impl TriangleNeighbours {
         {
             return;
         }
-        let candidate = self.candidate(participants, [particle, a, b, c], false);
-        self.candidates.extend(candidate);
+        let candidate = self.candidate(participants, [particle, a, b, c], false, pair);
+        self.found.extend(candidate);
     }
 
     /// The candidate of two edges whose boxes overlap.
@@ -334,6 +498,7 @@ impl TriangleNeighbours {
         &self,
         participants: &TriangleParticipants,
         four: [u32; 4],
+        pair: [u32; 2],
     ) -> Option<TriangleCandidate> {
         let [a, b, c, d] = four;
         if a == c || a == d || b == c || b == d {
@@ -341,7 +506,7 @@ impl TriangleNeighbours {
         }
         // The edge of lower numbers first, whichever triangle owns it.
         let four = if [a, b] < [c, d] { four } else { [c, d, a, b] };
-        self.candidate(participants, four, true)
+        self.candidate(participants, four, true, pair)
     }
 
     /// The candidate, if the two may touch.
@@ -351,6 +516,7 @@ impl TriangleNeighbours {
         participants: &TriangleParticipants,
         four: [u32; 4],
         edges: bool,
+        pair: [u32; 2],
     ) -> Option<TriangleCandidate> {
         let mut most = f64::INFINITY;
         if let Some(places) = participants.rest_of(four) {
@@ -362,8 +528,41 @@ impl TriangleNeighbours {
         // are pinned.
         let reach = f64::from(largest(&participants.radius, four, edges)).min(most);
         let stays = pinned(i) && pinned(j) && pinned(k) && pinned(l);
-        (reach > 0.0 && !stays).then_some(TriangleCandidate { four, most: most as f32, edges })
+        (reach > 0.0 && !stays).then_some(TriangleCandidate {
+            four,
+            most: most as f32,
+            edges,
+            pair,
+        })
     }
+}
+
+/// Speeds relative to the mean motion.
+struct Speeds {
+    common: Vec3,
+    mean: f32,
+}
+
+impl Speeds {
+    fn of(participants: &TriangleParticipants, particles: &Particles) -> Self {
+        let velocities = participants.rows.iter();
+        let velocities = velocities.map(|&row| particles.velocity[row as usize].truncate());
+        let common = mean(velocities.clone());
+        let mean = mean(velocities.map(|own| Vec3::splat((own - common).length()))).x;
+        Self { common, mean }
+    }
+
+    /// The speed of a row, or the mean speed if that is greater, m/s.
+    fn of_row(&self, particles: &Particles, row: usize) -> f32 {
+        (particles.velocity[row].truncate() - self.common).length().max(self.mean)
+    }
+}
+
+/// The boxes of the [`EDGES`] of a triangle, and of all of it.
+fn boxes_of(corners: &[u32; 3], own: &[Aabb]) -> [Aabb; 4] {
+    let corners = corners.map(|corner| own[corner as usize]);
+    let [a, b, c] = EDGES.map(|[i, j]| corners[i].and(&corners[j]));
+    [a, b, c, a.and(&c)]
 }
 
 /// The mean of some vectors, ignoring those that are not finite.
@@ -374,11 +573,6 @@ pub(super) fn mean(all: impl Iterator<Item = Vec3>) -> Vec3 {
         count += 1.0;
     }
     (sum / f64::max(count, 1.0)).as_vec3()
-}
-
-/// Displacement of a row in this substep, metres.
-fn displacement(particles: &Particles, row: u32) -> Vec3 {
-    (particles.position[row as usize] - particles.start[row as usize]).truncate()
 }
 
 /// The distance of the two features, metres.

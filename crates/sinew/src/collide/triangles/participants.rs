@@ -29,6 +29,9 @@ pub(super) struct TriangleParticipants {
     /// Where the edges of each lower end begin; and the higher end of each edge, with the bit in `own` that stands for it.
     begins: Vec<u32>,
     edges: Vec<(u32, u32)>,
+    /// Triangles sorted by each corner, and where those of each member begin; both empty until [`index_triangles`](Self::index_triangles).
+    of_corners: Vec<u32>,
+    corner_begins: Vec<u32>,
 }
 
 /// The corners that each edge of a triangle joins.
@@ -63,6 +66,8 @@ impl TriangleParticipants {
         self.rest.clear();
         self.triangles.clear();
         self.own.clear();
+        self.of_corners.clear();
+        self.corner_begins.clear();
         let has_surface = |body: u32| nearby.to_particles().has(body) && filter.body(body).surface;
         let any = (0..filter.bodies().len() as u32).any(has_surface);
         if surfaces.is_empty() || !any {
@@ -147,6 +152,36 @@ impl TriangleParticipants {
             && self.triangles == others.triangles
             && self.loose == others.loose
             && bits(&self.rest)
+    }
+
+    /// Sorts the triangles by their corners, unless they are.
+    pub(super) fn index_triangles(&mut self) {
+        let Self { rows, triangles, of_corners, corner_begins, .. } = self;
+        if !corner_begins.is_empty() {
+            return;
+        }
+        corner_begins.resize(rows.len() + 2, 0);
+        for &corner in triangles.iter().flatten() {
+            corner_begins[corner as usize + 2] += 1;
+        }
+        for i in 2..corner_begins.len() {
+            corner_begins[i] += corner_begins[i - 1];
+        }
+        of_corners.resize(3 * triangles.len(), 0);
+        for (triangle, corners) in (0..).zip(&*triangles) {
+            for &corner in corners {
+                // Filling advances each beginning to the next one's.
+                let at = &mut corner_begins[corner as usize + 1];
+                of_corners[*at as usize] = triangle;
+                *at += 1;
+            }
+        }
+    }
+
+    /// The triangles of a member, ascending, once they are [indexed](Self::index_triangles).
+    pub(super) fn triangles_of(&self, member: u32) -> &[u32] {
+        let ends = [0, 1].map(|next| self.corner_begins[member as usize + next] as usize);
+        &self.of_corners[ends[0]..ends[1]]
     }
 
     /// Assigns each corner and each edge to the first triangle that has it.

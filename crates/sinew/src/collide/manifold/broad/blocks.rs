@@ -3,14 +3,16 @@
 
 use glam::Vec3;
 
-use super::{Broad, NO_GROUP, is_box};
+use super::{Broad, NO_GROUP, are_compared, is_box};
 use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, Work, with};
 use crate::not_cloned::NotCloned;
 
-/// Finds overlapping boxes of triangles and particles, afresh in each call: only allocations are kept.
+/// Finds overlapping boxes of triangles and particles: all of them, and then those of boxes that are put elsewhere.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BlockSearch {
     blocks: Vec<BoxBlock>,
+    /// A tree over the blocks: the bounds of eight blocks are a block of the lowest level, those of eight of these one of the next, up to a level of one.
+    levels: Vec<Vec<BoxBlock>>,
     /// The bounds and the group of each block, and the pairs of overlapping blocks.
     bounds: Vec<(Vec3, Vec3)>,
     groups: Vec<u32>,
@@ -38,7 +40,7 @@ impl BlockSearch {
         instructions: InstructionSet,
         out: &mut Vec<[u32; 2]>,
     ) {
-        let Self { blocks, bounds, groups, near, broad } = self;
+        let Self { blocks, bounds, groups, near, broad, .. } = self;
         blocks.clear();
         bounds.clear();
         groups.clear();
@@ -58,6 +60,57 @@ impl BlockSearch {
         broad.0.pairs_of_groups(bounds, groups, near);
         out.clear();
         with(instructions, CompareBlocks { blocks, groups, near, last: last as u32, out });
+        self.build_tree();
+    }
+
+    fn build_tree(&mut self) {
+        self.levels.iter_mut().for_each(Vec::clear);
+        for level in 0.. {
+            if self.levels.len() == level {
+                self.levels.push(Vec::new());
+            }
+            let (below, here) = self.levels.split_at_mut(level);
+            let below = below.last().unwrap_or(&self.blocks);
+            for (number, block) in (0..).zip(below) {
+                if number % LANES as u32 == 0 {
+                    here[0].push(BoxBlock::new(number));
+                }
+                if let Some(top) = here[0].last_mut() {
+                    top.push(&block.bounds());
+                }
+            }
+            if here[0].len() <= 1 {
+                break;
+            }
+        }
+    }
+
+    /// Puts a box of the last [`pairs`](Self::pairs) elsewhere.
+    pub(crate) fn put(&mut self, i: usize, one: &(Vec3, Vec3)) {
+        let mut number = self.blocks.partition_point(|block| block.first as usize <= i) - 1;
+        let block = &mut self.blocks[number];
+        block.set(i - block.first as usize, one);
+        let mut bounds = block.bounds();
+        for level in &mut self.levels {
+            let Some(top) = level.get_mut(number / LANES) else { break };
+            top.set(number % LANES, &bounds);
+            (bounds, number) = (top.bounds(), number / LANES);
+        }
+    }
+
+    /// Finds the pairs of [`pairs`](Self::pairs) of which one is among `these`, whose boxes are in `boxes`; sorted.
+    pub(crate) fn around(
+        &self,
+        these: &[u32],
+        boxes: &[(Vec3, Vec3)],
+        last: usize,
+        instructions: InstructionSet,
+        out: &mut Vec<[u32; 2]>,
+    ) {
+        out.clear();
+        with(instructions, QueryBlocks { search: self, these, boxes, last: last as u32, out });
+        out.sort_unstable();
+        out.dedup();
     }
 }
 
@@ -72,14 +125,25 @@ impl BoxBlock {
     pub(super) fn push(&mut self, one: &(Vec3, Vec3)) -> bool {
         let lane = self.count as usize;
         self.count += 1;
-        if !is_box(one) {
-            return false;
-        }
+        self.set(lane, one)
+    }
+
+    /// Sets the box of a lane, and returns whether it is valid.
+    fn set(&mut self, lane: usize, one: &(Vec3, Vec3)) -> bool {
+        let valid = is_box(one);
+        let (least, most) = if valid { *one } else { (Vec3::INFINITY, Vec3::NEG_INFINITY) };
         for axis in 0..3 {
-            self.least[axis][lane] = one.0[axis];
-            self.most[axis][lane] = one.1[axis];
+            self.least[axis][lane] = least[axis];
+            self.most[axis][lane] = most[axis];
         }
-        true
+        valid
+    }
+
+    /// The union of its boxes.
+    fn bounds(&self) -> (Vec3, Vec3) {
+        let least = self.least.map(|of_axis| of_axis.into_iter().fold(f32::INFINITY, f32::min));
+        let most = self.most.map(|of_axis| of_axis.into_iter().fold(f32::NEG_INFINITY, f32::max));
+        (least.into(), most.into())
     }
 
     /// A bit for each box of the block that a box overlaps or touches.
@@ -144,6 +208,68 @@ impl Work for CompareBlocks<'_> {
     }
 }
 
+/// Adds the pairs of some boxes and of all that they overlap, each perhaps twice.
+struct QueryBlocks<'a> {
+    search: &'a BlockSearch,
+    these: &'a [u32],
+    boxes: &'a [(Vec3, Vec3)],
+    last: u32,
+    out: &'a mut Vec<[u32; 2]>,
+}
+
+impl Work for QueryBlocks<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { search: BlockSearch { blocks, levels, groups, .. }, these, boxes, last, out } =
+            self;
+        let Some(root) = levels.iter().position(|level| level.len() == 1) else { return };
+        for &i in these {
+            let own = blocks.partition_point(|block| block.first <= i) - 1;
+            let one = &boxes[i as usize];
+            if !is_box(one) {
+                continue;
+            }
+            let (least, most) = (one.0.to_array(), one.1.to_array());
+            // For each level the number of the block visited there, and a bit for each of its lanes that is still to be.
+            let mut path = [(0_usize, 0_u32); MAX_LEVELS];
+            let mut level = root;
+            path[root] = (0, levels[root][0].overlapping::<L>(least, most));
+            loop {
+                let (number, lanes) = path[level];
+                if lanes == 0 {
+                    if level == root {
+                        break;
+                    }
+                    level += 1;
+                    continue;
+                }
+                path[level].1 = lanes & (lanes - 1);
+                let number = number * LANES + lanes.trailing_zeros() as usize;
+                if level > 0 {
+                    level -= 1;
+                    path[level] = (number, levels[level][number].overlapping::<L>(least, most));
+                    continue;
+                }
+                let block = &blocks[number];
+                if !are_compared(groups[own], groups[number]) || i.min(block.first) >= last {
+                    continue;
+                }
+                for lane in SetLanes(block.overlapping::<L>(least, most)) {
+                    let other = block.first + lane as u32;
+                    if other != i {
+                        out.push([i.min(other), i.max(other)]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Levels of a tree, at most: more than are needed for as many boxes as there are numbers.
+const MAX_LEVELS: usize = 11;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,8 +308,16 @@ mod tests {
             for instructions in [InstructionSet::best(), InstructionSet::Scalar] {
                 let mut found = vec![[1, 1]];
                 let of = |i: usize| groups[i];
-                BlockSearch::default().pairs(&boxes, of, last, instructions, &mut found);
+                let mut search = BlockSearch::default();
+                search.pairs(&boxes, of, last, instructions, &mut found);
                 assert_eq!(found, expected);
+                // All are put elsewhere and back.
+                let these: Vec<u32> = (0..count as u32).step_by(7).collect();
+                (0..count).for_each(|i| search.put(i, &(Vec3::splat(2.0), Vec3::splat(3.0))));
+                (0..count).for_each(|i| search.put(i, &boxes[i]));
+                search.around(&these, &boxes, last, instructions, &mut found);
+                let of_these = |pair: &[u32; 2]| pair.iter().any(|i| i % 7 == 0);
+                assert_eq!(found, expected.iter().copied().filter(of_these).collect::<Vec<_>>());
             }
             assert!(count < 70 || expected.len() > 20, "{}", expected.len());
         }
