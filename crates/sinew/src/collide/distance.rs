@@ -101,29 +101,22 @@ pub(super) fn of_segments(one: [DVec3; 2], other: [DVec3; 2]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::dice::Dice;
     use super::*;
 
     fn at([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
         a * weights[0] + b * weights[1] + c * weights[2]
     }
 
-    /// Numbers from -1 to 1, the same in every run.
-    fn dice(state: &mut u64) -> DVec3 {
-        DVec3::from([0; 3].map(|_| {
-            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (*state >> 33) as f64 / (1_u64 << 30) as f64 - 1.0
-        }))
-    }
-
     #[test]
     fn no_other_point_of_a_triangle_is_nearer() {
-        let mut state = 5;
+        let mut dice = Dice(5);
         for round in 0..300 {
-            let mut corners = [0; 3].map(|_| dice(&mut state));
+            let mut corners = [0; 3].map(|_| dice.vector().as_dvec3());
             if round % 5 == 0 {
                 corners[2] = corners[0].lerp(corners[1], 0.3);
             }
-            let p = dice(&mut state) * 2.0;
+            let p = dice.vector().as_dvec3() * 2.0;
             let weights = to_triangle(p, corners);
             assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{weights:?}");
             let least = (p - at(corners, weights)).length();
@@ -139,9 +132,9 @@ mod tests {
 
     #[test]
     fn no_other_points_of_two_segments_are_nearer() {
-        let mut state = 6;
+        let mut dice = Dice(6);
         for _ in 0..300 {
-            let [a, b, c, d] = [0; 4].map(|_| dice(&mut state));
+            let [a, b, c, d] = [0; 4].map(|_| dice.vector().as_dvec3());
             let least = of_segments([a, b], [c, d]);
             for i in 0..=30 {
                 for j in 0..=30 {

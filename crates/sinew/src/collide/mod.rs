@@ -32,6 +32,8 @@ mod body_collider;
 mod body_contact;
 mod bounds;
 mod collider;
+#[cfg(test)]
+mod dice;
 mod distance;
 mod filter;
 mod frame;

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3};
 
 use super::{NormalImpulse, NormalImpulses};
+use crate::collide::dice::Dice;
 use crate::lanes::InstructionSet;
 
 use crate::particles::{ParticleSeed, Places};
@@ -297,12 +298,8 @@ fn obstacles() -> Vec<Collider> {
 
 #[test]
 fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
-    let mut dice = 1_u32;
-    let mut die = || {
-        dice = dice.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (dice >> 8) as f32 / (1 << 23) as f32 - 1.0
-    };
-    let mut place = || Vec3::new(die(), die(), die()) * 0.5;
+    let mut dice = Dice(1);
+    let mut place = || dice.vector() * 0.5;
     let mut touched = 0;
     for round in 0..40 {
         let mut world = hung();

@@ -123,15 +123,12 @@ fn hull(points: Vec<Vec3>, triangles: &[[u32; 3]]) -> Result<Shape, ShapeFault> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::collide::dice::Dice;
 
     /// Pseudo-random points in no particular order, some of them inside of the hull.
-    fn scattered(count: u32, seed: u32) -> Vec<Vec3> {
-        let mut state = seed.wrapping_mul(2_654_435_761).wrapping_add(1);
-        let mut next = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 24) as f32 - 0.5
-        };
-        (0..count).map(|_| Vec3::new(next(), 2.0 * next(), 0.3 * next())).collect()
+    fn scattered(count: u32, seed: u64) -> Vec<Vec3> {
+        let mut dice = Dice(seed);
+        (0..count).map(|_| dice.vector() * Vec3::new(0.5, 1.0, 0.15)).collect()
     }
 
     fn shapes() -> Vec<Shape> {
@@ -153,7 +150,7 @@ mod tests {
                 .unwrap(),
         ];
         for seed in 0..20 {
-            let points = scattered(8 + 13 * seed, seed);
+            let points = scattered(8 + 13 * seed, seed.into());
             shapes.push(Shape::hull(&points).unwrap());
             // Triangles in no particular order, many with the same centre along an axis.
             let n = points.len() as u32;

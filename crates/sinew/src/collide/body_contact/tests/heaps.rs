@@ -4,15 +4,14 @@ use super::*;
 use crate::recipes::{RagdollSpec, ragdoll};
 
 /// Adds boxes of random sizes above each other.
-pub(super) fn pour(world: &mut Simulation, count: usize, seed: u32) -> Vec<usize> {
+pub(super) fn pour(world: &mut Simulation, count: usize, seed: u64) -> Vec<usize> {
     let mut dice = Dice(seed);
     (0..count)
         .map(|i| {
-            let size = dice.vector() * 0.7 + 0.3;
-            let at =
-                Vec3::new(dice.next() * 3.0 - 1.5, 1.0 + i as f32 * 0.35, dice.next() * 3.0 - 1.5);
-            let turned = turn(dice.vector() - 0.5, 3.0 * dice.next());
-            add_box(world, size, 1.0 + dice.next(), at, turned)
+            let size = dice.vector() * 0.35 + 0.65;
+            let at = Vec3::new(1.5 * dice.roll(), 1.0 + i as f32 * 0.35, 1.5 * dice.roll());
+            let turned = turn(dice.vector(), 3.0 * dice.share());
+            add_box(world, size, 1.0 + dice.share(), at, turned)
         })
         .collect()
 }

@@ -7,18 +7,19 @@ mod kept;
 mod kinematic_geometry;
 mod loose;
 mod missed_pairs;
+mod neighbour_lanes;
 mod rest;
 mod restitution;
 mod rolling;
 mod set_down;
 mod slopes;
-mod speculative_margin;
 mod static_geometry;
 mod twins;
 mod wedged;
 
 use glam::{Quat, Vec3};
 
+use crate::collide::dice::Dice;
 use crate::collide::{BodyCollider, BodyContacts, Collider, Frame, Material, Shape};
 use crate::recipes::{Blueprint, BoxLayout, BoxSpec, box_3d};
 use crate::simulation::Simulation;
@@ -104,19 +105,5 @@ fn throw(world: &mut Simulation, first: usize, velocity: Vec3, spin: Vec3) {
     for i in first..first + 8 {
         let arm = world.particles.position(i) - centre;
         world.particles.set_velocity(i, velocity + spin.cross(arm));
-    }
-}
-
-/// Random numbers from 0 to 1.
-struct Dice(u32);
-
-impl Dice {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (self.0 >> 8) as f32 / (1 << 24) as f32
-    }
-
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next())
     }
 }

@@ -40,9 +40,9 @@ fn a_crooked_tower_of_turned_boxes_stands_too() {
     let mut dice = Dice(5);
     let firsts: Vec<_> = (0..10)
         .map(|i| {
-            let off = (dice.vector() - 0.5) * Vec3::new(0.2, 0.0, 0.2);
+            let off = dice.vector() * Vec3::new(0.1, 0.0, 0.1);
             let at = off + Vec3::Y * (0.505 + 1.01 * i as f32);
-            add_box(&mut world, Vec3::ONE, 1.0, at, turn(Vec3::Y, dice.next()))
+            add_box(&mut world, Vec3::ONE, 1.0, at, turn(Vec3::Y, dice.share()))
         })
         .collect();
     step(&mut world, 2.0);

@@ -53,7 +53,7 @@ fn worst(
         for _ in 0..places {
             let mut world = world();
             set_material(&mut world, rough(0.5));
-            let (aside, yaws) = (dice.vector() - 0.5, [dice.next(), dice.next()]);
+            let (aside, yaws) = (0.5 * dice.vector(), [dice.share(), dice.share()]);
             let [yaw, turned] = yaws.map(|share| turn(Vec3::Y, 6.0 * share));
             let height = if is_body {
                 let ground = Collider::fixed(Shape::half_space(), Frame::IDENTITY);

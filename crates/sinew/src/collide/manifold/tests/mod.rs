@@ -7,34 +7,9 @@ mod slide;
 
 use glam::{Mat3, Quat, Vec3};
 
+pub(super) use super::super::dice::Dice;
 use super::super::{Frame, Shape};
 use super::{Manifold, ManifoldScratch, Point, collide};
-
-/// Pseudo-random numbers, the same on every machine.
-pub(super) struct Dice(pub(super) u64);
-
-impl Dice {
-    /// From -1 to 1.
-    pub(super) fn roll(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 40) as f32 / (1u64 << 23) as f32 - 1.0
-    }
-
-    pub(super) fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.roll(), self.roll(), self.roll())
-    }
-
-    /// A frame with a uniformly distributed rotation.
-    pub(super) fn frame(&mut self, spread: f32) -> Frame {
-        loop {
-            let q = Quat::from_xyzw(self.roll(), self.roll(), self.roll(), self.roll());
-            let square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-            if square < 1.0 && square > 0.01 {
-                return Frame::new(self.vector() * spread, q);
-            }
-        }
-    }
-}
 
 /// All manifolds of two shapes.
 pub(super) fn all(a: &Shape, b: &Shape, frame: &Frame, reach: f32) -> Vec<Manifold> {

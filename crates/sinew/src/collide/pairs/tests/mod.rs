@@ -151,22 +151,6 @@ fn hold(particles: &mut Particles, i: usize, (low, high, friction): (Vec3, Vec3,
     particles.position[i] += (out + back).extend(0.0);
 }
 
-/// A pseudo-random sequence that is the same in every run.
-struct Random(u64);
-
-impl Random {
-    /// From -1 to 1.
-    fn next(&mut self) -> f32 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
-    }
-
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next())
-    }
-}
-
 fn bits(columns: &[Vec4]) -> Vec<[u32; 4]> {
     columns.iter().map(|v| v.to_array().map(f32::to_bits)).collect()
 }

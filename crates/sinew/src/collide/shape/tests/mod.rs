@@ -8,24 +8,7 @@ mod twins;
 use glam::Vec3;
 
 use super::Shape;
-
-/// Pseudo-random numbers that are the same on every machine.
-pub(super) struct Dice(pub(super) u64);
-
-impl Dice {
-    /// 0 to 1.
-    pub(super) fn share(&mut self) -> f32 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1 << 24) as f32
-    }
-
-    /// A point in a box that is centred at the origin.
-    pub(super) fn place(&mut self, half: Vec3) -> Vec3 {
-        let mut x = || 2.0 * self.share() - 1.0;
-        Vec3::new(x(), x(), x()) * half
-    }
-}
+use crate::collide::dice::Dice;
 
 /// A torus: closed and not convex.
 pub(super) fn torus(around: u32, across: u32) -> Shape {
@@ -77,7 +60,7 @@ pub(super) fn hills() -> Shape {
 /// Points on an ellipsoid.
 pub(super) fn egg(count: usize, half: Vec3) -> Vec<Vec3> {
     let mut dice = Dice(5);
-    (0..count).map(|_| dice.place(Vec3::ONE).normalize() * half).collect()
+    (0..count).map(|_| dice.vector().normalize() * half).collect()
 }
 
 /// Convex shapes of each kind, thick and thin, with their names.

@@ -14,8 +14,8 @@ fn nothing_passes(name: &str, shape: &Shape, radius: f32, sheet: bool) -> usize 
     while paths < 10_000 {
         let about = (high - low) * 0.5 * 1.5 + Vec3::splat(0.3 * size);
         let middle = (low + high) * 0.5;
-        let from = middle + dice.place(about);
-        let to = middle + dice.place(about);
+        let from = middle + dice.vector() * about;
+        let to = middle + dice.vector() * about;
         if shape.nearest(from).distance < radius + 1e-5 {
             continue;
         }
@@ -104,7 +104,7 @@ fn a_sphere_in_a_closed_room_of_sheets_stays_inside() {
         let mut place = Vec3::ZERO;
         let mut held = 0;
         for step in 0..10_000 {
-            let to = place + dice.place(Vec3::splat(if step % 2 == 0 { 3.0 } else { 0.05 }));
+            let to = place + dice.vector() * if step % 2 == 0 { 3.0 } else { 0.05 };
             let touch = room.touch(place, to, radius);
             held += usize::from(touch.is_some());
             place = touch.map_or(to, |touch| to + touch.normal * touch.depth);
@@ -125,7 +125,7 @@ fn a_slanted_sheet_of_a_kilometre_stops_what_is_small() {
     let mut dice = Dice(3);
     let skin = 9e4 * 4e-6;
     for _ in 0..1000 {
-        let place = middle + dice.place(Vec3::splat(5.0));
+        let place = middle + dice.vector() * 5.0;
         let on = place - normal * normal.dot(place - middle);
         let touch = sheet.touch(on + normal * 1.5, on - normal, 0.1).unwrap();
         assert!(touch.normal.dot(normal).abs() > 0.999, "{touch:?}");

@@ -16,7 +16,7 @@ fn a_shape_in_another_size_has_its_surface_where_it_then_is() {
         let mut dice = Dice(31);
         let mut worst = 0.0_f32;
         for _ in 0..1000 {
-            let on = shape.nearest(dice.place(Vec3::splat(1.5))).point;
+            let on = shape.nearest(dice.vector() * 1.5).point;
             worst = worst.max(scaled.nearest(on * factor).distance.abs());
         }
         println!("{name}: scaled unevenly, off by {worst:.1e} m");
@@ -43,7 +43,7 @@ fn the_box_around_a_turned_shape_holds_it_and_is_tight() {
         let mut dice = Dice(37);
         let (mut least, mut most) = (Vec3::INFINITY, -Vec3::INFINITY);
         for _ in 0..4000 {
-            let far = dice.place(Vec3::ONE).normalize() * 1000.0;
+            let far = dice.vector().normalize() * 1000.0;
             let p = frame.point(shape.nearest(far).point);
             (least, most) = (least.min(p), most.max(p));
         }
@@ -56,7 +56,7 @@ fn the_box_around_a_turned_shape_holds_it_and_is_tight() {
         let (low, high) = shape.bounds_in(&frame);
         let mut dice = Dice(41);
         for _ in 0..1000 {
-            let p = frame.point(shape.nearest(dice.place(Vec3::splat(2.0))).point);
+            let p = frame.point(shape.nearest(dice.vector() * 2.0).point);
             assert!(low.cmple(p + 1e-5).all() && high.cmpge(p - 1e-5).all());
         }
     }
@@ -103,11 +103,11 @@ fn a_box_of_triangles_touches_as_a_box_does() {
     let mut dice = Dice(43);
     let (mut touched, mut worst) = (0, 0.0_f32);
     for _ in 0..5000 {
-        let from = dice.place(Vec3::ONE);
+        let from = dice.vector();
         if cuboid.nearest(from).distance < 0.1 {
             continue;
         }
-        let to = from + dice.place(Vec3::splat(0.1));
+        let to = from + dice.vector() * 0.1;
         let a = cuboid.touch(from, to, 0.1);
         for b in [hull.touch(from, to, 0.1), of_triangles.touch(from, to, 0.1)] {
             let depth = |touch: Option<crate::collide::shape::ShapeTouch>| {

@@ -17,7 +17,7 @@ fn distances(shape: &Shape, signed: bool) -> (f32, usize) {
     let mut dice = Dice(11);
     let (mut worst, mut sides) = (0.0_f32, 0);
     for _ in 0..5000 {
-        let p = dice.place(Vec3::splat(1.6));
+        let p = dice.vector() * 1.6;
         let mine = shape.nearest(p);
         let theirs = shape.parry().project_local_point(vector(p), false);
         let away = (theirs.point - vector(p)).length();
@@ -39,7 +39,7 @@ fn hull_as_triangles(shape: &Shape) -> f32 {
     let mut dice = Dice(13);
     let mut worst = 0.0_f32;
     for _ in 0..5000 {
-        let p = dice.place(Vec3::splat(1.6));
+        let p = dice.vector() * 1.6;
         let theirs = (mesh.project_local_point(vector(p), false).point - vector(p)).length();
         worst = worst.max((shape.nearest(p).distance.abs() - theirs).abs());
     }
@@ -78,7 +78,7 @@ fn rays_hit_where_those_of_parry_do() {
         let mut dice = Dice(7);
         let (mut worst, mut differ, mut hits) = (0.0_f32, 0, 0);
         for _ in 0..5000 {
-            let (from, to) = (dice.place(Vec3::splat(2.0)), dice.place(Vec3::splat(0.7)));
+            let (from, to) = (dice.vector() * 2.0, dice.vector() * 0.7);
             if shape.contains(from) {
                 assert!(shape.cast_ray(from, Vec3::X, 10.0).is_none() || name == "torus");
                 continue;
@@ -118,12 +118,12 @@ fn heights_agree_with_those_of_parry() {
     let mut dice = Dice(3);
     let mut worst = 0.0_f32;
     for _ in 0..3000 {
-        let p = dice.place(Vec3::new(1.99, 0.0, 0.99)).with_y(1.0);
+        let p = (dice.vector() * Vec3::new(1.99, 0.0, 0.99)).with_y(1.0);
         let ray = Ray::new(vector(p), Vector::new(0.0, -1.0, 0.0));
         let theirs = shape.parry().cast_local_ray(&ray, 5.0, true).unwrap();
         let mine = shape.cast_ray(p, Vec3::NEG_Y, 5.0).unwrap();
         worst = worst.max((mine.distance - theirs).abs());
-        let q = dice.place(Vec3::new(2.5, 0.6, 1.5));
+        let q = dice.vector() * Vec3::new(2.5, 0.6, 1.5);
         let near = shape.nearest(q);
         let away = (shape.parry().project_local_point(vector(q), false).point - vector(q)).length();
         assert!(near.distance.abs() <= away + 1e-5, "{q}: {} and {away}", near.distance);

@@ -98,10 +98,9 @@ fn neighbours_in_the_rest_shape_are_left_alone() {
     let mut world = empty(0.0);
     let sheet = Sheet { contacts: colliding(true), radius: 0.05, ..Sheet::flat(8, 0.02, 0.0) };
     let rows = sheet.build(&mut world, |_, _| false);
-    let before = bits(&world, &rows);
     for _ in 0..10 {
         world.step(DT).unwrap();
     }
     let moved = rows.iter().map(|&row| world.particles.velocity(row).length()).fold(0.0, f32::max);
-    assert!(moved < 1e-4, "{moved} m/s, {}", before.len());
+    assert!(moved < 1e-4, "{moved} m/s");
 }

@@ -7,23 +7,9 @@ use super::super::crossing::Four;
 use super::super::participants::EDGES;
 use super::colliding;
 use crate::collide::ContactFilter;
+use crate::collide::dice::Dice;
 use crate::collide::nearby::Nearby;
 use crate::particles::{ParticleSeed, Particles};
-
-/// Numbers from -1 to 1, the same in every run.
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self) -> f32 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
-    }
-
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.roll(), self.roll(), self.roll())
-    }
-}
 
 /// A cubic lattice of 1 m with `side` triangles a side, each a body, displaced by up to `way` metres and distorted by up to a quarter of that.
 fn thrown(side: usize, way: f32, dice: &mut Dice) -> (Particles, Vec<[u32; 3]>) {
