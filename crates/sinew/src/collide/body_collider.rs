@@ -44,7 +44,7 @@ pub enum BodyColliderFault {
     #[error("a rest position is not finite")]
     Number,
     /// Its shape is a half-space, an inside box, a mesh or a heightfield, which are for static geometry only.
-    #[error("a half-space, a mesh or a heightfield cannot move")]
+    #[error("a half-space, an inside box, a mesh or a heightfield cannot move")]
     Shape,
 }
 

@@ -13,7 +13,7 @@ pub enum ShapeFault {
     #[error("its radius is not between 1e-6 and 1e6 metres")]
     Radius,
     /// The length of a capsule or the height of a cylinder is NaN or outside of the valid range.
-    #[error("its half height is not between 1e-6 and 1e6 metres")]
+    #[error("its length or height is not between 1e-6 and 1e6 metres")]
     Height,
     /// A size is NaN or outside of the valid range on some axis.
     #[error("its size is not between 1e-6 and 1e6 metres on every axis")]
@@ -34,7 +34,7 @@ pub enum ShapeFault {
     #[error("none of its triangles has an area")]
     NoArea,
     /// There are more than 1e9 triangles or vertices, which cannot be indexed.
-    #[error("it has more than 1e9 triangles")]
+    #[error("it has more than 1e9 triangles or vertices")]
     TooMany,
     /// A heightfield has no cell.
     #[error("it has fewer than two columns or rows of heights")]

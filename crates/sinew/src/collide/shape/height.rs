@@ -177,15 +177,8 @@ impl Heights {
         keep: &dyn Fn(Vec3, Vec3) -> bool,
         call: &mut dyn FnMut([Vec3; 3]),
     ) {
-        let cells = |axis: usize| {
-            let count = if axis == 0 { self.columns - 1 } else { self.rows - 1 };
-            // One more on either side, for rounding.
-            let first = (self.along(low[axis], axis) - 0.01).max(0.0) as usize;
-            let end = (self.along(high[axis], axis) + 1.01).max(0.0) as usize;
-            first.min(count)..end.min(count)
-        };
-        for column in cells(0) {
-            for row in cells(2) {
+        for column in self.cells_along([low.x, high.x], 0) {
+            for row in self.cells_along([low.z, high.z], 2) {
                 for triangle in self.cell(column, row) {
                     let (low, high) = triangle.bounds();
                     if keep(low, high) {
@@ -250,8 +243,19 @@ impl Heights {
 
     /// A coordinate in units of cells.
     fn along(&self, x: f32, axis: usize) -> f32 {
-        let cells = if axis == 0 { self.columns - 1 } else { self.rows - 1 };
-        (x / self.size[axis] + 0.5) * cells as f32
+        (x / self.size[axis] + 0.5) * self.cell_count(axis) as f32
+    }
+
+    fn cell_count(&self, axis: usize) -> usize {
+        if axis == 0 { self.columns - 1 } else { self.rows - 1 }
+    }
+
+    /// The cells from one coordinate to another along an axis, and one more on either side, for rounding.
+    fn cells_along(&self, [low, high]: [f32; 2], axis: usize) -> core::ops::Range<usize> {
+        let count = self.cell_count(axis);
+        let first = (self.along(low, axis) - 0.01).max(0.0) as usize;
+        let end = (self.along(high, axis) + 1.01).max(0.0) as usize;
+        first.min(count)..end.min(count)
     }
 
     /// The two triangles of a cell: first the one at its lowest x and z.
@@ -273,15 +277,11 @@ impl Heights {
 impl Surface for Heights {
     fn visit(&self, path: &SpherePath, call: &mut impl FnMut(u32, &Triangle)) {
         let margin = path.margin;
-        let cells = |low: f32, high: f32, axis: usize| {
-            let count = if axis == 0 { self.columns - 1 } else { self.rows - 1 };
-            // One more on either side, for rounding.
-            let first = (self.along(low - margin, axis) - 0.01).max(0.0) as usize;
-            let end = (self.along(high + margin, axis) + 1.01).max(0.0) as usize;
-            first.min(count)..end.min(count)
+        let cells = |from: f32, to: f32, axis: usize| {
+            self.cells_along([from.min(to) - margin, from.max(to) + margin], axis)
         };
         let (from, to) = (path.from, path.to);
-        for column in cells(from.x.min(to.x), from.x.max(to.x), 0) {
+        for column in cells(from.x, to.x, 0) {
             // The part of the segment that is within reach of this column.
             let (low, high) =
                 (self.point(column, 0).x - margin, self.point(column + 1, 0).x + margin);
@@ -290,7 +290,7 @@ impl Surface for Heights {
             let slow = motion.x.abs() <= margin;
             let (s, t) = if slow { (0.0, 1.0) } else { (share(low), share(high)) };
             let (z, w) = (from.z + motion.z * s, from.z + motion.z * t);
-            for row in cells(z.min(w), z.max(w), 2) {
+            for row in cells(z, w, 2) {
                 let corners = [(0, 0), (0, 1), (1, 0), (1, 1)];
                 let heights = corners.map(|(i, j)| self.height(column + i, row + j));
                 let least = heights.into_iter().fold(f32::INFINITY, f32::min);

@@ -2,6 +2,8 @@
 
 use glam::{Mat3, Vec3};
 
+use super::convex::Convex as _;
+use super::flat::Cuboid;
 use super::{Form, Nearest, RayHit, Shape, ShapeTouch};
 use crate::collide::frame::Frame;
 
@@ -70,26 +72,9 @@ impl HollowBox {
 
     /// The nearest point on a wall. As for any solid, the distance is positive from the empty side, here inside of the room.
     pub(super) fn nearest(&self, p: Vec3) -> Nearest {
-        let point = p.min(self.half_size).max(-self.half_size);
-        let away = point - p;
-        let square = away.length_squared();
-        if square > 1e-30 {
-            let distance = square.sqrt();
-            return Nearest { point, normal: away / distance, distance: -distance };
-        }
-        let gap = self.half_size - p.abs();
-        let axis = if gap.x <= gap.y && gap.x <= gap.z {
-            0
-        } else if gap.y <= gap.z {
-            1
-        } else {
-            2
-        };
-        let sign = if p[axis] < 0.0 { -1.0 } else { 1.0 };
-        let (mut point, mut normal) = (p, Vec3::ZERO);
-        point[axis] = sign * self.half_size[axis];
-        normal[axis] = -sign;
-        Nearest { point, normal, distance: gap[axis] }
+        let Nearest { point, normal, distance } = Cuboid { half_size: self.half_size }.nearest(p);
+        // Not `-normal`, whose zeros would be negative.
+        Nearest { point, normal: Vec3::ZERO - normal, distance: -distance }
     }
 }
 
@@ -104,9 +89,9 @@ mod tests {
         assert_eq!(walls.len(), 6);
         assert!(walls.iter().all(Frame::is_valid));
         let floor = Shape::half_space();
-        let mut dice = super::super::tests::Dice(7);
+        let mut dice = crate::collide::dice::Dice(7);
         for _ in 0..2000 {
-            let (from, to) = (dice.place(Vec3::new(1.0, 2.0, 3.0)), dice.place(Vec3::splat(4.0)));
+            let (from, to) = (dice.vector() * Vec3::new(1.0, 2.0, 3.0), dice.vector() * 4.0);
             let radius = 0.3 * dice.share();
             // One wall after the other.
             let mut settled = to;
