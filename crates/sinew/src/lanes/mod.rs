@@ -401,6 +401,12 @@ fn pair_rows(first: usize) -> ([u32; LANES], [u32; LANES]) {
     pairs
 }
 
+/// The vector in one lane in memory.
+#[inline(always)]
+pub(crate) fn get([x, y, z]: &[LaneArray; 3], lane: usize) -> Vec3 {
+    Vec3::new(x[lane], y[lane], z[lane])
+}
+
 /// Writes a vector into one lane in memory.
 #[inline(always)]
 pub(crate) fn set(to: &mut [LaneArray; 3], lane: usize, from: Vec3) {

@@ -5,22 +5,18 @@ use glam::Vec3;
 use smallvec::SmallVec;
 
 use super::super::shape::{Kind, Shape};
-use super::{Frame, Point, across_axis};
+use super::{FLAT_COSINE, FLAT_SINE, Frame, Point, across_axis};
 
 /// Corners in order about the normal: one for a corner, two for an edge, three or more for a face.
 type FeatureCorners = SmallVec<[Vec3; 16]>;
 
-/// Slope below which a surface belongs to the feature that is farthest along a direction, so that a face tilted by up to 6° counts as lying flat.
-const FLAT_SLOPE: f32 = 0.1;
-/// Cosine of that angle.
-const FLAT_COSINE: f32 = 0.995;
 /// Number of corners that approximate a cylinder's end. Their polygon covers 97 % of its area.
 const CYLINDER_CORNERS: usize = 16;
 /// Largest angle between a normal and the normal of a face for it to be replaced by the latter, rad: a normal found from nearest points is no more accurate
 /// than that.
 const FACE_TOLERANCE: f32 = 3e-3;
-/// Sine of the angle between two edges from which they cross in a single point: 8°, as for capsules.
-const CROSSING_SINE: f32 = 0.14;
+/// Sine of the angle between two edges from which they cross in a single point: 8°. With a single point a capsule would roll about it.
+pub(super) const CROSSING_SINE: f32 = 0.14;
 
 /// One side of a pair.
 pub(super) enum ShapeOrTriangle<'a> {
@@ -213,7 +209,7 @@ impl ShapeOrTriangle<'_> {
             }
             Kind::Box { half_size } => {
                 // Both ends of every axis that lies across the direction.
-                let sides = direction.abs().cmple(Vec3::splat(FLAT_SLOPE)).bitmask();
+                let sides = direction.abs().cmple(Vec3::splat(FLAT_SINE)).bitmask();
                 let corners = (0..8_u32).map(|bits| {
                     let sign = |axis: usize| if bits >> axis & 1 == 1 { 1.0 } else { -1.0 };
                     (bits, Vec3::from_array([0, 1, 2].map(sign)))
@@ -226,9 +222,7 @@ impl ShapeOrTriangle<'_> {
             Kind::Capsule { half_height, .. } => ends(half_height, Vec3::ZERO),
             Kind::Cylinder { radius, half_height } => {
                 let (out, sine) = across_axis(direction);
-                // A fixed direction for a cylinder that stands upright, so that its points do not rotate with rounding errors.
-                let out = if sine > 1e-3 { out } else { Vec3::X };
-                if sine > FLAT_SLOPE {
+                if sine > FLAT_SINE {
                     return ends(half_height, out * radius);
                 }
                 let (x, z) = (out * radius, Vec3::new(-out.z, 0.0, out.x) * radius);
@@ -249,7 +243,7 @@ impl ShapeOrTriangle<'_> {
     }
 }
 
-/// The corner farthest along a direction, and the corner towards which the line from it falls least, if its slope is less than [`FLAT_SLOPE`].
+/// The corner farthest along a direction, and the corner towards which the line from it falls least, if its slope is less than [`FLAT_SINE`].
 fn edge(corners: &[Vec3], direction: Vec3) -> FeatureCorners {
     let mut best = (f32::NEG_INFINITY, Vec3::ZERO);
     for &p in corners {
@@ -258,7 +252,7 @@ fn edge(corners: &[Vec3], direction: Vec3) -> FeatureCorners {
             best = (height, p);
         }
     }
-    let (top, mut least, mut feature) = (best.1, FLAT_SLOPE, FeatureCorners::new());
+    let (top, mut least, mut feature) = (best.1, FLAT_SINE, FeatureCorners::new());
     feature.push(top);
     for &p in corners {
         let slope = (top - p).dot(direction) / (top - p).length();

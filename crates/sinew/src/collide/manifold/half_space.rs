@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use super::super::shape::Kind;
 use super::reduce::reduced;
 use super::round::rim;
-use super::{Frame, Manifold, Point, ROLL_SINE, across_axis};
+use super::{FLAT_SINE, Frame, Manifold, Point, across_axis};
 
 /// The manifold of a shape at `frame`, in the coordinates of the half-space. Empty for shapes that are not solids.
 pub(super) fn collide(kind: Kind, frame: &Frame, reach: f32) -> Manifold {
@@ -63,12 +63,10 @@ fn lowest_face(half_size: Vec3, up: Vec3) -> [Vec3; 4] {
 /// Points on the rims of a cylinder along y: if it lies, the lowest of each rim; if it stands on an end, the lowest and highest points of that rim and the two
 /// between.
 fn cylinder(radius: f32, half_height: f32, up: Vec3, frame: &Frame, reach: f32) -> Manifold {
-    let (out, steep) = across_axis(up);
-    // A fixed direction for a cylinder that stands upright (within 0.06°), or its points would rotate with every rounding error.
-    let down = if steep > 1e-3 { -out } else { Vec3::X };
+    let (down, steep) = across_axis(-up);
     let (down, across) = (down * radius, Vec3::new(-down.z, 0.0, down.x) * radius);
     let lower = Vec3::Y * if up.y > 0.0 { -half_height } else { half_height };
-    if steep > ROLL_SINE {
+    if steep > FLAT_SINE {
         return gather([lower + down, down - lower], frame, reach);
     }
     gather([lower + down, lower + across, lower - down, lower - across], frame, reach)

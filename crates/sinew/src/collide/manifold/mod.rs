@@ -284,8 +284,14 @@ fn in_order(
     }
 }
 
-/// Sine of the tilt from which a cylinder touches by its side or rim and not by an end: 6°.
-const ROLL_SINE: f32 = 0.1;
+/// Sine of the greatest tilt at which a shape still lies on a face, an edge or an end: 6°. If it is tilted by more, its other points are too high to matter.
+const FLAT_SINE: f32 = 0.1;
+/// Cosine of that angle.
+const FLAT_COSINE: f32 = 0.995;
+
+/// By how much an axis must be better to be preferred to one that comes before it (faces before edges): a share of the overlap, plus a share of the smallest
+/// half size of a box. A shape at rest, whose overlaps are noise, keeps its face and its points.
+const BIAS: (f32, f32) = (0.03, 2e-3);
 
 /// The rounding radius of a shape that touches at some points, metres (0 if it is not round there), and whether it is round about its y axis only.
 #[inline(always)]
@@ -297,19 +303,20 @@ fn rounding(kind: Kind, outwards: Vec3, mut points: impl Iterator<Item = Vec3>) 
             let near = 1e-3 * radius;
             let is_lowest =
                 |p: Vec3| (Vec3::new(p.x, 0.0, p.z) - out * radius).length_squared() < near * near;
-            let rolls = sine > ROLL_SINE && points.all(is_lowest);
+            let rolls = sine > FLAT_SINE && points.all(is_lowest);
             if rolls { (radius, true) } else { (0.0, false) }
         }
         _ => (0.0, false),
     }
 }
 
-/// The unit direction across the y axis that is nearest to a direction, and the sine of the angle between the direction and the axis.
+/// The unit direction across the y axis that is nearest to a direction, and the sine of the angle between the direction and the axis. Within 0.06° of the axis
+/// it is x, or the points of a cylinder that stands upright would rotate with every rounding error.
 #[inline(always)]
 fn across_axis(direction: Vec3) -> (Vec3, f32) {
     let across = Vec3::new(direction.x, 0.0, direction.z);
     let sine = across.length();
-    (across / sine.max(f32::MIN_POSITIVE), sine)
+    (if sine > 1e-3 { across / sine } else { Vec3::X }, sine)
 }
 
 /// Order of the two shapes of a pair: simple shapes before complex ones, shapes that can move before those that cannot.

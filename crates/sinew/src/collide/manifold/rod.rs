@@ -3,8 +3,9 @@
 
 use glam::Vec3;
 
+use super::features::CROSSING_SINE;
 use super::round::{limit, rim};
-use super::{Frame, Manifold, Point};
+use super::{BIAS, Frame, Manifold, Point};
 
 /// A capsule `[radius, half height]` and a box, metres. Two points where the capsule lies along a face or an edge.
 pub(super) fn collide(
@@ -40,8 +41,9 @@ pub(super) fn collide(
     };
     let within = |along: f32, q: Vec3| Some(point(along, q)).filter(|p| p.distance <= reach);
     let mut manifold = Manifold::new(normal);
-    // Within 8° of parallel to the surface: with a single point the capsule would roll about it, and the second is not far off.
-    let line = if rod.axis.dot(normal).abs() < 0.14 { rod.line(normal) } else { None };
+    // Nearly parallel to the surface, the second point is not far off.
+    let parallel = rod.axis.dot(normal).abs() < CROSSING_SINE;
+    let line = if parallel { rod.line(normal) } else { None };
     for (along, q) in line.into_iter().flatten() {
         if let Some(point) = within(along, q) {
             manifold.push(point);
@@ -108,8 +110,7 @@ impl Rod {
         if most > self.rounding() && within.bitmask().count_ones() == 2 {
             return Some(Separation { normal: best, apart: most, above: true });
         }
-        // As between boxes, faces are preferred.
-        let mut needed = most + 2e-3 * size.min_element() + 0.03 * most.abs();
+        let mut needed = most + BIAS.1 * size.min_element() + BIAS.0 * most.abs();
         for edge in Vec3::AXES {
             let product = edge.cross(*axis);
             let length = product.length();

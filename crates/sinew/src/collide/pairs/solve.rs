@@ -17,7 +17,7 @@ use super::super::filter::ContactFilter;
 use super::neighbour_list::{NO_OFFSET, NeighbourList, PairBlock};
 use super::restitution::{PairHit, Touched};
 use super::swept::{COINCIDENT, SweptPair, TimeOfImpact};
-use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::lanes::{LANES, Lanes, Vector, Work, get};
 use crate::particles::Particles;
 
 /// One sweep over all blocks. Its output is the greatest overlap found, metres.
@@ -149,12 +149,12 @@ impl PairSweep<'_> {
     #[inline(always)]
     fn record<L: Lanes>(&mut self, block: &PairBlock, which: u32, overlap: L, normal: Vector<L>) {
         let overlaps = overlap.array();
-        let (x, y, z) = (normal.x.array(), normal.y.array(), normal.z.array());
+        let normals = [normal.x.array(), normal.y.array(), normal.z.array()];
         for lane in 0..block.count as usize {
             if which & (1 << lane) != 0 {
                 let rows = [block.rows[0][lane], block.rows[1][lane]];
                 let place = Some((self.touched.len() - 1, lane));
-                self.hit(rows, (Vec3::new(x[lane], y[lane], z[lane]), overlaps[lane]), place);
+                self.hit(rows, (get(&normals, lane), overlaps[lane]), place);
             }
         }
     }
@@ -189,7 +189,7 @@ fn pair_of(block: &PairBlock, lane: usize, offsets: &[[[f32; LANES]; 3]]) -> Swe
     let offset = offsets.get(block.offset as usize);
     SweptPair {
         rows: [block.rows[0][lane], block.rows[1][lane]],
-        offset: offset.map_or(Vec3::ZERO, |[x, y, z]| Vec3::new(x[lane], y[lane], z[lane])),
+        offset: offset.map_or(Vec3::ZERO, |offset| get(offset, lane)),
         reach: block.reach[lane],
         friction: block.friction[lane],
     }

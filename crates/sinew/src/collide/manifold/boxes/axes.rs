@@ -11,15 +11,12 @@
 
 use glam::{Mat3, Vec3};
 
+use super::super::BIAS;
 use super::{BoxPair, Frame, NEXT};
-use crate::lanes::{LANES, LaneArray, Lanes, set};
+use crate::lanes::{LANES, LaneArray, Lanes, get, set};
 
 /// Edges closer to parallel than this (squared sine) have no accurate product; a face normal serves as well there.
 pub(super) const PARALLEL: f32 = 1e-6;
-
-/// By how much an axis must be better to be preferred to one that comes before it (faces of `b`, then of `a`, then edges): a share of the overlap, plus a share
-/// of the smallest half size. A box at rest, whose overlaps are noise, keeps its face and its four points.
-const BIAS: (f32, f32) = (0.03, 2e-3);
 
 /// Rounding error of a separation, as a share of the numbers that it is a difference of: a few units in the last place.
 const ROUNDING: f32 = 5e-7;
@@ -262,10 +259,4 @@ fn least<L: Lanes>([x, y, z]: [L; 3]) -> L {
 #[inline(always)]
 pub(super) fn three<L: Lanes>([x, y, z]: &[LaneArray; 3]) -> [L; 3] {
     [L::load(x), L::load(y), L::load(z)]
-}
-
-/// The vector in a lane.
-#[inline(always)]
-pub(super) fn get([x, y, z]: &[LaneArray; 3], lane: usize) -> Vec3 {
-    Vec3::new(x[lane], y[lane], z[lane])
 }

@@ -8,9 +8,6 @@ use super::super::{Point, inverse};
 use super::axes::PARALLEL;
 use super::{BoxPair, Frame, Manifold, NEXT};
 
-/// Cosine of the greatest tilt at which a box still lies on a face: 6°. If it is tilted by more, its other points are too high to matter.
-pub(super) const FLAT_COSINE: f32 = 0.995;
-
 /// Greatest place of the lines' nearest point along an edge, 1 at its end, at which it counts as on the edge: 0.1 % beyond.
 pub(super) const ON_EDGE: f32 = 1.001;
 /// Greatest such place at which the point counts as inside the edge rather than a corner.

@@ -14,8 +14,8 @@
 
 use super::super::reduce::choose;
 use super::super::{Manifold, Point};
-use super::axes::{LoadedPairs, WideAxes, get};
-use crate::lanes::{LANES, LaneArray, Lanes, SetLanes, Vector};
+use super::axes::{LoadedPairs, WideAxes};
+use crate::lanes::{LANES, LaneArray, Lanes, SetLanes, Vector, get};
 
 /// Enlargement of a face as a share of its size: a few rounding errors.
 const ROUNDING: f32 = 2e-6;

@@ -14,10 +14,10 @@ mod faces;
 use glam::Vec3;
 
 use super::super::shape::{Kind, Shape};
-use super::{Frame, Manifold};
+use super::{FLAT_COSINE, Frame, Manifold};
 use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, kernel};
 use axes::{Axes, WidePairs};
-use edges::{BEFORE_END, FLAT_COSINE, ON_EDGE};
+use edges::{BEFORE_END, ON_EDGE};
 
 /// A queue of box pairs, and their manifolds.
 #[derive(Clone, Debug, Default)]
