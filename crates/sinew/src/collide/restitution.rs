@@ -11,12 +11,13 @@
 //!
 //! The [`threshold`] `2gh` is twice the speed that gravity adds in a substep: below it a contact is taken for a resting one, which would otherwise bounce for
 //! ever. The inelastic case is for contacts between two moving sides: they neither approach any more nor separate faster than before, because the correction
-//! of an overlap must not add velocity.
+//! of an overlap must not add velocity. Those between particles and triangles have one impulse of restitution and friction: [`contact_impulse`].
 //!
 //! Particles on colliders, particle pairs, triangles and body colliders all use these functions. What is particular to one of them (several points of a
 //! manifold, effective masses) is in its own file.
 
-use crate::lanes::Number;
+use super::friction::friction_share;
+use crate::lanes::{Number, Vector};
 
 /// The approach speed up to which contacts are inelastic, m/s: `2gh`, for gravity in m/s² and a substep of `h` seconds.
 #[inline(always)]
@@ -42,6 +43,22 @@ pub(super) fn separation_speed<N: Number>(coefficient: N, before: N, now: N, thr
     let inelastic = now.min(before.max(N::zero())).max(N::zero());
     let elastic = is_elastic(coefficient, N::zero() - before, threshold);
     elastic.select(rebound(coefficient, before), inelastic)
+}
+
+/// The impulse of a contact between two moving sides on the first one, N·s, and its part along the normal `n`: restitution from the relative normal velocity
+/// `before` it, and friction that takes at most `limit`, m/s, off the slip. `velocity` is the relative velocity that the position solve gave, and `inverse_mass`
+/// the inverse effective mass, 1/kg.
+#[inline(always)]
+pub(super) fn contact_impulse<N: Number>(
+    n: Vector<N>,
+    velocity: Vector<N>,
+    (coefficient, before, threshold): (N, N, f32),
+    (limit, inverse_mass): (N, N),
+) -> (Vector<N>, N) {
+    let now = n.dot(velocity);
+    let size = (separation_speed(coefficient, before, now, threshold) - now) / inverse_mass;
+    let slip = velocity - n * now;
+    (n * size - slip * (friction_share(slip.length(), limit) / inverse_mass), size)
 }
 
 #[cfg(test)]

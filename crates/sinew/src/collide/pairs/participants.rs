@@ -67,7 +67,7 @@ impl Participants {
         self.dt = dt;
         let columns = particles.body.iter().zip(&particles.radius);
         for (row, (&body, &radius)) in columns.enumerate() {
-            let loose = !excluded.get(row).copied().unwrap_or(false);
+            let loose = excluded.get(row) != Some(&true);
             // False for a NaN radius, too.
             if !(nearby.to_particles().has_particle(row, body) && loose && radius > 0.0) {
                 continue;

@@ -9,9 +9,8 @@
 use glam::{Vec3, Vec4};
 
 use super::super::filter::ContactFilter;
-use super::super::friction::friction_share;
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::separation_speed;
+use super::super::restitution::contact_impulse;
 use super::neighbour_list::PairBlock;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
@@ -51,16 +50,11 @@ kernel!(
             let [x, y, z] = &one.normal;
             let n = Vector::new(L::load(x), L::load(y), L::load(z));
             let hit = L::splat(0.5).lt(n.length_squared());
-            let (before, now) = (L::load(&one.parting), n.dot(a - b));
-            let restitution = L::load(&block.restitution);
-            let wanted = separation_speed(restitution, before, now, least);
+            let elastic = (L::load(&block.restitution), L::load(&one.parting), least);
             let (w_a, w_b) = (L::load(&one.weights[0]), L::load(&one.weights[1]));
-            let size = (wanted - now) / (w_a + w_b);
-            let along = (a - b) - n * now;
-            let (length, most) = (along.length(), L::load(&one.impulse) * L::splat(1.0 / h));
-            let held = friction_share(length, most);
+            let limit = L::load(&one.impulse) * L::splat(1.0 / h);
+            let (impulse, size) = contact_impulse(n, a - b, elastic, (limit, w_a + w_b));
             size.store(&mut one.impulse);
-            let impulse = n * size - along * (held / (w_a + w_b));
             let (a, b) = ((a + impulse * w_a).or_else(hit, a), (b - impulse * w_b).or_else(hit, b));
             L::put_rows(velocity, rows_a, a.with(lag_a));
             L::put_rows(velocity, rows_b, b.with(lag_b));
@@ -122,12 +116,14 @@ impl PairHit {
             return;
         }
         let [a, b] = self.rows.map(|row| row as usize);
-        let now = (particles.velocity(a) - particles.velocity(b)).dot(self.normal);
-        let wanted = separation_speed(self.restitution, -self.approach, now, least);
         let (w_a, w_b) = (particles.inverse_mass(a), particles.inverse_mass(b));
-        let size = (wanted - now) / (w_a + w_b);
+        let velocity = Vector::<f32>::splat(particles.velocity(a) - particles.velocity(b));
+        let elastic = (self.restitution, -self.approach, least);
+        // All of its friction is in the position solve (`swept`).
+        let (impulse, size) =
+            contact_impulse(Vector::splat(self.normal), velocity, elastic, (0.0, w_a + w_b));
+        let impulse = Vec3::from(impulse);
         self.impulse += size;
-        let impulse = self.normal * size;
         particles.velocity[a] += (impulse * w_a).extend(0.0);
         particles.velocity[b] -= (impulse * w_b).extend(0.0);
     }

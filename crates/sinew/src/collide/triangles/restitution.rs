@@ -6,12 +6,12 @@
 use glam::Vec3;
 
 use super::super::filter::ContactFilter;
-use super::super::friction::friction_share;
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::separation_speed;
+use super::super::restitution::contact_impulse;
 use super::neighbour_list::TriangleCandidate;
 use super::participants::TriangleParticipants;
 use super::solve::{SubstepState, TriangleContact};
+use crate::lanes::Vector;
 use crate::particles::Particles;
 
 /// A contact of four particles.
@@ -90,15 +90,17 @@ impl TriangleHit {
 
     /// Applies restitution and friction after a substep of `h` seconds; an approach slower than `least`, m/s, does not bounce.
     pub(super) fn bounce(&mut self, particles: &mut Particles, h: f32, least: f32) {
-        let velocity = self.velocity(particles);
-        let now = velocity.dot(self.normal);
-        let wanted = separation_speed(self.restitution, self.parting, now, least);
-        let along = velocity - self.normal * now;
-        let (length, most) = (along.length(), self.friction * self.overlap as f32 / h);
-        let held = friction_share(length, most);
-        let size = (wanted - now) / self.inverse;
+        let (normal, velocity) = (self.normal, self.velocity(particles));
+        let elastic = (self.restitution, self.parting, least);
+        let limit = self.friction * self.overlap as f32 / h;
+        let (impulse, size) = contact_impulse::<f32>(
+            Vector::splat(normal),
+            Vector::splat(velocity),
+            elastic,
+            (limit, self.inverse),
+        );
+        let impulse = Vec3::from(impulse);
         self.impulse = size + self.overlap as f32 / (self.inverse * h);
-        let impulse = self.normal * size - along * (held / self.inverse);
         for (&row, share) in self.rows.iter().zip(self.shares) {
             let i = row as usize;
             let by = particles.inverse_mass(i) * share;

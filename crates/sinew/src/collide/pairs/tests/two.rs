@@ -136,6 +136,19 @@ fn friction_stops_what_slides_over_a_row_of_pinned_ones() {
 }
 
 #[test]
+fn friction_of_a_fast_pair_follows_coulombs_law_once() {
+    // It touches with the normal -x in the middle of the substep, after which 0.05 m of overlap are left of the 0.1 m that it moves along x and z.
+    let (mut world, h) = (world(0.2, 0.0), DT / 10.0);
+    world.push(ball(Vec3::ZERO, Vec3::ZERO).pinned(), 0);
+    let way = Vec3::new(0.1, 0.0, 0.1);
+    let row = world.push(ball(Vec3::X * -0.02 - way * 0.5, way / h), 1);
+    world.find(DT);
+    world.substep(h);
+    let left = world.particles.velocity(row) * h;
+    assert!((left - Vec3::Z * (0.1 - 0.2 * 0.05)).length() < 1e-5, "{left} m in a substep");
+}
+
+#[test]
 fn coincident_ones_part_along_an_axis_that_their_rows_say() {
     for (before, axis) in [(0, Vec3::Y), (1, Vec3::X), (2, Vec3::Z)] {
         let mut world = world(0.5, 0.0);
