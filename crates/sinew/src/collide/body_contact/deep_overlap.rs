@@ -11,17 +11,20 @@ use super::BodyContactSolver;
 use crate::islands::Islands;
 use crate::lanes::LANES;
 use crate::particles::Particles;
+use crate::union_find::UnionFind;
 
 /// Islands with deep overlaps in a substep. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DeepOverlaps {
-    /// Islands, and the set of islands deep in each other that each belongs to; sorted by island.
-    islands: Vec<(u32, u32)>,
+    /// Islands that are deep in something, ascending.
+    islands: Vec<u32>,
+    /// The sets of islands deep in each other, by their places in `islands`.
+    joined: UnionFind,
     /// Two islands that are deep in each other; no second one for static geometry.
     pairs: Vec<(u32, Option<u32>)>,
-    /// By the number of a set.
+    /// By the root of a set.
     sets: Vec<DeepSet>,
-    /// Numbers of sets with the rows of their particles, ascending.
+    /// Roots of sets with the rows of their particles, ascending.
     rows: Vec<(u32, u32)>,
 }
 
@@ -56,8 +59,9 @@ impl BodyContactSolver {
             return;
         }
         deep_overlaps.find_sets();
-        let DeepOverlaps { islands: deep, sets, rows, .. } = deep_overlaps;
-        for &(number, set) in deep.iter() {
+        let DeepOverlaps { islands: deep, joined, sets, rows, .. } = deep_overlaps;
+        for (place, &number) in (0..).zip(deep.iter()) {
+            let set = joined.root(place);
             let island = &islands.list[number as usize];
             let members = &islands.members[island.members.clone()];
             for &row in members {
@@ -110,33 +114,21 @@ impl DeepOverlaps {
         self.rows.clear();
     }
 
-    /// Numbers the sets of islands that are deep in each other.
+    /// Finds the sets of islands that are deep in each other.
     fn find_sets(&mut self) {
-        let Self { islands, pairs, sets, .. } = self;
-        pairs.sort_unstable();
-        pairs.dedup();
+        let Self { islands, joined, pairs, sets, .. } = self;
         let both = |&(a, b): &(u32, Option<u32>)| core::iter::once(a).chain(b);
-        islands.extend(pairs.iter().flat_map(both).map(|island| (island, 0)));
+        islands.extend(pairs.iter().flat_map(both));
         islands.sort_unstable();
         islands.dedup();
-        (0..).zip(islands.iter_mut()).for_each(|(number, (_, set))| *set = number);
-        let place = |islands: &[(u32, u32)], island: u32| {
-            islands.partition_point(|(other, _)| *other < island)
-        };
-        // Few are deep at once, and fewer in a chain: one pass for each link that passes its number on.
-        let mut changed = true;
-        while changed {
-            changed = false;
-            for &(a, b) in pairs.iter() {
-                let [a, b] = [a, b.unwrap_or(a)].map(|island| place(islands, island));
-                let least = islands[a].1.min(islands[b].1);
-                changed |= islands[a].1 != islands[b].1;
-                (islands[a].1, islands[b].1) = (least, least);
-            }
+        let place = |island: u32| islands.partition_point(|&other| other < island) as u32;
+        joined.reset(islands.len());
+        for &(a, b) in pairs.iter() {
+            joined.unite(place(a), place(b.unwrap_or(a)));
         }
         sets.resize(islands.len(), DeepSet::default());
         for &(a, _) in pairs.iter().filter(|(_, b)| b.is_none()) {
-            sets[islands[place(islands, a)].1 as usize].held = true;
+            sets[joined.root(place(a)) as usize].held = true;
         }
     }
 }

@@ -21,7 +21,7 @@ use super::groups::BodyGroups;
 use super::static_geometry::StaticGeometry;
 use super::swept_bounds::SweptBounds;
 use super::wide_contact::{Contact, SensorOverlap, TORSIONAL_RADIUS, put_manifold};
-use crate::lanes::{LANES, SetLanes};
+use crate::lanes::{SetLanes, set};
 use crate::particles::{NO_BODY, Particles};
 
 /// Limit of queued pairs, so that their data stay in the fastest cache.
@@ -587,23 +587,14 @@ impl BodyContactSolver {
     /// Updates the offset of kinematic geometry in its contacts when a substep begins.
     pub(super) fn follow_kinematic_geometry(&mut self, world: &World, from: f32) {
         let Self { contacts, wide_contacts, static_geometry, swept, .. } = self;
-        if static_geometry.iter().all(|geometry| geometry.moving.is_none()) {
-            return;
-        }
-        for wide in wide_contacts {
-            for lane in 0..LANES {
-                let Some(one) = contacts.get(wide.number[lane] as usize) else { continue };
-                let Some(geometry) = one.geometry.map(|number| &static_geometry[number as usize])
-                else {
-                    continue;
-                };
-                if geometry.moving.is_some() {
-                    let frame = geometry.frame_at(world, from);
-                    let here = geometry.seen_from(&frame, swept[one.a as usize].origin).translation;
-                    for (to, from) in wide.offset.iter_mut().zip(here.to_array()) {
-                        to[lane] = from;
-                    }
-                }
+        for wide in wide_contacts.iter_mut().filter(|wide| !wide.fixed) {
+            for lane in SetLanes(wide.against_static) {
+                let one = &contacts[wide.number[lane] as usize];
+                let Some(number) = one.geometry else { continue };
+                let geometry = &static_geometry[number as usize];
+                let frame = geometry.frame_at(world, from);
+                let here = geometry.seen_from(&frame, swept[one.a as usize].origin).translation;
+                set(&mut wide.offset, lane, here);
             }
         }
     }
