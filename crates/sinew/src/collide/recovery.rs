@@ -7,6 +7,8 @@ use super::shape::{Shape, ShapeTouch};
 
 /// Limit of the depenetration in a substep: this multiple of g h² (what gravity adds to an overlap), plus this speed times h, m/s.
 const MAX_RECOVERY: (f32, f32) = (20.0, 2.0);
+/// The part of that which may become velocity; same units. What rests on particles causes as much.
+pub(super) const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
 
 /// Maximum depenetration of a particle in a substep of `h` seconds, metres; `g` is the magnitude of gravity, m/s².
 pub(crate) fn recovery(h: f32, g: f32) -> f32 {
@@ -27,13 +29,20 @@ pub(super) fn limit_depth(
     (from, to, radius): (Vec3, Vec3, f32),
     recover: f32,
 ) -> Option<ShapeTouch> {
-    let allowed = touched.normal.dot(from - to) + recover;
+    let depth = limited(touched.depth, touched.normal.dot(from - to), recover);
     // On a curved surface the start may lie behind the tangent plane of this contact and yet outside the shape: then it was no overlap before, and all of it is
     // corrected.
-    if touched.depth <= recover.max(allowed) || !is_inside(shape, from, radius, recover) {
+    if depth == touched.depth || !is_inside(shape, from, radius, recover) {
         return Some(touched);
     }
-    (allowed > 0.0).then_some(ShapeTouch { depth: allowed, ..touched })
+    (depth > 0.0).then_some(ShapeTouch { depth, ..touched })
+}
+
+/// The part of a depth that is corrected in a substep with the given approach, metres.
+#[inline]
+fn limited(depth: f32, approach: f32, recover: f32) -> f32 {
+    let allowed = approach + recover;
+    if depth <= recover.max(allowed) { depth } else { allowed.max(0.0) }
 }
 
 #[cold]
@@ -45,9 +54,6 @@ fn is_inside(shape: &Shape, at: Vec3, radius: f32, recover: f32) -> bool {
 #[inline]
 pub(super) fn limit_correction(out: Vec3, moved: Vec3, recover: f32) -> Vec3 {
     let depth = out.length();
-    if depth <= recover {
-        return out;
-    }
-    let allowed = recover - out.dot(moved) / depth;
-    if allowed < depth { out * (allowed.max(0.0) / depth) } else { out }
+    let kept = limited(depth, -out.dot(moved) / depth, recover);
+    if kept == depth { out } else { out * (kept / depth) }
 }

@@ -63,10 +63,10 @@ use super::manifold::ClusterSearch;
 use super::nearby::Nearby;
 use super::particle_contact::{NormalImpulse, ParticleContacts};
 use super::pressed::PressedCloth;
-use super::recovery::in_substep;
+use super::recovery::{MAX_DEPENETRATION, in_substep};
 use super::shape::Shape;
 use super::world::World;
-use crate::lanes::{InstructionSet, LANES, with};
+use crate::lanes::{InstructionSet, LANES, get, with};
 use crate::not_cloned::NotCloned;
 use crate::particles::Particles;
 use bodies::{Bodies, CENTRE};
@@ -87,7 +87,6 @@ use rigid_state::{ShowStates, correct_states};
 use static_geometry::StaticGeometry;
 pub(crate) use static_geometry::half_spaces;
 use swept_bounds::{SweptBounds, WideSweptBounds};
-use turn::LaneArray;
 use wide_contact::{Contact, SensorOverlap, WideContact};
 
 pub use contact_cache::{CachedManifold, ContactCache};
@@ -98,8 +97,6 @@ pub(crate) use rigid_islands::{RigidStep, Written};
 /// the multiple 20 of single particles, which pass nothing on, ropes that lie across each other pass through each other, and a rope that is pinned inside
 /// posts trembles at 0.2 m/s.
 const RECOVERED: (f32, f32) = (200.0, 2.0);
-/// The part of that which may turn into speed; same units. Speed from a deeper overlap is taken off again.
-const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
 /// Overlap that takes longer than this to be recovered, seconds, was not caused by an impact and counts as deep: 2 cm at ten substeps.
 const DEEP: f32 = 4e-3;
 
@@ -319,11 +316,10 @@ impl BodyContactSolver {
                 if !one.reports_events || wide.total[lane] <= 0.0 {
                     continue;
                 }
-                let vector = |v: &[LaneArray; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
                 let a = one.a as usize;
                 let centre = bodies[groups.place(a)][CENTRE].truncate();
-                let point = swept[a].origin + (centre + vector(&wide.arm));
-                let (normal, impulse) = (vector(&wide.up), wide.total[lane] / *h);
+                let point = swept[a].origin + (centre + get(&wide.arm, lane));
+                let (normal, impulse) = (get(&wide.up, lane), wide.total[lane] / *h);
                 contact_events.push(ContactEvent {
                     participants: one.participants,
                     point,

@@ -5,12 +5,9 @@
 
 use glam::Vec3;
 
-use super::super::recovery::{in_substep, recovery};
+use super::super::recovery::{MAX_DEPENETRATION, in_substep, recovery};
 use super::{ParticleContact, ParticleContacts};
 use crate::particles::{Particles, Places};
-
-/// The overlap at the start of a step that may become velocity: a multiple of g h², and a speed in m/s times h. What rests on particles causes as much.
-const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
 
 /// A row that overlaps something at the start of a step.
 #[derive(Clone, Copy, Debug)]
