@@ -163,7 +163,7 @@ impl Nearby {
         // Where everything that collides does so by a shape, there is nothing to find.
         let is_free = |(row, &body): (usize, &u32)| {
             let own = contacts.get(body as usize);
-            !excluded.get(row).is_some_and(|&excluded| excluded)
+            excluded.get(row) != Some(&true)
                 && own.is_some_and(|own| particles.radius[row] > 0.0 || own.surface)
         };
         if !particles.body.iter().enumerate().any(is_free) {
@@ -318,7 +318,7 @@ impl Nearby {
                 continue;
             }
             let (extent, radius) = (&mut self.bodies[body as usize], particles.radius[row]);
-            let excluded = excluded.get(row).is_some_and(|&excluded| excluded);
+            let excluded = excluded.get(row) == Some(&true);
             extent.add(at, radius);
             extent.has_shapes |= excluded;
             let speed = particles.velocity[row].truncate().length_squared();
@@ -411,19 +411,19 @@ impl Participation {
 
     /// Whether some particles of a body may touch things of another body.
     pub(super) fn has_other(&self, body: u32) -> bool {
-        self.beside.get(body as usize).is_some_and(|&beside| beside)
+        self.beside.get(body as usize) == Some(&true)
     }
 
     /// Whether some particles of a body take part.
     #[inline(always)]
     pub(super) fn has(&self, body: u32) -> bool {
-        self.near.get(body as usize).is_some_and(|&near| near)
+        self.near.get(body as usize) == Some(&true)
     }
 
     /// Whether the particle of a row, which belongs to `body`, takes part.
     #[inline(always)]
     pub(super) fn has_particle(&self, row: usize, body: u32) -> bool {
-        self.has(body) && !self.far.get(row).is_some_and(|&far| far)
+        self.has(body) && self.far.get(row) != Some(&true)
     }
 
     /// Whether the triangle of three points of a body, metres in the world, takes part.

@@ -2,7 +2,6 @@
 
 use super::body_collider::BodyCollider;
 use super::body_contact::{BodyContactSolver, ContactCache, RigidStep};
-use super::filter::ContactFilter;
 use super::impact::{Impact, Impacts};
 use super::nearby::Nearby;
 use super::pairs::Pairs;
@@ -19,9 +18,7 @@ use crate::particles::Particles;
 pub(crate) struct Contacts {
     pub(crate) particle_contacts: ParticleContacts,
     pub(crate) normal_impulses: Vec<NormalImpulse>,
-    /// For each row whether it does not collide as a particle: it belongs to a body collider, or contacts of its body are disabled.
-    excluded: Vec<bool>,
-    /// For each row whether it takes no part in `pairs`: it is excluded, or triangles do all that its pairs would.
+    /// For each row whether it takes no part in `pairs`: it does not collide as a particle, or triangles do all that its pairs would.
     unpaired: Vec<bool>,
     nearby: Nearby,
     pairs: Pairs,
@@ -46,7 +43,7 @@ impl Contacts {
 
     /// Whether a row does not collide as a particle: it belongs to a body collider, which collides in its place, or contacts of its body are disabled.
     pub(crate) fn is_excluded(&self, row: u32) -> bool {
-        self.excluded.get(row as usize).is_some_and(|&excluded| excluded)
+        self.particle_contacts.is_excluded(row)
     }
 
     /// Begins a step: runs the broad phases, and borrows the contact cache until the step [ends](Self::keep). Bodies that collide by their
@@ -59,12 +56,11 @@ impl Contacts {
     ) {
         let World { filter, dt, .. } = world;
         self.impacts.clear();
-        self.mark_excluded(particles, filter);
-        let normal_impulses = &mut self.normal_impulses;
-        self.particle_contacts.begin(particles, &world, &self.excluded, normal_impulses);
-        self.nearby.broad_phase(particles, &world, &self.excluded);
-        let Self { excluded, unpaired, nearby, .. } = self;
-        self.body_contact.broad_phase(particles, &world, nearby, contact_cache);
+        let Self { particle_contacts, unpaired, nearby, body_contact, .. } = self;
+        particle_contacts.begin(particles, &world, body_contact.rows(), &mut self.normal_impulses);
+        let excluded = &particle_contacts.excluded;
+        nearby.broad_phase(particles, &world, excluded);
+        body_contact.broad_phase(particles, &world, nearby, contact_cache);
         self.triangles.broad_phase(particles, surfaces, (filter, nearby), excluded, dt);
         unpaired.clone_from(excluded);
         self.triangles.mark_corners(filter, particles.len(), unpaired);
@@ -79,21 +75,6 @@ impl Contacts {
     /// Whether a body may touch particles in this step, of another body or its own.
     pub(crate) fn may_touch_any(&self, body: u32) -> bool {
         self.nearby.to_particles().has(body)
-    }
-
-    /// Marks the rows that do not collide as particles.
-    fn mark_excluded(&mut self, particles: &Particles, filter: &ContactFilter) {
-        let Self { excluded, body_contact, .. } = self;
-        excluded.clear();
-        excluded.extend_from_slice(body_contact.rows());
-        if filter.bodies().iter().any(|body| body.disabled) {
-            excluded.resize(particles.len(), false);
-            let disabled = particles.body.iter().map(|&body| filter.body(body).disabled);
-            excluded
-                .iter_mut()
-                .zip(disabled)
-                .for_each(|(excluded, disabled)| *excluded |= disabled);
-        }
     }
 
     /// The solver of body colliders, some of which are rigid states.

@@ -73,9 +73,8 @@ impl ParticleContacts {
                     let reach = self.reference[i].w.sqrt() + particles.radius[i];
                     let at = particles.origin[i] + particles.position[i].truncate();
                     let near = (at + reach).cmpge(low).all() && (at - reach).cmple(high).all();
-                    let excluded = self.excluded.get(i).is_some_and(|&excluded| excluded);
                     let pinned = particles.position[i].w == 0.0;
-                    if !near || excluded || pinned {
+                    if !near || self.is_excluded(row) || pinned {
                         continue;
                     }
                     let material = self.materials[number * classes + self.classes.of(row)];
@@ -100,9 +99,10 @@ impl ParticleContacts {
         self.reference.resize(particles.len(), glam::Vec4::ZERO);
         self.sort.islands.clear();
         for island in &islands.list {
-            let rows = || islands.members[island.members.clone()].iter().map(|&row| row as usize);
+            let members = &islands.members[island.members.clone()];
+            let rows = || members.iter().map(|&row| row as usize);
             // An island whose rows all belong to body colliders gets an empty box.
-            if rows().all(|row| self.excluded.get(row).is_some_and(|&excluded| excluded)) {
+            if members.iter().all(|&row| self.is_excluded(row)) {
                 self.sort.islands.push((Vec3::INFINITY, Vec3::NEG_INFINITY));
                 continue;
             }

@@ -20,6 +20,7 @@ use glam::{Vec3, Vec4};
 
 use super::body_classes::BodyClasses;
 use super::bounds::{Bounds, ClassBounds};
+use super::filter::ContactFilter;
 use super::frame::Frame;
 use super::friction::friction;
 use super::material::CombinedMaterial;
@@ -56,7 +57,7 @@ pub(crate) struct ParticleContacts {
     reference: Vec<Vec4>,
     /// Whether a row does not collide as a particle: it belongs to a body collider, which collides in its place, or contacts of its body are disabled. May be
     /// shorter than the rows.
-    excluded: Vec<bool>,
+    pub(super) excluded: Vec<bool>,
     /// Whether contacts of each body are to be reported; empty if those of none are.
     reported: Vec<bool>,
     /// For each island the range in `touching` of its rows that may touch anything.
@@ -99,12 +100,13 @@ struct SurfaceCandidate {
 }
 
 impl ParticleContacts {
-    /// Begins a step: takes the valid surfaces and finds the candidates of each row, except rows that do not collide as particles.
+    /// Begins a step: takes the valid surfaces and finds the candidates of each row, except rows that do not collide as particles: those of body colliders, marked
+    /// in `solid`, and those of bodies whose contacts are disabled.
     pub(crate) fn begin(
         &mut self,
         particles: &Particles,
         world: &World,
-        excluded: &[bool],
+        solid: &[bool],
         normal_impulses: &mut Vec<NormalImpulse>,
     ) {
         self.classes.update(world.filter, particles);
@@ -123,9 +125,23 @@ impl ParticleContacts {
             let share = instant as f32 / instants as f32;
             self.frames.extend(self.surfaces.iter().map(|surface| surface.frame_at(share)));
         }
-        self.excluded.clear();
-        self.excluded.extend_from_slice(excluded);
+        self.mark_excluded(particles, world.filter, solid);
         self.broad_phase(particles, world, normal_impulses);
+    }
+
+    /// Marks the rows that do not collide as particles.
+    fn mark_excluded(&mut self, particles: &Particles, filter: &ContactFilter, solid: &[bool]) {
+        let Self { excluded, .. } = self;
+        excluded.clear();
+        excluded.extend_from_slice(solid);
+        if filter.bodies().iter().any(|body| body.disabled) {
+            excluded.resize(particles.len(), false);
+            let disabled = particles.body.iter().map(|&body| filter.body(body).disabled);
+            excluded
+                .iter_mut()
+                .zip(disabled)
+                .for_each(|(excluded, disabled)| *excluded |= disabled);
+        }
     }
 
     /// The instants of microstep `microstep` of `of` in a substep.
@@ -266,9 +282,10 @@ impl ParticleContacts {
         if row + 1 < self.first.len() { self.first[row]..self.first[row + 1] } else { 0..0 }
     }
 
+    /// Whether a row does not collide as a particle.
     #[inline]
-    fn is_excluded(&self, row: u32) -> bool {
-        self.excluded.get(row as usize).is_some_and(|&excluded| excluded)
+    pub(super) fn is_excluded(&self, row: u32) -> bool {
+        self.excluded.get(row as usize) == Some(&true)
     }
 
     /// Projects a row out of the surfaces near it; returns the greatest depth, metres.

@@ -74,8 +74,7 @@ impl ParticleContacts {
                 let contact = normal_impulses.at(number);
                 let surface = &self.surfaces[self.candidates[number as usize].surface as usize];
                 let body = particles.body[row];
-                let is_reported =
-                    self.reported.get(body as usize).is_some_and(|&reported| reported);
+                let is_reported = self.reported.get(body as usize) == Some(&true);
                 if contact.sum == 0.0 || !(is_reported || surface.events) {
                     continue;
                 }

@@ -73,7 +73,7 @@ impl TriangleParticipants {
         if surfaces.is_empty() || !any {
             return;
         }
-        let is_loose = |row: usize| !excluded.get(row).copied().unwrap_or(false);
+        let is_loose = |row: usize| excluded.get(row) != Some(&true);
         for corners in surfaces {
             let mut corners = *corners;
             corners.sort_unstable();
