@@ -5,7 +5,7 @@ use core::ops::{Index, IndexMut};
 use glam::{Mat3, Vec3, Vec4};
 
 use super::super::frame::Frame;
-use super::turn::{Matrix, Symmetric};
+use super::turn::{Matrix, Symmetric, unit_quaternion};
 use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector};
 
 /// Fields of a row. `[x y z w]`: displacement by contacts in this substep, metres, and inverse mass, 1/kg.
@@ -91,7 +91,7 @@ impl Bodies {
         let row = &mut self[row];
         row[ROTATION] = quaternion(&end.rotation);
         row[STEP] = (end.translation - start.translation).extend(0.0);
-        let (x, y, z) = columns_of(&(end.rotation * start.rotation.transpose()));
+        let Mat3 { x_axis: x, y_axis: y, z_axis: z } = end.rotation * start.rotation.transpose();
         let sine = Vec3::new(y.z - z.y, z.x - x.z, x.y - y.x) * 0.5;
         // tan ½φ = sinφ / (1 + cosφ). A half turn in a substep is clamped: no contact could follow it.
         let below = (0.5 * (x.x + y.y + z.z + 1.0)).max(1e-3);
@@ -186,25 +186,10 @@ impl<L: Lanes> WideSlidingBody<L> {
     }
 }
 
-fn columns_of(m: &Mat3) -> (Vec3, Vec3, Vec3) {
-    (m.x_axis, m.y_axis, m.z_axis)
-}
-
-/// The unit quaternion of a rotation, computed from its greatest component, so that there is no division by a value near zero.
+/// The unit quaternion of a rotation.
 pub(super) fn quaternion(m: &Mat3) -> Vec4 {
-    let (x, y, z) = columns_of(m);
-    let trace = x.x + y.y + z.z;
-    let q = if trace > 0.0 {
-        Vec4::new(y.z - z.y, z.x - x.z, x.y - y.x, 1.0 + trace)
-    } else if x.x >= y.y && x.x >= z.z {
-        Vec4::new(1.0 + x.x - y.y - z.z, x.y + y.x, z.x + x.z, y.z - z.y)
-    } else if y.y >= z.z {
-        Vec4::new(x.y + y.x, 1.0 + y.y - x.x - z.z, y.z + z.y, z.x - x.z)
-    } else {
-        Vec4::new(z.x + x.z, y.z + z.y, 1.0 + z.z - x.x - y.y, x.y - y.x)
-    };
-    let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
-    if length > 0.0 && length.is_finite() { q / length } else { Vec4::W }
+    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(Vector::<f32>::splat);
+    Vec4::from_array(unit_quaternion(&Matrix { x, y, z }))
 }
 
 /// The rotation matrix of a unit quaternion.

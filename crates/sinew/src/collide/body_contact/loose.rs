@@ -15,8 +15,9 @@ use super::narrow_phase::participant;
 use super::normal_solve::LEAST_LEVER;
 use super::rigid_islands::RigidIslands;
 use super::swept_bounds::SweptBounds;
+use super::turn::Symmetric;
 use super::{BodyContactSolver, ContactEvent};
-use crate::lanes::Number;
+use crate::lanes::{Number, Vector};
 use crate::particles::{NO_BODY, Particles};
 
 /// Limit of the total mass of the single particles that touch a body collider, as a share of its mass, up to which neighbours are pushed along with them
@@ -123,7 +124,7 @@ impl Loose {
             particles.radius[row] + (speed + g * world.dt) * world.dt
         };
         for row in 0..particles.len() {
-            let solid = groups.solid.get(row).copied().unwrap_or(false);
+            let solid = groups.solid.get(row) == Some(&true);
             let takes_part = nearby.to_shapes().has_particle(row, particles.body[row]);
             if particles.radius[row] > 0.0 && !solid && takes_part {
                 let low = particles.position(row).x - reach(row);
@@ -577,14 +578,15 @@ pub(super) struct ScalarBody {
     shift: Vec3,
     pub(super) spin: Vec3,
     pub(super) turn: Vec3,
-    along: Vec3,
-    across: Vec3,
+    inverse_inertia: Symmetric<f32>,
 }
 
 impl ScalarBody {
     pub(super) fn of(bodies: &Bodies, row: usize) -> Self {
         let [shift, turn, along, across, centre, step, spin, _] = bodies[row].map(Vec4::truncate);
-        Self { centre, step, shift, spin, turn, along, across }
+        let inverse_inertia =
+            Symmetric { along: Vector::splat(along), across: Vector::splat(across) };
+        Self { centre, step, shift, spin, turn, inverse_inertia }
     }
 
     /// Displacement since the substep began of the point at `arm` from the centre, metres.
@@ -601,16 +603,12 @@ impl ScalarBody {
     /// Compliance at the least lever about a pin, 1/kg, for a body of this reach from its pin.
     fn least(&self, pin_reach: f32) -> f32 {
         let lever = pin_reach * LEAST_LEVER;
-        (self.along.x + self.along.y + self.along.z) * lever * lever
+        let Vector { x, y, z } = self.inverse_inertia.along;
+        (x + y + z) * lever * lever
     }
 
     /// The turn by a moment.
     pub(super) fn spun(&self, v: Vec3) -> Vec3 {
-        let (a, c) = (self.along, self.across);
-        Vec3::new(
-            a.x * v.x + c.x * v.y + c.y * v.z,
-            c.x * v.x + a.y * v.y + c.z * v.z,
-            c.y * v.x + c.z * v.y + a.z * v.z,
-        )
+        self.inverse_inertia.times(Vector::splat(v)).into()
     }
 }

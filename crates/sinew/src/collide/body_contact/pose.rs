@@ -48,7 +48,7 @@ use super::groups::{
     BodyGroup, BodyGroups, CompiledCollider, RotationReference, Slot, WideMass, frame,
 };
 use super::swept_bounds::WideSweptBounds;
-use super::turn::{LaneArray, Matrix, Symmetric, load, store, turn_further, zero};
+use super::turn::{LaneArray, Matrix, Symmetric, load, store, turn_further, unit_quaternion, zero};
 use crate::collide::world::World;
 use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, kernel, with};
 use crate::particles::Particles;
@@ -124,32 +124,6 @@ fn gather_positions<L: Lanes>(position: &[Vec4], rows: &[u32; LANES]) -> Vector<
 fn unit<L: Lanes>(v: Vector<L>) -> (Vector<L>, L) {
     let inverse = L::splat(1.0) / v.length();
     (v * inverse, L::zero().lt(inverse).and(inverse.lt(L::splat(f32::INFINITY))))
-}
-
-/// [`quaternion`] in lanes.
-#[inline(always)]
-fn unit_quaternion<L: Lanes>(m: &Matrix<L>) -> [L; 4] {
-    let (one, Matrix { x, y, z }) = (L::splat(1.0), *m);
-    let trace = x.x + y.y + z.z;
-    let real = [y.z - z.y, z.x - x.z, x.y - y.x, one + trace];
-    let by_x = [one + x.x - y.y - z.z, x.y + y.x, z.x + x.z, real[0]];
-    let by_y = [x.y + y.x, one + y.y - x.x - z.z, y.z + z.y, real[1]];
-    let by_z = [z.x + x.z, y.z + z.y, one + z.z - x.x - y.y, real[2]];
-    let is_real = L::zero().lt(trace);
-    let is_x = y.y.le(x.x).and(z.z.le(x.x));
-    let is_y = z.z.le(y.y);
-    let mut q = [one; 4];
-    for i in 0..4 {
-        q[i] = is_real.select(real[i], is_x.select(by_x[i], is_y.select(by_y[i], by_z[i])));
-    }
-    let [x, y, z, w] = q;
-    let length = (x * x + y * y + z * z + w * w).sqrt();
-    let good = L::zero().lt(length).and(length.lt(L::splat(f32::INFINITY)));
-    let none = L::zero();
-    for (i, q) in q.iter_mut().enumerate() {
-        *q = good.select(*q / length, if i == 3 { one } else { none });
-    }
-    q
 }
 
 /// The initial rotation of a body collider from two of its particles: a function of their positions alone.
@@ -724,20 +698,17 @@ fn add_cross<L: Lanes>(to: &mut Matrix<L>, v: Vector<L>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::collide::dice::Dice;
     use crate::lanes::InstructionSet;
 
     /// Eight lanes give the same bits as single body colliders, on each instruction set; collinear or non-finite particles give no rotation.
     #[test]
     fn initial_rotations_in_lanes_match_single_ones() {
-        let mut state = 3_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
-        };
+        let mut dice = Dice(3);
         let part = CompiledCollider { far: 1, side: Some(2), ..CompiledCollider::default() };
         let mut odd = 0;
         for round in 0..200 {
-            let mut three = || [(); 3].map(|()| Vec3::new(next(), next(), next()));
+            let mut three = || [(); 3].map(|()| dice.vector());
             let rest = [(); LANES].map(|()| three());
             let mut here = [(); LANES].map(|()| three());
             match round % 4 {

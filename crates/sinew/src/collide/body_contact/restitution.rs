@@ -59,7 +59,7 @@ use super::rigid_state::{BounceStates, ShowStates};
 use super::turn::{Matrix, load, tangents};
 use super::wide_contact::{Contact, FAR, WideContact};
 use crate::constraints::PlanarDrag;
-use crate::lanes::{LANES, Lanes, Record, SetLanes, Vector, Work, with};
+use crate::lanes::{LANES, Lanes, Record, SetLanes, Vector, Work, get, with};
 use crate::particles::Particles;
 
 /// Change of a normal speed that counts as none, m/s: below the resolution of positions of a metre in a substep.
@@ -436,14 +436,13 @@ fn dragged(wide: &WideContact, contacts: &[Contact]) -> u32 {
 /// Applies drag to two bodies whose rows have velocities, in a substep of `h` seconds.
 fn drag(wide: &WideContact, lane: usize, contacts: &Contact, bodies: &mut Bodies, h: f32) {
     let [a, b] = [wide.a[lane], wide.b[lane]].map(|row| row as usize);
-    let vector = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-    let (n, arm) = (vector(&wide.up), vector(&wide.arm));
+    let (n, arm) = (get(&wide.up, lane), get(&wide.arm, lane));
     let (one, mut other) = (ScalarBody::of(bodies, a), ScalarBody::of(bodies, b));
     if contacts.geometry.is_some() {
         // Rows of static and kinematic geometry have displacements instead of velocities.
         (other.step, other.spin) = (other.step / h, other.spin / h);
     }
-    let lever = arm - (other.centre + vector(&wide.offset) - one.centre);
+    let lever = arm - (other.centre + get(&wide.offset, lane) - one.centre);
     let past = one.velocity_at(arm) - other.velocity_at(lever);
     let weights = [a, b].map(|row| bodies[row][SHIFT].w);
     let weight = weights[0] + weights[1];

@@ -45,7 +45,7 @@ use super::rigid_rotation::{Rotation, WideRotation, load_four, store_four};
 use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, zero};
 use crate::integrate::loss;
-use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector, Work, kernel};
+use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, get, kernel};
 
 /// Limit of `v²` of the quaternion of a turn: a quarter of a turn in a substep. Faster bodies turn by that.
 const MOST: f32 = 0.5;
@@ -98,12 +98,12 @@ impl WideRigidState {
     pub(super) fn pose(&self, lane: usize) -> (Vec3, Vec4) {
         let [x, y, z, w] = &self.rotation.whole;
         let turn = Vec4::new(x[lane], y[lane], z[lane], w[lane]);
-        (of_lane(&self.centre, lane) + of_lane(&self.remainder, lane), turn)
+        (get(&self.centre, lane) + get(&self.remainder, lane), turn)
     }
 
     /// Displacement of the centre of a lane in this step, metres, and the time over which its velocity is a mean, seconds.
     pub(super) fn gone(&self, lane: usize) -> (Vec3, f32) {
-        (of_lane(&self.centre, lane) - of_lane(&self.began, lane), self.lag[lane])
+        (get(&self.centre, lane) - get(&self.began, lane), self.lag[lane])
     }
 
     /// Computes the shares of the velocities that are lost over substeps of `h` seconds in air of the damping `air`, 1/s.
@@ -132,23 +132,18 @@ impl WideRigidState {
 
     /// The velocity of a lane, m/s.
     pub(super) fn velocity(&self, lane: usize) -> Vec3 {
-        of_lane(&self.velocity, lane)
+        get(&self.velocity, lane)
     }
 
     /// The angular momentum of a lane, kg·m²/s.
     pub(super) fn momentum(&self, lane: usize) -> Vec3 {
-        of_lane(&self.momentum, lane)
+        get(&self.momentum, lane)
     }
 
     /// The centre of a lane, metres from the origin.
     pub(super) fn centre(&self, lane: usize) -> Vec3 {
-        of_lane(&self.centre, lane)
+        get(&self.centre, lane)
     }
-}
-
-/// A vector of a lane.
-fn of_lane([x, y, z]: &[LaneArray; 3], lane: usize) -> Vec3 {
-    Vec3::new(x[lane], y[lane], z[lane])
 }
 
 /// Turn of a body in a substep, in its own axes, from `momentum`, its angular momentum there times `h`.
@@ -195,23 +190,6 @@ fn turn_of<L: Lanes>(
         going = good.and(done.select(L::zero(), good));
     }
     (v, w)
-}
-
-/// The rotation of a quaternion of nearly unit length, normalised by its square. `1 + 1.2e-7`, the square of a length, has the root 1 in `f32`, so that
-/// normalising by the length would change nothing: particles would be written that much too far out in every step, and their momentum read twice that too
-/// large.
-#[inline(always)]
-fn rotation_of<L: Lanes>([x, y, z, w]: [L; 4]) -> Matrix<L> {
-    let twice = L::splat(2.0) / (x * x + y * y + z * z + w * w);
-    let (one, x2, y2, z2) = (L::splat(1.0), x * twice, y * twice, z * twice);
-    let (xx, yy, zz) = (x * x2, y * y2, z * z2);
-    let (xy, xz, yz) = (x * y2, x * z2, y * z2);
-    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
-    Matrix {
-        x: Vector::new(one - (yy + zz), xy + wz, xz - wy),
-        y: Vector::new(xy - wz, one - (xx + zz), yz + wx),
-        z: Vector::new(xz + wy, yz - wx, one - (xx + yy)),
-    }
 }
 
 /// A turn, limited to [`MOST`].
@@ -486,12 +464,9 @@ fn put<L: Lanes>(bodies: &mut Bodies, first: usize, lanes: u32, fields: [[L; 4];
         L::put_records(&mut bodies.rows, &rows, fields);
         return;
     }
-    let before: [Record; LANES] = core::array::from_fn(|lane| bodies.rows[first + lane]);
+    let before = bodies.eight(first);
     L::put_records(&mut bodies.rows, &rows, fields);
-    for (lane, before) in before.into_iter().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 0)
-    {
-        bodies.rows[first + lane] = before;
-    }
+    bodies.put_back(first, !lanes, before);
 }
 
 kernel!(
@@ -628,8 +603,8 @@ kernel!(
         let v = Vector::new(turn[0], turn[1], turn[2]);
         let (rotation, begun) =
             (Rotation::<L>::load(&state.rotation), Rotation::<L>::load(&state.start_rotation));
-        let (r, nudge) = (rotation_of(rotation.whole), rotation.nudge());
-        let before = rotation_of(begun.whole);
+        let (r, nudge) = (Matrix::normalised(rotation.whole), rotation.nudge());
+        let before = Matrix::normalised(begun.whole);
         // (1 - Δᵀ) r = 2 (w v × r - v × (v × r)).
         let (square, along) = (v.length_squared(), v * turn[3]);
         let back = Matrix {

@@ -19,7 +19,7 @@ use super::super::material::CombinedMaterial;
 use super::contact_cache::{CachedManifold, FrictionAnchor, slip_limit, steepness, turn_limit};
 use super::turn::{LaneArray, set, store};
 use crate::constraints::PlanarDrag;
-use crate::lanes::{LANES, Lanes, Vector};
+use crate::lanes::{LANES, Lanes, Vector, get};
 
 /// Distance that stands for infinity, metres: that of a missing point.
 pub(super) const FAR: f32 = 1e9;
@@ -385,14 +385,13 @@ impl WideContact {
 impl WideContact {
     /// The friction anchor of a lane, from a substep of `h` seconds.
     pub(super) fn friction_anchor(&self, lane: usize, h: f32) -> FrictionAnchor {
-        let vector = |v: &[[f32; 8]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
         let [x, y, z, twist] = &self.accumulated_slip;
         let friction_anchor = FrictionAnchor {
             force: self.friction_limit[lane] / (h * h),
             accumulated_slip: Vec3::new(x[lane], y[lane], z[lane]),
             twist: twist[lane],
-            up: vector(&self.up),
-            arm: vector(&self.arm),
+            up: get(&self.up, lane),
+            arm: get(&self.arm, lane),
             radius: self.radius[lane],
         };
         let sum = friction_anchor.accumulated_slip

@@ -210,10 +210,8 @@ impl SubstepState {
 
     /// Inverse effective mass of the two points, 1/kg: `Σ w k²`.
     pub(super) fn inverse(&self, four: [u32; 4], shares: [f64; 4]) -> f64 {
-        {
-            let of = |k: usize| self.weight[four[k] as usize] * shares[k] * shares[k];
-            of(0) + of(1) + of(2) + of(3)
-        }
+        let of = |k: usize| self.weight[four[k] as usize] * shares[k] * shares[k];
+        of(0) + of(1) + of(2) + of(3)
     }
 
     /// Relative displacement of the two points since the start of the substep, metres.
