@@ -91,7 +91,7 @@ impl SubstepState {
         }
     }
 
-    /// Writes the moved members back. Returns whether one was displaced further than its `reserve`, metres, along an axis. Those count as moved in the sweep
+    /// Writes the moved members back. Returns whether one was displaced further than its `reserve`, metres. Those count as moved in the sweep
     /// `sweep`, and all others as not moved.
     pub(super) fn store(
         &mut self,
@@ -108,7 +108,7 @@ impl SubstepState {
             }
             let place = &mut particles.position[row as usize];
             let to = at.as_vec3();
-            let far = (to - place.truncate()).abs().max_element() > reserve;
+            let far = (to - place.truncate()).length() > reserve;
             *place = to.extend(place.w);
             *moved = if far { sweep } else { 0 };
             any |= far;
