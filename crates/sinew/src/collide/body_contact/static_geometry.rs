@@ -137,7 +137,7 @@ impl StaticGeometry {
     /// the point nearest to the origin.
     pub(super) fn seen_from(&self, frame: &Frame, origin: Vec3) -> Frame {
         if !self.endless {
-            return Frame { translation: frame.translation - origin, ..*frame };
+            return frame.seen_from(origin);
         }
         let n = frame.rotation.y_axis;
         let height = n.as_dvec3().dot(frame.translation.as_dvec3() - origin.as_dvec3());

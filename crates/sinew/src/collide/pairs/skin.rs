@@ -13,7 +13,7 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::participants::Participants;
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, get, kernel};
 use crate::particles::Particles;
 
 /// Scratch of the skin check.
@@ -218,10 +218,8 @@ impl<L: Lanes> WideBounds<L> {
         let lows = [low.x.array(), low.y.array(), low.z.array()];
         let highs = [high.x.array(), high.y.array(), high.z.array()];
         for lane in 0..LANES {
-            bounds.intersect(&DisplacementBounds {
-                low: Vec3::new(lows[0][lane], lows[1][lane], lows[2][lane]),
-                high: Vec3::new(highs[0][lane], highs[1][lane], highs[2][lane]),
-            });
+            bounds
+                .intersect(&DisplacementBounds { low: get(&lows, lane), high: get(&highs, lane) });
         }
         bounds
     }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::convex::Convex as _;
+use super::surface::Surface as _;
 use super::{Form, Shape};
 use crate::collide::frame::Frame;
 

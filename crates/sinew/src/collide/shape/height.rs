@@ -7,9 +7,9 @@ use glam::Vec3;
 use super::convex::Convex as _;
 use super::fault::{is_coordinate, is_length, is_size};
 use super::flat::Cuboid;
-use super::surface::{SpherePath, SphereSlide, Surface, first_crossing, skin, slide};
+use super::surface::{SpherePath, SphereSlide, Surface, first_crossing, is_near, skin, slide};
 use super::triangle::{ClosestPoint, Feature, Triangle};
-use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
+use super::{Nearest, ShapeFault, ShapeTouch};
 
 /// Heights over a grid that is centred at the origin.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,17 +84,10 @@ impl Heights {
         self.size
     }
 
-    /// Bounding box, including the ground.
-    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
-        self.bounds
-    }
-
     /// See [`Shape::touch`](super::Shape::touch).
     pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let reach = radius.max(self.skin);
-        let (low, high) = (from.min(to) - Vec3::splat(reach), from.max(to) + Vec3::splat(reach));
-        let overlaps = low.cmple(self.bounds.1).all() && high.cmpge(self.bounds.0).all();
-        if !(overlaps && from.is_finite() && to.is_finite() && radius.is_finite()) {
+        if !(is_near(self.bounds, from, to, reach) && radius.is_finite()) {
             return None;
         }
         if let Some(touch) = self.touch_side(from, to, reach) {
@@ -127,15 +120,6 @@ impl Heights {
         let place = to + shift + up;
         let free = !sunk(place) && first_crossing(self, from, place).is_none();
         ShapeTouch::between(Vec3::ZERO, if free { shift + up } else { from - to })
-    }
-
-    /// See [`Shape::cast_ray`](super::Shape::cast_ray).
-    pub(super) fn cast(&self, origin: Vec3, direction: Vec3, max: f32) -> Option<RayHit> {
-        let (low, high) = self.bounds;
-        let far = (origin - (low + high) * 0.5).length() + (high - low).length();
-        let length = max.min(far);
-        let (crossing, triangle) = first_crossing(self, origin, origin + direction * length)?;
-        Some(RayHit { distance: crossing.share as f32 * length, normal: triangle.normal })
     }
 
     /// See [`Shape::nearest`](super::Shape::nearest); sides and bottom do not count.
@@ -305,6 +289,11 @@ impl Surface for Heights {
                 }
             }
         }
+    }
+
+    /// Includes the ground.
+    fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds
     }
 
     fn front_only(&self) -> bool {

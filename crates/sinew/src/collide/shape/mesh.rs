@@ -11,10 +11,10 @@ use super::coarse::DistanceGrid;
 use super::convex::BEND_COSINE;
 use super::extent::around;
 use super::fault::{first_out_of_range, is_length};
-use super::surface::{SpherePath, SphereSlide, Surface, first_crossing, skin, slide};
+use super::surface::{SpherePath, SphereSlide, Surface, is_near, skin, slide};
 use super::tree::TriangleTree;
 use super::triangle::{ClosestPoint, Feature, Triangle};
-use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
+use super::{Nearest, ShapeFault, ShapeTouch};
 use crate::coincident::first_coincident;
 
 /// Triangles with their acceleration structures.
@@ -93,11 +93,6 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Bounding box.
-    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
-        self.bounds
-    }
-
     /// Whether it is closed.
     pub(super) fn is_solid(&self) -> bool {
         !self.pseudo_normals.is_empty()
@@ -106,9 +101,7 @@ impl Mesh {
     /// See [`Shape::touch`](super::Shape::touch).
     pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let reach = radius.max(self.skin);
-        let (low, high) = (from.min(to) - Vec3::splat(reach), from.max(to) + Vec3::splat(reach));
-        let overlaps = low.cmple(self.bounds.1).all() && high.cmpge(self.bounds.0).all();
-        if !(overlaps && from.is_finite() && to.is_finite() && radius.is_finite()) {
+        if !(is_near(self.bounds, from, to, reach) && radius.is_finite()) {
             return None;
         }
         let (distance, off) = self.distances.sample(to);
@@ -127,17 +120,6 @@ impl Mesh {
                 ShapeTouch::new(at_start.normal, reach + at_start.normal.dot(at_start.point - to))
             }
         }
-    }
-
-    /// See [`Shape::cast_ray`](super::Shape::cast_ray).
-    pub(super) fn cast(&self, origin: Vec3, direction: Vec3, max: f32) -> Option<RayHit> {
-        // No longer than the mesh is far, so that the end of the segment is as precise as possible.
-        let (low, high) = self.bounds;
-        let far = (origin - (low + high) * 0.5).length() + (high - low).length();
-        let length = max.min(far);
-        let (crossing, triangle) = first_crossing(self, origin, origin + direction * length)?;
-        let normal = if crossing.front { triangle.normal } else { -triangle.normal };
-        Some(RayHit { distance: crossing.share as f32 * length, normal })
     }
 
     /// Calls `call` with the triangles whose bounds (low, high) pass `keep`, as must those of the nodes above.
@@ -219,6 +201,10 @@ impl Surface for Mesh {
                 call(i as u32, &self.pieces[i]);
             }
         }
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds
     }
 
     fn front_only(&self) -> bool {

@@ -54,6 +54,7 @@ use hull::ConvexHull;
 use inside::HollowBox;
 use mesh::Mesh;
 use round::{Ball, Capsule, Cylinder};
+use surface::Surface as _;
 
 /// A collision shape in its own frame, in metres. Cheap to clone: large data is shared.
 ///

@@ -13,13 +13,30 @@
 
 use glam::Vec3;
 
-use super::ShapeTouch;
 use super::triangle::{ClosestPoint, Crossing, Feature, Triangle};
+use super::{RayHit, ShapeTouch};
 
 /// Triangles with a spatial lookup.
 pub(super) trait Surface {
     /// Calls `call` with the index of each triangle that a path crosses or that is within reach of its end, and possibly with others.
     fn visit(&self, path: &SpherePath, call: &mut impl FnMut(u32, &Triangle));
+
+    /// Bounding box.
+    fn bounds(&self) -> (Vec3, Vec3);
+
+    /// See [`Shape::cast_ray`](super::Shape::cast_ray).
+    fn cast(&self, origin: Vec3, direction: Vec3, max: f32) -> Option<RayHit>
+    where
+        Self: Sized,
+    {
+        // No longer than the surface is far, so that the end of the segment is as precise as possible.
+        let (low, high) = self.bounds();
+        let far = (origin - (low + high) * 0.5).length() + (high - low).length();
+        let length = max.min(far);
+        let (crossing, triangle) = first_crossing(self, origin, origin + direction * length)?;
+        let normal = if crossing.front { triangle.normal } else { -triangle.normal };
+        Some(RayHit { distance: crossing.share as f32 * length, normal })
+    }
 
     /// Whether it stops only what comes from the front.
     fn front_only(&self) -> bool;
@@ -65,6 +82,15 @@ const SKIN: f32 = 4e-6;
 /// Minimum distance of a centre from a surface within a box, metres.
 pub(super) fn skin((low, high): (Vec3, Vec3)) -> f32 {
     low.abs().max(high.abs()).max_element() * SKIN
+}
+
+/// Whether a path between two finite points may touch a surface with these bounds.
+#[inline(always)]
+pub(super) fn is_near((low, high): (Vec3, Vec3), from: Vec3, to: Vec3, reach: f32) -> bool {
+    let reach = Vec3::splat(reach);
+    let overlaps =
+        (from.min(to) - reach).cmple(high).all() && (from.max(to) + reach).cmpge(low).all();
+    overlaps && from.is_finite() && to.is_finite()
 }
 
 /// Slides a sphere whose centre moves from one point to another along the surface.

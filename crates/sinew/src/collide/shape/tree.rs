@@ -77,14 +77,7 @@ impl TriangleTree {
         if leaf {
             order.sort_unstable();
         } else {
-            let wide = most - least;
-            let axis = if wide.x >= wide.y && wide.x >= wide.z {
-                0
-            } else if wide.y >= wide.z {
-                1
-            } else {
-                2
-            };
+            let axis = (most - least).max_position();
             let half = order.len() / 2;
             order.select_nth_unstable_by(half, |&i, &j| {
                 middle(i)[axis].total_cmp(&middle(j)[axis]).then(i.cmp(&j))
