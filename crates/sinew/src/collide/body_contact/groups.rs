@@ -305,9 +305,7 @@ impl BodyGroups {
             slot.pull[lane] = weights.pull(inverses[i], sharers[i]) as f32;
             slot.inverse_mass[lane] = inverses[i];
             let rest = (solid.rest[i].as_dvec3() - weights.centre).as_vec3();
-            for (to, from) in slot.rest.iter_mut().zip(rest.to_array()) {
-                to[lane] = from;
-            }
+            set(&mut slot.rest, lane, rest);
         }
     }
 

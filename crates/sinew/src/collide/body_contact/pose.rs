@@ -50,7 +50,7 @@ use super::groups::{
 use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, turn_further, unit_quaternion, zero};
 use crate::collide::world::World;
-use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, kernel, with};
+use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, kernel, set, with};
 use crate::particles::Particles;
 use crate::pose::rotation;
 
@@ -536,9 +536,7 @@ impl OriginOffsets {
                 let mut offset = [LaneArray::default(); 3];
                 for lane in 0..slot.rows.len() {
                     let by = origin(slot.rows[lane]) - origin(slots[0].rows[lane]);
-                    for (to, from) in offset.iter_mut().zip(by.to_array()) {
-                        to[lane] = from;
-                    }
+                    set(&mut offset, lane, by);
                 }
                 self.origin_offsets.push(offset);
             }

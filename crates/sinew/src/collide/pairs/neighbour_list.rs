@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::super::filter::ContactFilter;
 use super::participants::Participants;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, set};
 
 /// The neighbour list. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -143,10 +143,7 @@ impl NeighbourList {
                     block.offset = offsets.len() as u32;
                     offsets.push([[0.0; LANES]; 3]);
                 }
-                let columns = &mut offsets[block.offset as usize];
-                for (column, part) in columns.iter_mut().zip(offset.to_array()) {
-                    column[lane] = part;
-                }
+                set(&mut offsets[block.offset as usize], lane, offset);
             }
         }
         for block in blocks.iter_mut().filter(|block| block.count < LANES as u32) {

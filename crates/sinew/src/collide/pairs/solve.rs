@@ -17,7 +17,7 @@ use super::super::filter::ContactFilter;
 use super::neighbour_list::{NO_OFFSET, NeighbourList, PairBlock};
 use super::restitution::{PairHit, Touched};
 use super::swept::{COINCIDENT, SweptPair, TimeOfImpact};
-use crate::lanes::{LANES, Lanes, Vector, Work, get};
+use crate::lanes::{LANES, Lanes, SetLanes, Vector, Work, get};
 use crate::particles::Particles;
 
 /// One sweep over all blocks. Its output is the greatest overlap found, metres.
@@ -148,14 +148,12 @@ impl PairSweep<'_> {
     /// Records the contacts that are to be reported.
     #[inline(always)]
     fn record<L: Lanes>(&mut self, block: &PairBlock, which: u32, overlap: L, normal: Vector<L>) {
-        let overlaps = overlap.array();
         let normals = [normal.x.array(), normal.y.array(), normal.z.array()];
-        for lane in 0..block.count as usize {
-            if which & (1 << lane) != 0 {
-                let rows = [block.rows[0][lane], block.rows[1][lane]];
-                let place = Some((self.touched.len() - 1, lane));
-                self.hit(rows, (get(&normals, lane), overlaps[lane]), place);
-            }
+        let overlaps = overlap.array();
+        for lane in SetLanes(which) {
+            let rows = [block.rows[0][lane], block.rows[1][lane]];
+            let place = Some((self.touched.len() - 1, lane));
+            self.hit(rows, (get(&normals, lane), overlaps[lane]), place);
         }
     }
 

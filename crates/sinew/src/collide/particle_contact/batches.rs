@@ -6,14 +6,12 @@
 
 use core::ops::Range;
 
-use glam::Vec3;
-
 use super::super::frame::Frame;
 use super::super::shape::{ClosedForm, ShapeTouch};
 use super::surface::SurfaceForm;
 use super::{InstantInterval, NormalImpulses, ParticleContact, ParticleContacts};
 use crate::islands::Islands;
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, get, with};
 use crate::particles::{Particles, Places};
 
 /// Batches of all islands, for one step. Scratch.
@@ -208,12 +206,9 @@ impl Work for SurfaceBatches<'_> {
                 left &= left - 1;
                 let which = (batch.rows[lane], batch.candidates[lane]);
                 let depth = if behind >> lane & 1 == 0 {
-                    let of = |columns: &[[f32; LANES]; 3]| {
-                        Vec3::new(columns[0][lane], columns[1][lane], columns[2][lane])
-                    };
-                    let touched = ShapeTouch { normal: of(&normals), depth: depths[lane] };
+                    let touched = ShapeTouch { normal: get(&normals, lane), depth: depths[lane] };
                     let moves = contacts.surfaces[number as usize].moves;
-                    let contact = ParticleContact::of(&touched, of(&ends), &frames, moves);
+                    let contact = ParticleContact::of(&touched, get(&ends, lane), &frames, moves);
                     contacts.take_contact(&mut places, &mut normal_impulses, which, &contact)
                 } else {
                     contacts.project_candidate(&mut places, &mut normal_impulses, which, interval)
