@@ -41,8 +41,6 @@ pub(super) struct Options<C> {
     pub(super) put: fn(&mut World, Entity, C),
     /// Adjusts a value that was copied from the world.
     pub(super) on_capture: Option<fn(&World, Entity, &mut C)>,
-    /// Sorts a value after its entities have been replaced by other ids.
-    pub(super) after_map: Option<fn(&mut C)>,
     /// Clears what is not valid in another world.
     pub(super) on_foreign: Option<fn(&mut C)>,
     /// Disconnects an existing component from other entities, before anything is despawned.
@@ -99,7 +97,6 @@ impl<C: Component + Clone> Options<C> {
             reflection: None,
             put,
             on_capture: None,
-            after_map: None,
             on_foreign: None,
             disconnect: None,
             particles: None,
@@ -357,9 +354,6 @@ impl<C: Component + Clone> Values for List<C> {
                     type_name::<C>()
                 );
             }
-            if let Some(after_map) = self.options.after_map {
-                after_map(value);
-            }
         }
     }
 
@@ -367,9 +361,6 @@ impl<C: Component + Clone> Values for List<C> {
         for (value, &entity) in self.values.iter().zip(onto) {
             let mut value = value.clone();
             <C as Component>::map_entities(&mut value, &mut Names::Read(names));
-            if let Some(after_map) = self.options.after_map {
-                after_map(&mut value);
-            }
             if let (true, Some(on_foreign)) = (foreign, self.options.on_foreign) {
                 on_foreign(&mut value);
             }
