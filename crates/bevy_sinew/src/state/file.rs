@@ -19,6 +19,7 @@ use serde::ser::{Error as _, SerializeSeq, SerializeTuple};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sinew::{CachedManifold, Shape};
 
+use super::hash::{FNV_START, fnv};
 use super::snapshot::SinewSnapshot;
 use super::types::StateTypes;
 use super::values::{Column, StateKind, StateRole, Values};
@@ -177,9 +178,7 @@ impl SinewSnapshot {
 
 /// FNV-1a hash of bytes.
 fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    })
+    bytes.iter().fold(FNV_START, |hash, &byte| fnv(hash, byte.into()))
 }
 
 /// A snapshot being written.

@@ -6,9 +6,17 @@ use bevy::reflect::{PartialReflect, ReflectRef};
 use super::values::{Column, StateRole};
 use crate::components::{AnyConstraint, ColliderShape, ContactCache};
 
+/// FNV-1a (Fowler, Noll, Vo), 64 bits: the hash of nothing.
+pub(crate) const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// FNV-1a: the hash of a sequence that continues with this word.
+pub(crate) fn fnv(hash: u64, word: u64) -> u64 {
+    (hash ^ word).wrapping_mul(0x0100_0000_01b3)
+}
+
 /// The hash of the values of all types; `orders` is the order of creation of each entity.
 pub(super) fn of(orders: &[u64], columns: &[Column]) -> u64 {
-    let mut hash = Hash { state: 0xcbf2_9ce4_8422_2325, orders };
+    let mut hash = Hash { state: FNV_START, orders };
     // Sorted by name, since the order in which types were registered is irrelevant.
     let mut columns: Vec<&Column> = columns.iter().collect();
     columns.retain(|column| column.kind.is_hashed());
@@ -45,7 +53,7 @@ impl Hash<'_> {
     }
 
     fn word(&mut self, word: u64) {
-        self.state = (self.state ^ word).wrapping_mul(0x0100_0000_01b3);
+        self.state = fnv(self.state, word);
         // A product propagates only to higher bits, so the high half is mixed into the low one.
         self.state ^= self.state >> 32;
     }
@@ -107,7 +115,7 @@ impl Hash<'_> {
 
     /// The hash of an item by itself.
     fn of(&self, add: impl FnOnce(&mut Self)) -> u64 {
-        let mut alone = Self { state: 0xcbf2_9ce4_8422_2325, orders: self.orders };
+        let mut alone = Self { state: FNV_START, orders: self.orders };
         add(&mut alone);
         alone.state
     }

@@ -11,6 +11,7 @@ use crate::components::{
 use crate::components::{Fluid, Wind};
 use crate::frames::Frames;
 use crate::rows::{GONE, ResolvedRows};
+use crate::state::{FNV_START, fnv};
 use crate::world::SinewWorld;
 
 /// The environment: a change wakes all bodies.
@@ -91,9 +92,8 @@ impl Environment<'_, '_> {
 
 /// FNV-1a hash of some numbers.
 fn mixed(kind: u64, numbers: impl IntoIterator<Item = f32>) -> u64 {
-    let mix = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0100_0000_01b3);
-    let begin = mix(0xcbf2_9ce4_8422_2325, kind);
-    numbers.into_iter().fold(begin, |hash, number| mix(hash, u64::from(number.to_bits())))
+    let begin = fnv(FNV_START, kind);
+    numbers.into_iter().fold(begin, |hash, number| fnv(hash, number.to_bits().into()))
 }
 
 /// Run condition: whether [`gather_sleep`] may differ from what the solver has. It does not while particles are not gathered, no [`Sleep`] has changed (a step
