@@ -4,8 +4,9 @@ use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    AnchorConstraint, Articulated, AttachFault, Attached, AttachmentJoints, BodyConstraints,
-    BodyParticles, BodyParts, Bone, BuiltBody, Refusal, RopeEnd, SinewClock,
+    AnchorConstraint, Articulated, AttachFault, Attached, AttachmentJoints, AttachmentOf,
+    BodyAttachments, BodyConstraints, BodyParticles, BodyParts, Bone, BuiltBody, Refusal, RopeEnd,
+    SinewClock,
 };
 
 use crate::support::{app, assert_finite, forget, heard, particles_of, position, tick};
@@ -284,6 +285,37 @@ fn an_attachment_holds_again_when_either_side_is_rebuilt() {
     assert_eq!(pinned.len(), 9);
     let middle = pinned.iter().map(|&p| position(&app, p)).sum::<Vec3>() / 9.0;
     assert!(middle.abs_diff_eq(Vec3::new(3.0, 4.5, 0.0), 1e-3), "{middle}");
+}
+
+/// The recipe took the first snapped attachment of an end for its own: that of the game was overwritten as soon as the rope was built. And it left the
+/// attachment of a tie that was removed.
+#[test]
+fn a_rope_updates_and_removes_the_attachments_of_its_ties_and_leaves_those_of_the_game() {
+    let mut app = app();
+    let world = app.world_mut();
+    let hooks = [0.0, 1.0, 2.0].map(|x| world.spawn(Transform::from_xyz(x, 4.0, 0.0)).id());
+    let rope = world.spawn(Rope::between(hooks[0], hooks[1])).id();
+    let end = AttachTo::new(hooks[2]).part(Anchor::RopeEnd(RopeEnd::Last)).snapped();
+    let by_game = end.with_compliance(0.1);
+    let own = world.spawn((by_game.clone(), AttachmentOf(rope))).id();
+    let targets = |app: &App| {
+        let all = app.world().get::<BodyAttachments>(rope).unwrap().iter();
+        all.map(|one| app.world().get::<AttachTo>(one).unwrap().entity).collect::<Vec<_>>()
+    };
+    tick(&mut app, 10);
+    for segments in [9, 7] {
+        assert_eq!(targets(&app), [hooks[2], hooks[0], hooks[1]]);
+        assert_eq!(app.world().get::<AttachTo>(own), Some(&by_game));
+        app.world_mut().get_mut::<Rope>(rope).unwrap().segments = segments;
+        tick(&mut app, 10);
+    }
+    let mut recipe = app.world_mut().get_mut::<Rope>(rope).unwrap();
+    recipe.start = None;
+    recipe.end.as_mut().unwrap().entity = hooks[0];
+    tick(&mut app, 10);
+    assert_eq!(targets(&app), [hooks[2], hooks[0]]);
+    assert_eq!(app.world().get::<AttachTo>(own), Some(&by_game));
+    assert_eq!(heard(&app), []);
 }
 
 #[test]

@@ -15,6 +15,8 @@ mod soft;
 pub(crate) use bind_mesh::MadeFrom;
 pub(crate) use build::{AwaitsMesh, AwaitsPlace, Built, Rescaled};
 
+pub(crate) use rope::TiedEnd;
+
 pub use bind::bind;
 
 pub use articulated::{Articulated, Bone, BoneJoint};

@@ -153,28 +153,39 @@ impl Rope {
         Self { slack, ..self }
     }
 
-    /// Ties an end: updates the attachment that exists if the rope is rebuilt, or spawns one.
+    /// Ties or unties an end: updates or removes the attachment of an earlier build, or spawns one.
     fn tie(world: &mut World, body: Entity, tie: Option<&RopeTie>, end: RopeEnd) {
-        let Some(RopeTie { entity, anchor }) = tie.cloned() else { return };
-        let part = Anchor::RopeEnd(end);
-        let wanted = AttachTo::new(entity).part(part.clone()).at(anchor).snapped();
         let all = world.get::<BodyAttachments>(body);
         let known = all.into_iter().flat_map(RelationshipTarget::iter).find_map(|attachment| {
-            let own = world.get::<AttachTo>(attachment)?;
-            (own.part == part && own.snap).then(|| (attachment, own.clone()))
+            let tied = world.get::<TiedEnd>(attachment).is_some_and(|tied| tied.0 == end);
+            world.get::<AttachTo>(attachment).filter(|_| tied).map(|own| (attachment, own.clone()))
         });
-        match known {
+        let wanted = tie.cloned().map(|RopeTie { entity, anchor }| {
+            AttachTo::new(entity).part(Anchor::RopeEnd(end)).at(anchor).snapped()
+        });
+        match (known, wanted) {
             // The game's softness is kept.
-            Some((attachment, own)) => {
+            (Some((attachment, own)), Some(wanted)) => {
                 let wanted = AttachTo { softness: own.softness, ..wanted };
                 if own != wanted {
                     attach(world, attachment, wanted);
                 }
             }
-            None => drop(world.spawn((wanted, AttachmentOf(body)))),
+            (None, Some(wanted)) => drop(world.spawn((wanted, TiedEnd(end), AttachmentOf(body)))),
+            // An attachment to an entity that is gone is released later in the tick, with a message.
+            (Some((attachment, own)), None) if world.get_entity(own.entity).is_ok() => {
+                world.despawn(attachment);
+            }
+            _ => {}
         }
     }
 }
+
+/// Marks an attachment that a [`Rope`] spawned for one of its ends, which a rebuild updates; any other attachment of the end belongs to the game. Part of the
+/// state.
+#[derive(Component, Reflect, Clone, Copy, Debug)]
+#[reflect(Component, Clone)]
+pub(crate) struct TiedEnd(RopeEnd);
 
 impl Recipe for Rope {
     fn located(&self, world: &World, body: Entity) -> Result<Option<Self>, Refusal> {

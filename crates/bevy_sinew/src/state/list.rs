@@ -25,7 +25,7 @@ use crate::components::{
 use crate::config::{BodySolver, SolverConfig};
 use crate::recipes::{
     Articulated, AwaitsMesh, AwaitsPlace, Built, Cloth, MadeFrom, Ragdoll, Rescaled, RigidBox,
-    RigidMesh, Rope, SoftBody,
+    RigidMesh, Rope, SoftBody, TiedEnd,
 };
 use crate::schedule::{SinewClock, SinewControl};
 
@@ -81,7 +81,7 @@ pub(crate) fn add(app: &mut App) {
     );
     for_each_constraint!(components!(app:));
     components!(app:
-        AnchorConstraint, BreakAt, AttachTo, Attached,
+        AnchorConstraint, BreakAt, AttachTo, Attached, TiedEnd,
         // Bodies.
         ParticleBody, BuiltBody, RigidPose, BodyPart, WindSurface, MeshFollow, TubeMesh, Interpolate,
         ExtractedTransform, LinearVelocity, AngularVelocity, ExtractedVelocity, WorldCenterOfMass, Inertia,
