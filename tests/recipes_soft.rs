@@ -1,5 +1,7 @@
 //! Solids of any shape, soft bodies and articulated bodies build themselves with the requested properties.
 
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
@@ -183,6 +185,47 @@ fn a_soft_ball_from_a_mesh_keeps_its_volume_on_the_ground_and_deforms_a_mesh_of_
         assert!((frame * vertex).abs_diff_eq(at(particle), 1e-5));
     }
     assert_eq!(heard(&app), []);
+}
+
+/// Bodies refused the triangle strips that colliders accept. The normals of a strip's mesh are checked, too: its triangles are not those of a list of the same
+/// indices.
+#[test]
+fn bodies_are_the_same_from_a_strip_as_from_the_list_of_its_triangles() {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let corners = vec![[0.0_f32; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
+    let skin = |topology, indices: Vec<u32>| {
+        Mesh::new(topology, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners.clone())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; 4])
+            .with_inserted_indices(Indices::U32(indices))
+    };
+    let list = vec![0, 1, 2, 2, 1, 3, 2, 3, 0, 0, 3, 1];
+    let strip = skin(PrimitiveTopology::TriangleStrip, vec![0, 1, 2, 3, 0, 1]);
+    let skins = [skin(PrimitiveTopology::TriangleList, list), strip].map(|own| mesh(&mut app, own));
+    let bodies = skins.map(|skin| {
+        let world = app.world_mut();
+        [
+            world.spawn((RigidMesh::mass(1.0), ContactsDisabled, skin.clone())).id(),
+            world.spawn((SoftBody::from_mesh(), ContactsDisabled, skin.clone())).id(),
+            world.spawn((Cloth::from_mesh(), ContactsDisabled, skin)).id(),
+        ]
+    });
+    tick(&mut app, 3);
+    assert_eq!(heard(&app), []);
+    let [listed, stripped] = bodies.map(|bodies| {
+        bodies.map(|body| {
+            let handle = &app.world().get::<Mesh3d>(body).unwrap().0;
+            let mesh = app.world().resource::<Assets<Mesh>>().get(handle).unwrap();
+            let normals = mesh.attribute(Mesh::ATTRIBUTE_NORMAL).and_then(|list| list.as_float3());
+            let particles = particles_of(&app, body).into_iter();
+            let places: Vec<Vec3> = particles.map(|one| position(&app, one)).collect();
+            (places, normals.unwrap().to_vec())
+        })
+    });
+    assert!(listed.iter().all(|(places, _)| places.len() >= 4));
+    assert_eq!(listed, stripped);
+    assert!(Vec3::from(listed[2].1[0]).distance(Vec3::new(-1.0, -1.0, 1.0).normalize()) < 1e-3);
 }
 
 #[test]

@@ -214,6 +214,7 @@
 //! | `config` | settings of the solver: [`SolverConfig`], [`BodySolver`] |
 //! | `drag` | dragging bodies with the mouse: [`MouseDragPlugin`], added beside [`SinewPlugins`] |
 //! | `frames` | world transforms of entities, through their parents |
+//! | `mesh` | reading meshes: their positions and triangles |
 //! | `messages` | error reports: [`Refused`] |
 //! | `move_and_slide` | move-and-slide for character controllers |
 //! | `plugin` | the plugins, and the order of all systems |
@@ -242,6 +243,7 @@ mod config;
 mod drag;
 mod frames;
 pub mod guide;
+mod mesh;
 mod messages;
 mod move_and_slide;
 mod plugin;

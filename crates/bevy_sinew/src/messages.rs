@@ -203,6 +203,15 @@ pub(crate) type ReportedErrors = BTreeMap<(Entity, usize), Refusal>;
 
 /// Logs an error and sends the message.
 pub(crate) fn refuse(messages: &mut MessageWriter<Refused>, entity: Entity, reason: Refusal) {
+    messages.write(logged(entity, reason));
+}
+
+/// As [`refuse`], with exclusive access to the world.
+pub(crate) fn refuse_in(world: &mut World, entity: Entity, reason: Refusal) {
+    world.write_message(logged(entity, reason));
+}
+
+fn logged(entity: Entity, reason: Refusal) -> Refused {
     warn!("sinew: entity {entity} {reason}");
-    messages.write(Refused { entity, reason });
+    Refused { entity, reason }
 }

@@ -5,7 +5,6 @@ use core::marker::PhantomData;
 use bevy::asset::LoadState;
 use bevy::ecs::component::Mutable;
 use bevy::ecs::relationship::RelationshipTarget;
-use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::reflect::{FromReflect, GetTypeRegistration, TypePath};
 use sinew::recipes::Blueprint;
@@ -17,7 +16,8 @@ use crate::components::{
 };
 use crate::config::BodySolver;
 use crate::frames::{Frames, Misplaced, in_world, is_even};
-use crate::messages::{Refusal, Refused};
+use crate::mesh::{positions, triangles};
+use crate::messages::{Refusal, refuse_in};
 use crate::recipes::bind::{ListRelationship, attach, bind, insert_related, spawn_related};
 use crate::recipes::bind_mesh::source_mesh;
 use crate::recipes::built::JustBuilt;
@@ -58,15 +58,15 @@ pub(crate) trait Recipe:
 /// The triangles of a mesh in the mesh's own coordinates, as recipes use them.
 pub(crate) struct MeshShape {
     pub(crate) positions: Vec<Vec3>,
-    pub(crate) indices: Vec<u32>,
+    pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 impl MeshShape {
-    /// The triangles, facing outwards after scaling: a mirroring scale reverses their winding. An incomplete triangle is left out.
+    /// The triangles, facing outwards after scaling: a mirroring scale reverses their winding.
     pub(crate) fn faces(&self, scale: Vec3) -> Vec<[u32; 3]> {
         let mirrored = scale.x * scale.y * scale.z < 0.0;
         let face = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
-        self.indices.as_chunks::<3>().0.iter().map(face).collect()
+        self.triangles.iter().map(face).collect()
     }
 }
 
@@ -218,8 +218,7 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
                 if awaits_place(world, body, &reason, at) {
                     continue;
                 }
-                warn!("sinew: entity {body} {reason}");
-                world.write_message(Refused { entity: body, reason });
+                refuse_in(world, body, reason);
             }
         }
     }
@@ -385,18 +384,9 @@ fn read_mesh(world: &World, body: Entity) -> Result<Option<MeshShape>, Refusal> 
             None => Err(Refusal::NoMesh),
         };
     };
-    let readable = mesh.primitive_topology() == PrimitiveTopology::TriangleList;
-    let positions = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).ok();
-    let (true, Some(VertexAttributeValues::Float32x3(positions))) = (readable, positions) else {
-        return Err(Refusal::UnreadableMesh);
-    };
-    let positions: Vec<Vec3> = positions.iter().map(|&p| p.into()).collect();
-    let indices = match mesh.try_indices() {
-        Ok(Indices::U16(list)) => list.iter().map(|&i| u32::from(i)).collect(),
-        Ok(Indices::U32(list)) => list.clone(),
-        Err(_) => (0..positions.len() as u32).collect(),
-    };
-    Ok(Some(MeshShape { positions, indices }))
+    let positions = positions(mesh).ok_or(Refusal::UnreadableMesh)?;
+    let triangles = triangles(mesh, positions.len()).ok_or(Refusal::UnreadableMesh)?.collect();
+    Ok(Some(MeshShape { positions, triangles }))
 }
 
 /// Spawns the particles of a body. Stops early if an observer despawns the body; the functions below do so, too.

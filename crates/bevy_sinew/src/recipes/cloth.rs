@@ -1,12 +1,10 @@
 //! Cloth: a rectangular grid, or any mesh.
 
-use bevy::asset::RenderAssetUsages;
-use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, ClothMaterial, ClothSpec, cloth_from_mesh, cloth_grid, grid_uvs};
 
 use super::bind::attach;
-use super::bind_mesh::own_copy;
+use super::bind_mesh::{own_copy, skin_of};
 use super::build::{MeshShape, Recipe};
 use crate::components::{CreationOrder, ParticleBody};
 use crate::messages::Refusal;
@@ -166,7 +164,7 @@ impl Recipe for Cloth {
             (Some(spec), _) => cloth_grid(&spec)?,
             (None, Some(mesh)) => {
                 let scaled: Vec<Vec3> = mesh.positions.iter().map(|p| *p * scale).collect();
-                cloth_from_mesh(&scaled, &mesh.indices, &self.material())?
+                cloth_from_mesh(&scaled, mesh.triangles.as_flattened(), &self.material())?
             }
             (None, None) => return Err(Refusal::NoMesh),
         };
@@ -180,7 +178,11 @@ impl Recipe for Cloth {
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, _: &[Entity]) {
         let Some(spec) = self.spec(Vec3::ONE) else { return own_copy(world, body) };
         let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
-        let skin = meshes.add(grid_mesh(&spec, blueprint));
+        let mut skin = skin_of(blueprint);
+        if let Ok(uvs) = grid_uvs(&spec) {
+            skin.insert_attribute(Mesh::ATTRIBUTE_UV_0, uvs);
+        }
+        let skin = meshes.add(skin);
         attach(world, body, Mesh3d(skin));
     }
 }
@@ -218,17 +220,4 @@ impl ClothPins {
             }
         }
     }
-}
-
-/// The mesh of a grid, with a vertex for each particle and texture coordinates; the simulation writes positions and normals.
-fn grid_mesh(spec: &ClothSpec, blueprint: &Blueprint) -> Mesh {
-    let vertices = blueprint.vertices.len();
-    let uvs = grid_uvs(spec).unwrap_or_else(|_| vec![[0.0; 2]; vertices]);
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; vertices])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32, 0.0, 1.0]; vertices])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
-        .with_inserted_indices(Indices::U32(
-            blueprint.triangles.iter().flatten().copied().collect(),
-        ))
 }

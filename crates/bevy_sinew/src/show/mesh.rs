@@ -5,13 +5,14 @@
 //! faces even if the frame is scaled or mirrored.
 
 use bevy::math::{Vec3A, Vec4};
-use bevy::mesh::{Indices, VertexAttributeValues};
+use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::transform::helper::TransformHelper;
 use sinew::InstructionSet;
 
 use super::{Easing, Frame};
 use crate::components::{Interpolate, MeshFollow};
+use crate::mesh::triangles;
 use crate::messages::{Refusal, Refused, refuse};
 use crate::rows::{GONE, ResolvedRows};
 use crate::schedule::SinewClock;
@@ -99,6 +100,7 @@ impl Smooth {
     /// Writes both to a mesh. Returns `false`, and writes nothing, if its indices are not in the form that the kernel reads.
     fn write(&mut self, mesh: &mut Mesh, instructions: InstructionSet) -> bool {
         let Self { points, normals } = self;
+        let PrimitiveTopology::TriangleList = mesh.primitive_topology() else { return false };
         let Ok(Indices::U32(list)) = mesh.try_indices() else { return false };
         sinew::pose::normals(points, list.as_chunks().0, Vec3::Z, normals, instructions);
         for (attribute, from) in
@@ -115,24 +117,15 @@ impl Smooth {
 /// Adds the area vector of each triangle to its corners. The triangles are read from the mesh each time, since a game may change them.
 fn sum_normals(mesh: &Mesh, rows: &[u32], corners: &mut [Corner]) {
     // A mesh may have indices out of range; such a triangle is skipped.
-    let row = |vertex: usize| rows.get(vertex).map_or(GONE as usize, |&row| row as usize);
-    let mut add = |vertices: [usize; 3]| {
-        let rows = vertices.map(row);
+    let row = |vertex: u32| rows.get(vertex as usize).map_or(GONE as usize, |&row| row as usize);
+    for triangle in triangles(mesh, rows.len()).into_iter().flatten() {
+        let rows = triangle.map(row);
         if let [Some(a), Some(b), Some(c)] = rows.map(|row| corners.get(row).map(|it| it.at)) {
             let area = (b - a).cross(c - a);
             for row in rows {
                 corners[row].normal += area;
             }
         }
-    };
-    match mesh.try_indices() {
-        Ok(Indices::U16(list)) => {
-            list.as_chunks::<3>().0.iter().for_each(|t| add(t.map(usize::from)));
-        }
-        Ok(Indices::U32(list)) => {
-            list.as_chunks::<3>().0.iter().for_each(|t| add(t.map(|i| i as usize)));
-        }
-        Err(_) => (0..rows.len() / 3).for_each(|t| add([3 * t, 3 * t + 1, 3 * t + 2])),
     }
 }
 
