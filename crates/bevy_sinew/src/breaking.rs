@@ -1,5 +1,6 @@
 //! Constraints that break at a force or at a strain.
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
 use sinew::Bound;
@@ -135,18 +136,14 @@ pub(crate) fn break_constraints(
     breakables: Res<Breakables>,
     mut commands: Commands,
 ) {
-    // With a time step of zero, no tick was taken.
-    if breakables.all.is_empty() || clock.seconds == world.simulation.time {
+    if breakables.all.is_empty() || !world.took_tick(&clock) {
         return;
     }
-    let mut broken: Vec<Broke> = Vec::new();
-    for (.., one) in &breakables.all {
-        // Of an attachment with several constraints, the first that breaks is reported.
-        if broken.iter().any(|known| known.constraint == one.target) {
-            continue;
-        }
-        broken.extend(one.event(&world));
-    }
+    let mut broken: Vec<Broke> =
+        breakables.all.iter().filter_map(|(.., one)| one.event(&world)).collect();
+    // Of an attachment with several constraints, the first that breaks is reported.
+    let mut reported = EntityHashSet::default();
+    broken.retain(|event| reported.insert(event.constraint));
     if !broken.is_empty() {
         commands.queue(move |world: &mut World| {
             broken.into_iter().for_each(|one| break_constraint(world, one));

@@ -258,7 +258,7 @@ fn wanted(
     let particles = world.particles();
     let (mut at, mut mass) = (Vec3::ZERO, 0.0_f32);
     for &(particle, share) in &grab.anchor {
-        let row = rows.get(particle).ok()?.get().filter(|&row| row < particles.len())?;
+        let row = rows.get(particle).ok()?.within(particles)?;
         at += particles.position(row) * share;
         mass = mass.max(world.simulation().island_mass(row));
     }
@@ -375,8 +375,7 @@ impl Anchors<'_, '_> {
         let far = ray_hit.as_ref().map_or(f32::INFINITY, |ray_hit| ray_hit.distance);
         let columns = world.particles();
         let candidates = self.particles.iter().map(|(entity, particle, row)| {
-            let row = row.get().filter(|&row| row < columns.len());
-            (entity, particle.position, row.map_or(0.0, |row| columns.radius(row)))
+            (entity, particle.position, row.within(columns).map_or(0.0, |row| columns.radius(row)))
         });
         let beside = nearest_beside(ray, reach, far, candidates).map(|(particle, point)| RayHit {
             entity: self.owners.get(particle).map_or(particle, |of| of.0),

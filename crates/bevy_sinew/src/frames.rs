@@ -38,7 +38,16 @@ pub(crate) fn world_transform(
     transform: impl Fn(Entity) -> Option<Transform>,
     parents: &Query<&ChildOf>,
 ) -> Result<Transform, Misplaced> {
-    let mut above = parents.iter_ancestors(entity);
+    through_parents(inner, entity, transform, |of| parents.get(of).ok().map(ChildOf::parent))
+}
+
+fn through_parents(
+    inner: Transform,
+    entity: Entity,
+    transform: impl Fn(Entity) -> Option<Transform>,
+    parent: impl Fn(Entity) -> Option<Entity>,
+) -> Result<Transform, Misplaced> {
+    let mut above = core::iter::successors(parent(entity), |&of| parent(of));
     above.try_fold(inner, |inner, parent| match transform(parent) {
         Some(outer) => compose(&outer, &inner).ok_or(Misplaced::Sheared),
         None => Ok(inner),
@@ -57,15 +66,9 @@ pub(crate) fn to_local(above: &Transform, place: &Transform) -> Transform {
 
 /// The world transform of an entity, from a `World`.
 pub(crate) fn in_world(world: &World, entity: Entity) -> Result<Transform, Misplaced> {
-    let mut frame = world.get::<Transform>(entity).copied().unwrap_or_default();
-    let mut at = entity;
-    while let Some(parent) = world.get::<ChildOf>(at).map(ChildOf::parent) {
-        if let Some(outer) = world.get::<Transform>(parent) {
-            frame = compose(outer, &frame).ok_or(Misplaced::Sheared)?;
-        }
-        at = parent;
-    }
-    Ok(frame)
+    let own = |entity| world.get::<Transform>(entity).copied();
+    let parent = |of| world.get::<ChildOf>(of).map(ChildOf::parent);
+    through_parents(own(entity).unwrap_or_default(), entity, own, parent)
 }
 
 /// The factor of a uniform scale, without its sign; an error for any other scale.

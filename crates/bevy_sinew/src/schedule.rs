@@ -414,8 +414,7 @@ fn count_tick(
     mut control: ResMut<SinewControl>,
     world: Res<SinewWorld>,
 ) {
-    // With a time step of zero, no tick was taken.
-    if clock.seconds == world.simulation.time {
+    if !world.took_tick(&clock) {
         return;
     }
     clock.tick += 1;

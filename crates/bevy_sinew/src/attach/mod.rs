@@ -180,8 +180,7 @@ impl Attached {
 fn on_remove(mut world: DeferredWorld, context: HookContext) {
     let attachment = context.entity;
     let Some(attached) = world.get::<Attached>(attachment).cloned() else { return };
-    let joints = world.get::<AttachmentJoints>(attachment);
-    let joints: Vec<Entity> = joints.map(|all| all.iter().collect()).unwrap_or_default();
+    let joints = joints_of(&world, attachment);
     world.commands().queue(move |world: &mut World| {
         release(world, &attached, joints);
         // The component may have been inserted again in the meantime.
@@ -191,6 +190,10 @@ fn on_remove(mut world: DeferredWorld, context: HookContext) {
             entity.remove::<Attached>();
         }
     });
+}
+
+fn joints_of(world: &World, attachment: Entity) -> Vec<Entity> {
+    world.get::<AttachmentJoints>(attachment).into_iter().flat_map(|all| all.iter()).collect()
 }
 
 /// Removes what an attachment created: its constraints and its pins.

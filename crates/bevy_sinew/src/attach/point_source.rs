@@ -108,17 +108,50 @@ impl PointSource {
 
     /// The points of a body that an anchor selects; empty if the body has no such part.
     pub(super) fn points(&self, world: &World, body: Entity, anchor: &Anchor) -> Vec<Point> {
-        let single = |&particle: &Entity| Point::single(world, particle);
-        match self {
-            Self::Frame => Vec::new(),
-            Self::Rigid { particles, rest } => match local_point(world, body, anchor) {
-                Some(point) => Point::rigid(world, particles, rest, point).into_iter().collect(),
-                None => chosen_of(particles, rest, anchor).iter().filter_map(single).collect(),
-            },
-            Self::Loose { particles } => {
-                chosen(world, body, particles, anchor).iter().filter_map(single).collect()
+        match (self, local_point(world, body, anchor)) {
+            (Self::Rigid { particles, rest }, Some(point)) => {
+                Point::rigid(world, particles, rest, point).into_iter().collect()
+            }
+            _ => {
+                let chosen = self.chosen(world, body, anchor).into_iter();
+                chosen.filter_map(|particle| Point::single(world, particle)).collect()
             }
         }
+    }
+
+    /// The particles that an anchor selects; empty if the entity has none, or no such part.
+    fn chosen(&self, world: &World, entity: Entity, anchor: &Anchor) -> Vec<Entity> {
+        let (particles, rest) = match self {
+            Self::Frame => return Vec::new(),
+            Self::Rigid { particles, rest } => (particles, Some(rest)),
+            Self::Loose { particles } => (particles, None),
+        };
+        let built_at = |i: usize| match rest {
+            Some(rest) => Some(rest[i]),
+            None => world.get::<RestPlace>(particles[i]).map(|place| place.0),
+        };
+        let all = 0..particles.len();
+        let one = match anchor {
+            Anchor::Whole => return particles.clone(),
+            Anchor::Vertex(number) => {
+                let follow = world.get::<MeshFollow>(entity).map(|follow| &follow.vertices);
+                follow.unwrap_or(particles).get(*number as usize)
+            }
+            Anchor::RopeEnd(end) => world.get::<TubeMesh>(entity).and_then(|rope| match end {
+                RopeEnd::First => rope.particles.first(),
+                RopeEnd::Last => rope.particles.last(),
+            }),
+            Anchor::Point(point) => {
+                let far = |&i: &usize| built_at(i).map_or(f32::INFINITY, |at| at.distance(*point));
+                all.min_by(|a, b| far(a).total_cmp(&far(b))).map(|i| &particles[i])
+            }
+            anchor => {
+                let inside =
+                    |&i: &usize| built_at(i).and_then(|at| anchor.contains(at)) == Some(true);
+                return all.filter(inside).map(|i| particles[i]).collect();
+            }
+        };
+        one.copied().into_iter().collect()
     }
 
     /// The position of an anchor in the frame of a rigid body or of a transform; `None` if there is no such anchor, or no frame.
@@ -130,7 +163,8 @@ impl PointSource {
             return Some(point);
         }
         let Self::Rigid { particles, rest } = self else { return None };
-        let numbers: Vec<Vec3> = chosen_of(particles, rest, anchor)
+        let numbers: Vec<Vec3> = self
+            .chosen(world, entity, anchor)
             .iter()
             .filter_map(|one| particles.iter().position(|other| other == one))
             .map(|i| rest[i])
@@ -163,7 +197,7 @@ impl PointSource {
                 let nearest = particles.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
                 nearest.copied().into_iter().collect()
             }
-            anchor => chosen(world, entity, particles, anchor),
+            anchor => self.chosen(world, entity, anchor),
         };
         let places: Vec<Vec3> = among.iter().map(at).collect::<Option<_>>()?;
         let count = places.len() as f32;
@@ -206,47 +240,5 @@ fn local_point(world: &World, entity: Entity, anchor: &Anchor) -> Option<Vec3> {
             Some(size * 0.5 * signs.map(|sign| if sign == 0.0 { 0.0 } else { sign.signum() }))
         }
         _ => None,
-    }
-}
-
-/// The particles of a rigid body that an anchor selects.
-fn chosen_of(particles: &[Entity], rest: &[Vec3], anchor: &Anchor) -> Vec<Entity> {
-    match anchor {
-        Anchor::Whole => particles.to_vec(),
-        Anchor::Vertex(number) => particles.get(*number as usize).copied().into_iter().collect(),
-        anchor => {
-            let inside = |(_, place): &(_, &Vec3)| anchor.contains(**place) == Some(true);
-            particles.iter().zip(rest).filter(inside).map(|(&particle, _)| particle).collect()
-        }
-    }
-}
-
-/// The particles of a body that an anchor selects.
-fn chosen(world: &World, body: Entity, particles: &[Entity], anchor: &Anchor) -> Vec<Entity> {
-    let built_at = |particle: &Entity| world.get::<RestPlace>(*particle).map(|place| place.0);
-    match anchor {
-        Anchor::Whole => particles.to_vec(),
-        Anchor::Vertex(number) => {
-            let vertices = world.get::<MeshFollow>(body).map(|follow| follow.vertices.as_slice());
-            vertices.unwrap_or(particles).get(*number as usize).copied().into_iter().collect()
-        }
-        Anchor::RopeEnd(end) => {
-            let Some(rope) = world.get::<TubeMesh>(body) else { return Vec::new() };
-            let end = match end {
-                RopeEnd::First => rope.particles.first(),
-                RopeEnd::Last => rope.particles.last(),
-            };
-            end.copied().into_iter().collect()
-        }
-        Anchor::Point(point) => {
-            let far = |one: &Entity| built_at(one).map_or(f32::INFINITY, |at| at.distance(*point));
-            let nearest = particles.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
-            nearest.copied().into_iter().collect()
-        }
-        anchor => {
-            let inside =
-                |one: &&Entity| built_at(one).and_then(|at| anchor.contains(at)) == Some(true);
-            particles.iter().filter(inside).copied().collect()
-        }
     }
 }

@@ -8,14 +8,14 @@ use sinew::pose::pose;
 
 use super::point_source::{Point, PointSource, locate};
 use super::{
-    Anchor, AnchorConstraint, AttachTo, Attached, AttachmentJoints, AttachmentOf, JointOf, release,
+    Anchor, AnchorConstraint, AttachTo, Attached, AttachmentOf, JointOf, joints_of, release,
 };
 use crate::components::{
     BreakAt, BuiltBody, CreationOrder, DistanceConstraint, Mass, PartOf, Particle, PinnedTo, Sleep,
-    Softness,
+    Softness, fill_sorted,
 };
 use crate::frames::in_world;
-use crate::messages::{AttachFault, Refusal, Refused};
+use crate::messages::{AttachFault, Refusal, refuse_in};
 
 /// All attachments, with their order of creation.
 type All = QueryState<(Entity, &'static CreationOrder), With<AttachTo>>;
@@ -37,9 +37,7 @@ pub(crate) fn resolve_attachments(
     mut order: Local<Vec<(CreationOrder, Entity)>>,
     mut reported: Local<BTreeMap<Entity, AttachFault>>,
 ) {
-    order.clear();
-    order.extend(all.iter(world).map(|(entity, order)| (*order, entity)));
-    order.sort_unstable();
+    fill_sorted(&mut order, all.iter(world).map(|(entity, order)| (*order, entity)));
     reported.retain(|&entity, _| world.get::<AttachTo>(entity).is_some());
     for &(_, attachment) in &*order {
         let Some(to) = world.get::<AttachTo>(attachment) else { continue };
@@ -57,7 +55,7 @@ pub(crate) fn resolve_attachments(
                 }
             }
             Ok(AttachOutcome::Released) => {
-                report(world, attachment, Refusal::AttachTarget(to.entity));
+                refuse_in(world, attachment, Refusal::AttachTarget(to.entity));
                 if body == attachment {
                     world.entity_mut(attachment).remove::<AttachTo>();
                 } else {
@@ -68,18 +66,13 @@ pub(crate) fn resolve_attachments(
             }
             Err(fault) => {
                 if reported.insert(attachment, fault) != Some(fault) {
-                    report(world, attachment, Refusal::Attach(fault));
+                    refuse_in(world, attachment, Refusal::Attach(fault));
                 }
                 continue;
             }
         }
         reported.remove(&attachment);
     }
-}
-
-fn report(world: &mut World, entity: Entity, reason: Refusal) {
-    warn!("sinew: entity {entity} {reason}");
-    world.write_message(Refused { entity, reason });
 }
 
 /// Whether an attachment is in effect as specified: the only check that most attachments need in a tick.
@@ -146,8 +139,7 @@ fn attach(
     }
     // All checks passed: the world is modified from here on.
     if let Some(before) = &before {
-        let joints = world.get::<AttachmentJoints>(attachment);
-        let joints: Vec<Entity> = joints.map(|all| all.iter().collect()).unwrap_or_default();
+        let joints = joints_of(world, attachment);
         release(world, before, joints);
     }
     let mut pinned = Vec::new();

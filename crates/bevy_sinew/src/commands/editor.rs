@@ -1,6 +1,7 @@
 //! Executes edits: copies the particles of the body, changes them as one, validates them, and writes them back unless an error was found.
 
 use bevy::ecs::system::SystemParam;
+use bevy::math::DVec3;
 use bevy::prelude::*;
 use sinew::pose::{Motion, motion};
 use sinew::{ParticleSeed, Particles};
@@ -287,7 +288,7 @@ impl Group {
                 self.push(|p, rows| p.set_motion(rows, velocity, spin));
             }
             BodyEdit::LinearVelocity(velocity) => {
-                let Some(found) = self.motion(false) else { return Ok(()) };
+                let Some((found, _)) = self.motion(false) else { return Ok(()) };
                 for member in self.free() {
                     let own = member.particle.velocity;
                     member.particle.set_velocity(own + (velocity - found.velocity));
@@ -307,9 +308,7 @@ impl Group {
                 }
             }
             BodyEdit::Turn(by) => {
-                let Some(found) = self.motion(true) else { return Ok(()) };
-                let near = self.valid.first().map_or(Vec3::ZERO, |first| first.particle.position);
-                let centre = near.as_dvec3() + found.barycentre.as_dvec3();
+                let Some((_, centre)) = self.motion(true) else { return Ok(()) };
                 let rigid_motion = RigidMotion::about(centre, by).ok_or(EditFault::NotFinite)?;
                 self.move_all(&rigid_motion);
                 if let Some(frame) = frame {
@@ -352,11 +351,8 @@ impl Group {
 
     /// Adds the missing angular velocity. The lag is kept, because the velocity of the centre of mass is as old as before.
     fn spin(&mut self, spin: Vec3) {
-        let Some(found) = self.motion(false) else { return };
+        let Some((found, centre)) = self.motion(false) else { return };
         let missing = (spin - found.angular_velocity).as_dvec3();
-        let near =
-            self.valid.first().map_or(Vec3::ZERO, |first| first.particle.position).as_dvec3();
-        let centre = near + found.barycentre.as_dvec3();
         for member in self.free() {
             let turn = missing.cross(member.particle.exact() - centre);
             member.particle.velocity = (member.particle.velocity.as_dvec3() + turn).as_vec3();
@@ -375,13 +371,15 @@ impl Group {
         self.valid.iter_mut().filter(|member| !member.is_pinned)
     }
 
-    /// The rigid motion of the free particles, or of `all`; the centre of mass is relative to the position of the first one.
-    fn motion(&self, all: bool) -> Option<Motion> {
+    /// The rigid motion of the free particles, or of `all`, and their centre of mass in the world, metres.
+    fn motion(&self, all: bool) -> Option<(Motion, DVec3)> {
         let near = self.valid.first()?.particle.position;
         let points = self.valid.iter().filter(|member| all || !member.is_pinned).map(|member| {
             let Particle { position, remainder, velocity, .. } = member.particle;
             ((position - near) + remainder, velocity, member.mass)
         });
-        motion(points)
+        let found = motion(points)?;
+        let centre = near.as_dvec3() + found.barycentre.as_dvec3();
+        Some((found, centre))
     }
 }

@@ -2,8 +2,9 @@
 
 use bevy::prelude::*;
 
-use crate::components::{BodyParticles, CreationOrder, Particle, ParticleBody, RigidPose, Sleep};
+use crate::components::{CreationOrder, Particle, Sleep};
 use crate::messages::{EditFault, Refusal, Refused, refuse};
+use crate::step::controls::{Targets, particles_of, waits};
 use crate::world::SinewWorld;
 
 /// Moves a body, a rigid part or a particle to the state in which it would come to rest: a bridge sags, a curtain hangs in its folds, a crate lies on the
@@ -123,17 +124,6 @@ impl SinewCommandsExt for World {
     }
 }
 
-/// An entity with a [`Relax`], and its particles.
-type RelaxRequest = (
-    Entity,
-    Option<&'static CreationOrder>,
-    &'static Relax,
-    Option<&'static BodyParticles>,
-    Option<&'static RigidPose>,
-    Has<Particle>,
-    Has<ParticleBody>,
-);
-
 /// Run condition: whether there is any request.
 pub(crate) fn any_relax(requests: Query<(), With<Relax>>, whole: Option<Res<RelaxWorld>>) -> bool {
     whole.is_some() || !requests.is_empty()
@@ -146,7 +136,8 @@ pub(crate) fn run_relax(
     mut messages: MessageWriter<Refused>,
     mut finished: MessageWriter<RelaxFinished>,
     whole: Option<Res<RelaxWorld>>,
-    requests: Query<RelaxRequest>,
+    requests: Query<(Entity, Option<&CreationOrder>, &Relax)>,
+    targets: Targets,
     mut particles: Query<&mut Particle>,
     mut sleepers: Query<&mut Sleep>,
 ) {
@@ -156,15 +147,12 @@ pub(crate) fn run_relax(
         commands.remove_resource::<RelaxWorld>();
         runs.push((None, None, whole.0, None));
     }
-    for (entity, order, relax, members, posed, is_particle, is_body) in &requests {
-        let list: Vec<Entity> = match (members, posed) {
-            (Some(members), _) => members.iter().collect(),
-            (None, Some(posed)) => posed.particles.clone(),
-            (None, None) if is_particle => vec![entity],
-            // The request waits until the body has particles.
-            (None, None) if is_body => continue,
-            (None, None) => Vec::new(),
-        };
+    for (entity, order, relax) in &requests {
+        let list = particles_of(&targets, entity);
+        // The request waits until the body has particles.
+        if list.is_empty() && waits(&targets, entity) {
+            continue;
+        }
         commands.entity(entity).try_remove::<Relax>();
         runs.push((order.copied(), Some(entity), *relax, Some(list)));
     }

@@ -35,4 +35,4 @@ pub use softness::Softness;
 
 pub(crate) use collide::{Orphans, PlacedCollider, ResolvedShape};
 pub(crate) use control::ResolvedTarget;
-pub(crate) use order::{CreationCounter, TopologyChanged};
+pub(crate) use order::{CreationCounter, TopologyChanged, fill_sorted};

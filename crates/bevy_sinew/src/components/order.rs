@@ -21,6 +21,13 @@ pub(crate) struct CreationCounter(pub(crate) u64);
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(crate) struct TopologyChanged(pub(crate) bool);
 
+/// Fills a list anew, sorted: with `(CreationOrder, Entity)`, in the order of creation, which that of a query is not.
+pub(crate) fn fill_sorted<T: Ord>(list: &mut Vec<T>, items: impl Iterator<Item = T>) {
+    list.clear();
+    list.extend(items);
+    list.sort_unstable();
+}
+
 /// Hook: assigns a number to a new entity. A restored entity keeps its number, and later numbers stay above it.
 pub(crate) fn number(mut world: DeferredWorld, context: HookContext) {
     let restored = world.get::<CreationOrder>(context.entity).map_or(0, |order| order.0);

@@ -4,7 +4,7 @@ use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use sinew::ParticleState;
+use sinew::{ParticleState, Particles};
 
 use super::order::{CreationOrder, mark_topology};
 use crate::same::same_fields;
@@ -276,6 +276,11 @@ impl ParticleRow {
     /// The row, or `None` before the particle's first tick.
     pub fn get(self) -> Option<usize> {
         (self.0 != u32::MAX).then_some(self.0 as usize)
+    }
+
+    /// The row, if the columns have it.
+    pub(crate) fn within(self, particles: &Particles) -> Option<usize> {
+        self.get().filter(|&row| row < particles.len())
     }
 }
 

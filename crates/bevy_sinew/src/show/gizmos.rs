@@ -93,7 +93,7 @@ fn draw_particles(
     let particles = world.particles();
     let by_island = gizmos.config_ext.islands;
     for (row, pinned) in &rows {
-        let Some(i) = row.get().filter(|&i| i < particles.len()) else { continue };
+        let Some(i) = row.within(particles) else { continue };
         let radius = particles.radius(i).max(0.01);
         let color = match world.simulation().island_of(i).filter(|_| by_island && !pinned) {
             Some(island) => distinct(island as usize),
@@ -125,10 +125,7 @@ fn draw_springs(
     rows: Query<&ParticleRow>,
 ) {
     let particles = world.particles();
-    let place = |entity| {
-        let row = rows.get(entity).ok()?.get()?;
-        (row < particles.len()).then(|| particles.position(row))
-    };
+    let place = |entity| Some(particles.position(rows.get(entity).ok()?.within(particles)?));
     for spring in &springs {
         if let (Some(a), Some(b)) = (place(spring.a), place(spring.b)) {
             gizmos.line(a, b, Color::srgb(0.9, 0.9, 0.2));
@@ -181,11 +178,9 @@ fn draw_boxes(
             continue;
         }
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for row in members.iter().filter_map(|one| rows.get(one).ok()?.get()) {
-            if row < particles.len() {
-                let (place, radius) = (particles.position(row), particles.radius(row));
-                (low, high) = (low.min(place - radius), high.max(place + radius));
-            }
+        for row in members.iter().filter_map(|one| rows.get(one).ok()?.within(particles)) {
+            let (place, radius) = (particles.position(row), particles.radius(row));
+            (low, high) = (low.min(place - radius), high.max(place + radius));
         }
         if !(low.cmple(high).all() && low.is_finite() && high.is_finite()) {
             continue;

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use sinew::ConstraintKind;
+use sinew::constraints::{Patch, Volume};
 
 use super::gizmo_config::SinewGizmoConfigGroup;
 use crate::schedule::PhaseSteps;
@@ -114,12 +115,9 @@ pub(super) fn draw_volumes(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res
             ConstraintKind::Tetrahedron(_) if count == 4 => {
                 [[0, 1, 2], [0, 1, 3], [0, 2, 3]].into_iter().for_each(outline);
             }
-            ConstraintKind::Patch(patch) => {
-                let triangles = patch.triangles.iter().map(|t| t.map(|i| i as usize));
-                triangles.filter(|t| t.iter().all(|&i| i < count)).for_each(outline);
-            }
-            ConstraintKind::Volume(volume) => {
-                let triangles = volume.triangles.iter().map(|t| t.map(|i| i as usize));
+            ConstraintKind::Patch(Patch { triangles, .. })
+            | ConstraintKind::Volume(Volume { triangles, .. }) => {
+                let triangles = triangles.iter().map(|t| t.map(|i| i as usize));
                 triangles.filter(|t| t.iter().all(|&i| i < count)).for_each(outline);
             }
             _ => {}

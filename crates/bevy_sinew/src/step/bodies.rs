@@ -12,7 +12,7 @@ use crate::changes::{ChangeTicks, count_and_changed};
 use crate::components::{
     BodyContacts, BodyParticles, CollisionLayers, ContactEvents, ContactShape, ContactsDisabled,
     CreationOrder, GravityScale, Particle, ParticleOf, ParticleRow, Radius, Representation,
-    ResolvedShape, RestPlace, Sleep, SurfaceMaterial, WatchedContacts,
+    ResolvedShape, RestPlace, Sleep, SurfaceMaterial, WatchedContacts, fill_sorted,
 };
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
@@ -220,9 +220,7 @@ pub(crate) fn gather_bodies(
         core::mem::replace(count, now) != now || moved
     };
     // The solver does not depend on the order of bodies, but the contact report is sorted by it.
-    ordered.clear();
-    ordered.extend(entities.iter().map(|(entity, order)| (order.copied(), entity)));
-    ordered.sort_unstable();
+    fill_sorted(ordered, entities.iter().map(|(entity, order)| (order.copied(), entity)));
     for &(_, entity) in &*ordered {
         let is_watched = watched.all || watched.body == Some(entity);
         let body = Some(tables.bodies.len() as u32);

@@ -14,7 +14,7 @@ use crate::components::{
     ParticleBody, ResolvedShape, RigidPose, WindSurface,
 };
 use crate::messages::{Refusal, Refused};
-use crate::rows::{GONE, ResolvedRows};
+use crate::rows::ResolvedRows;
 use crate::world::{SinewWorld, Tables};
 
 /// Detects changes of the shape of a part, or of the body that it belongs to.
@@ -197,7 +197,7 @@ fn body_collider(
     let shape = collider.shape().map_err(|fault| Refusal::Collider(fault.into()))?;
     let rest = pose.rest.as_slice().into();
     let body_collider = BodyCollider { rows: rows.to_vec(), rest, shape, id: order.0 };
-    if !rows.iter().all(|&row| row != GONE && tables.is_valid(row as usize)) {
+    if !rows.iter().all(|&row| tables.is_valid(row as usize)) {
         return Ok(None);
     }
     match body_collider.fault(tables.entities.len()) {

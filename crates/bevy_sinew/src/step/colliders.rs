@@ -10,7 +10,7 @@ use super::pins::check_once;
 use crate::components::{
     BoundingBox, Collider, ColliderFault, ColliderMotion, CollisionLayers, ContactEvents,
     ContactsDisabled, CreationOrder, Particle, ParticleBody, PlacedCollider, RigidPose, Sensor,
-    SurfaceMaterial,
+    SurfaceMaterial, fill_sorted,
 };
 use crate::frames::Frames;
 use crate::messages::{Refusal, Refused};
@@ -128,10 +128,8 @@ pub(crate) fn gather_colliders(
     }
 
     *listing += 1;
-    ordered.clear();
     let valid = colliders.iter().filter(|components| components.10.valid().is_some());
-    ordered.extend(valid.map(|components| (*components.1, components.0)));
-    ordered.sort_unstable();
+    fill_sorted(ordered, valid.map(|components| (*components.1, components.0)));
     list.clear();
     tables.colliders.clear();
     for &(order, entity) in &*ordered {
@@ -211,8 +209,7 @@ pub(crate) fn store_motion(
         (With<Collider>, StaticOrKinematic),
     >,
 ) {
-    // With a time step of zero, no tick was taken.
-    if clock.seconds == world.simulation.time {
+    if !world.took_tick(&clock) {
         return;
     }
     for (entity, placed, motion) in &mut colliders {

@@ -11,7 +11,7 @@ use sinew::pose::Pose;
 use super::pins::check_once;
 use crate::components::{
     BodyParticles, ControlForce, CreationOrder, ExternalForce, ExternalTorque, Particle,
-    ParticleBody, ParticleRow, ResolvedTarget, RigidPose, TickForces,
+    ParticleBody, ParticleRow, ResolvedTarget, RigidPose, TickForces, fill_sorted,
 };
 use crate::frames::Frames;
 use crate::messages::{EditFault, Refusal, Refused};
@@ -19,8 +19,8 @@ use crate::rows::{GONE, ResolvedRows};
 use crate::schedule::SinewClock;
 use crate::world::{SinewWorld, Tables};
 
-/// The components that determine which particles an entity has.
-type Targets<'w, 's> = Query<
+/// The components that determine which particles an entity has: a body, a rigid part, or a particle.
+pub(crate) type Targets<'w, 's> = Query<
     'w,
     's,
     (Option<&'static BodyParticles>, Option<&'static RigidPose>, Has<ParticleBody>, Has<Particle>),
@@ -59,9 +59,7 @@ pub(crate) fn gather_controls(
     let regrouped = ungrouped || !regrouped.is_empty();
     broken.retain(|&entity| controls.contains(entity) || body_forces.forced.contains(entity));
 
-    ordered.clear();
-    ordered.extend(controls.iter().map(|(entity, order, ..)| (*order, entity)));
-    ordered.sort_unstable();
+    fill_sorted(&mut ordered, controls.iter().map(|(entity, order, ..)| (*order, entity)));
     let mut used = 0;
     for &(_, entity) in &*ordered {
         let Ok((_, _, control, name, mut rows, mut resolved)) = controls.get_mut(entity) else {
@@ -74,15 +72,8 @@ pub(crate) fn gather_controls(
         let named = core::iter::once(target).flat_map(|target| particles_of(&targets, target));
         let rows = rows.resolve(&tables.layout, changed, named);
 
-        // The allocations of rows and names are kept from tick to tick.
-        if used == list.len() {
-            list.push(Control::default());
-        }
-        let slot = &mut list[used];
-        slot.name.clear();
+        let slot = slot(list, used, tables, rows);
         slot.name.push_str(name.map_or("", Name::as_str));
-        slot.rows.clear();
-        slot.rows.extend(rows.iter().filter(|&&row| takes_part(tables, row)));
         let in_frame = control.local && framed.contains(target);
         let frame = if in_frame { frames.of(target).ok() } else { None };
         let frame = frame
@@ -107,9 +98,22 @@ pub(crate) fn gather_controls(
     list.truncate(used);
 }
 
-/// Whether a row exists and is not set aside.
-fn takes_part(tables: &Tables, row: u32) -> bool {
-    row != GONE && tables.is_valid(row as usize)
+/// The control at an index, without a name, on those of the rows that exist and are not set aside. The allocations of names and rows are kept from tick to
+/// tick.
+fn slot<'a>(
+    list: &'a mut Vec<Control>,
+    used: usize,
+    tables: &Tables,
+    rows: &[u32],
+) -> &'a mut Control {
+    if used == list.len() {
+        list.push(Control::default());
+    }
+    let slot = &mut list[used];
+    slot.name.clear();
+    slot.rows.clear();
+    slot.rows.extend(rows.iter().filter(|&&row| tables.is_valid(row as usize)));
+    slot
 }
 
 /// Clears the forces of the tick at its end.
@@ -118,8 +122,7 @@ pub(crate) fn drop_tick_forces(
     clock: Res<SinewClock>,
     mut forces: Query<&mut TickForces>,
 ) {
-    // With a time step of zero, no tick was taken.
-    if clock.seconds != world.simulation.time {
+    if world.took_tick(&clock) {
         for mut forces in &mut forces {
             forces.set_if_neq(TickForces::default());
         }
@@ -169,9 +172,7 @@ impl BodyForces<'_, '_> {
         messages: &mut MessageWriter<Refused>,
     ) {
         let Self { forced, ordered } = self;
-        ordered.clear();
-        ordered.extend(forced.iter().map(|(entity, order, ..)| (order.copied(), entity)));
-        ordered.sort_unstable();
+        fill_sorted(ordered, forced.iter().map(|(entity, order, ..)| (order.copied(), entity)));
         for &(_, entity) in &**ordered {
             let Ok((_, _, members, posed, row, force, torque, tick)) = forced.get_mut(entity)
             else {
@@ -199,15 +200,8 @@ impl BodyForces<'_, '_> {
             let whole = (force + tick.force, torque + tick.torque, None);
             let points = tick.at_points.iter().map(|&(f, point)| (f, Vec3::ZERO, Some(point)));
             for (force, torque, point) in core::iter::once(whole).chain(points) {
-                // The allocations of rows are kept from tick to tick.
-                if *used == list.len() {
-                    list.push(Control::default());
-                }
-                let slot = &mut list[*used];
+                let slot = slot(list, *used, tables, rows);
                 *used += 1;
-                slot.name.clear();
-                slot.rows.clear();
-                slot.rows.extend(rows.iter().filter(|&&row| takes_part(tables, row)));
                 (slot.force, slot.torque, slot.point) = (force, torque, point);
                 valid &= slot.is_valid();
             }
@@ -219,7 +213,8 @@ impl BodyForces<'_, '_> {
     }
 }
 
-fn particles_of(targets: &Targets, target: Entity) -> Vec<Entity> {
+/// The particles of an entity; none if it has none, or they are not built yet.
+pub(crate) fn particles_of(targets: &Targets, target: Entity) -> Vec<Entity> {
     match targets.get(target) {
         Ok((_, _, _, true)) => vec![target],
         Ok((Some(members), ..)) => members.iter().collect(),
@@ -229,6 +224,6 @@ fn particles_of(targets: &Targets, target: Entity) -> Vec<Entity> {
 }
 
 /// Whether an entity without particles is a body that is not built yet, which is no error.
-fn waits(targets: &Targets, target: Entity) -> bool {
+pub(crate) fn waits(targets: &Targets, target: Entity) -> bool {
     targets.get(target).is_ok_and(|(.., is_body, _)| is_body)
 }

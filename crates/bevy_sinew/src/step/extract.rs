@@ -6,7 +6,7 @@ use sinew::pose::{Pose, pose};
 
 use crate::components::{
     AngularVelocity, BodyParticles, BodyReport, ExtractedTransform, ExtractedVelocity, Inertia,
-    Interpolate, LinearVelocity, Particle, ParticleRow, RigidPose, WorldCenterOfMass,
+    Interpolate, LinearVelocity, Particle, ParticleRow, RigidPose, WorldCenterOfMass, fill_sorted,
 };
 use crate::frames::{to_local, world_transform};
 use crate::rows::{GONE, ResolvedRows};
@@ -67,9 +67,8 @@ pub(crate) fn extract_poses(
     if children.is_empty() {
         return;
     }
-    order.clear();
-    order.extend(children.iter().map(|(child, ..)| (parents.iter_ancestors(child).count(), child)));
-    order.sort_unstable();
+    let depth = |child| parents.iter_ancestors(child).count();
+    fill_sorted(&mut order, children.iter().map(|(child, ..)| (depth(child), child)));
     let mut transforms = roots.p1();
     for &(_, child) in &*order {
         let Ok((_, (rigid, mut rows), known)) = children.get_mut(child) else { continue };
@@ -127,7 +126,7 @@ pub(crate) fn show_poses(
         }
     }
     for (entity, row) in &loose {
-        if let Some(row) = row.get().filter(|&row| row < world.particles().len()) {
+        if let Some(row) = row.within(world.particles()) {
             put(entity, world.particles().position(row), None);
         }
     }
@@ -150,7 +149,7 @@ fn found(
 ) -> Option<Pose> {
     let (particles, tables) = (&world.simulation.particles, &world.tables);
     let rows = rows.resolve(&tables.layout, rigid.is_changed(), rigid.particles.iter().copied());
-    let valid = |row: u32| row != GONE && tables.refused[row as usize].is_none();
+    let valid = |row: u32| tables.is_valid(row as usize);
     // Relative to a nearby point: far from the origin, world positions do not have enough digits for a rotation.
     let &first = rows.iter().find(|&&row| valid(row))?;
     let near = particles.position(first as usize);
@@ -199,7 +198,6 @@ pub(crate) fn extract_motion(
             continue;
         }
         let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
-        let valid = |row: u32| row != GONE && tables.refused[row as usize].is_none();
         let is_written = |entity| particles.get(entity).is_ok_and(|one| one.is_changed());
         let moves = tables.stepped || is_stale(&known, || members.iter().any(is_written));
         // If the body is one rigid part, its motion is that of the part.
@@ -207,7 +205,7 @@ pub(crate) fn extract_motion(
             .filter(|part| part.current(&tables.layout) == rows)
             .and_then(|part| world.rigid_motion(part.collider?));
         let found = at_hand.or_else(|| {
-            let there = rows.iter().filter(|&&row| valid(row));
+            let there = rows.iter().filter(|&&row| tables.is_valid(row as usize));
             simulation.motion(there.map(|&row| (row, tables.mass[row as usize])))
         });
         if let Some(found) = found {
@@ -236,8 +234,7 @@ pub(crate) fn extract_particle_velocities(
         return;
     }
     for (particle, row, mut linear, mut known) in &mut particles {
-        let is_valid = |&i: &usize| tables.refused.get(i).is_some_and(Option::is_none);
-        let Some(i) = row.get().filter(is_valid) else { continue };
+        let Some(i) = row.get().filter(|&row| tables.is_valid(row)) else { continue };
         if !tables.stepped && !is_stale(&known, || particle.is_changed()) {
             continue;
         }

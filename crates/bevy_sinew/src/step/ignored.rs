@@ -39,7 +39,7 @@ pub(crate) fn gather_ignored(
         listed.then_some(ContactParticipant::Collider(placed.number as u32))
     };
     for (pin, row) in &pins {
-        let Some(row) = row.get().filter(|&row| row < particles.len()) else { continue };
+        let Some(row) = row.within(particles) else { continue };
         let held = body_of_row(row);
         let by = placed.get(pin.entity).ok().and_then(|placed| collider(pin.entity, placed));
         if let (Some(held), Some(by)) = (held, by.or_else(|| body(pin.entity))) {
@@ -52,10 +52,7 @@ pub(crate) fn gather_ignored(
             continue;
         }
         let Ok(by) = placed.get(attached.to.entity) else { continue };
-        let particle = || {
-            let row = rows.get(attached.body).ok()?.get()?;
-            (row < particles.len()).then(|| body_of_row(row))?
-        };
+        let particle = || body_of_row(rows.get(attached.body).ok()?.within(particles)?);
         let held = body(attached.body).or_else(particle);
         if let (Some(held), Some(by)) = (held, collider(attached.to.entity, by)) {
             list.push([held, by]);

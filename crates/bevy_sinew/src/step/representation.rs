@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use crate::components::{CreationOrder, Representation, RigidPose};
 use crate::messages::{Refusal, Refused, refuse};
-use crate::rows::{GONE, ResolvedRows};
+use crate::rows::ResolvedRows;
 use crate::world::SinewWorld;
 
 /// Lists the compounds again if particles were added or removed, or a body changed its representation.
@@ -38,7 +38,7 @@ pub(crate) fn compile_compounds(
     for (order, representation, pose, mut rows) in &mut bodies {
         let Representation::Rigid(integrator) = *representation else { continue };
         let rows = rows.resolve(&tables.layout, pose.is_changed(), pose.particles.iter().copied());
-        let valid = |&row: &u32| row != GONE && tables.refused[row as usize].is_none();
+        let valid = |&row: &u32| tables.is_valid(row as usize);
         if rows.len() == pose.rest.len() && rows.iter().all(valid) {
             let rows = rows.iter().map(|&row| row as usize);
             let compound = sinew::Compound::new(rows, pose.rest.clone());

@@ -7,7 +7,7 @@ use sinew::Impact;
 use crate::bevy_version::OnRemove;
 use crate::components::{
     Collider, ContactEnded, ContactEvents, ContactImpulse, ContactStarted, CreationOrder, Orphans,
-    Particle, ParticleBody, Sleep, Touching,
+    Particle, ParticleBody, Sleep, Touching, fill_sorted,
 };
 use crate::recipes::Rescaled;
 use crate::world::SinewWorld;
@@ -42,12 +42,10 @@ pub(crate) fn write_contact_messages(
     mut order: Local<Vec<(Option<CreationOrder>, Entity)>>,
     mut lists: Local<Lists>,
 ) {
-    anew.clear();
-    anew.extend(moved.iter().chain(rescaled.read()).chain(orphans.0.drain(..)));
+    fill_sorted(&mut anew, moved.iter().chain(rescaled.read()).chain(orphans.0.drain(..)));
     if with_events.is_empty() {
         return;
     }
-    anew.sort_unstable();
     contacts.clear();
     for impact in &world.report().impacts {
         let participants =
@@ -61,9 +59,7 @@ pub(crate) fn write_contact_messages(
     }
     // A stable sort: the contacts of one entity stay in the order of the report, which is that of creation, whatever the entity ids.
     contacts.sort_by_key(|&(entity, ..)| entity);
-    order.clear();
-    order.extend(with_events.iter().map(|(entity, order, ..)| (order.copied(), entity)));
-    order.sort_unstable();
+    fill_sorted(&mut order, with_events.iter().map(|(entity, order, ..)| (order.copied(), entity)));
     for &(_, entity) in &*order {
         let Ok((_, _, mut touching, events)) = with_events.get_mut(entity) else { continue };
         let from = contacts.partition_point(|one| one.0 < entity);
@@ -78,8 +74,8 @@ pub(crate) fn write_contact_messages(
         }
         // Sorted, since a floor may touch a thousand bodies.
         let Lists { current, previous } = &mut *lists;
-        sort(current, now.iter().map(|one| one.1));
-        sort(previous, touching.0.iter().copied());
+        fill_sorted(current, now.iter().map(|one| one.1));
+        fill_sorted(previous, touching.0.iter().copied());
         // Two bodies that rest against each other asleep are not solved, but still touch.
         let is_current = |other: &Entity| current.binary_search(other).is_ok();
         let at_rest = |other: &Entity| !is_current(other) && resting.do_rest(entity, *other);
@@ -115,12 +111,6 @@ pub(crate) fn write_contact_messages(
 pub(crate) struct Lists {
     current: Vec<Entity>,
     previous: Vec<Entity>,
-}
-
-fn sort(list: &mut Vec<Entity>, all: impl Iterator<Item = Entity>) {
-    list.clear();
-    list.extend(all);
-    list.sort_unstable();
 }
 
 /// Finds out whether a pair is at rest.

@@ -18,6 +18,7 @@ use sinew::{ContactParticipant, ParticleFault, Particles, Simulation, SolverRepo
 use crate::components::{CreationOrder, Particle, ParticleRow};
 use crate::messages::ReportedErrors;
 use crate::rows::Layout;
+use crate::schedule::SinewClock;
 
 /// The solver's particles and reports: for custom systems that run between [phases](crate::PhaseSystems), for spatial queries, and to read statistics.
 ///
@@ -108,6 +109,11 @@ impl SinewWorld {
         let (previous, current) =
             (self.tables.played.previous.get(row)?, self.tables.played.current.get(row)?);
         Some(*previous + (*current - *previous) * share)
+    }
+
+    /// Whether a tick was taken since the clock was last set; with a time step of zero, none is.
+    pub(crate) fn took_tick(&self, clock: &SinewClock) -> bool {
+        clock.seconds != self.simulation.time
     }
 
     /// Energies and momenta of everything at the end of the last tick, J, kg·m/s and kg·m²/s.
@@ -340,10 +346,7 @@ impl SinewWorld {
     /// The number of particles of a table, starting at `from`, before the next one of a body that slept through the last tick; at least 1.
     pub(crate) fn waking_run(&self, rows: &[ParticleRow], from: usize) -> usize {
         let particles = &self.simulation.particles;
-        let body = |place: usize| {
-            let row = rows[place].get().filter(|&row| row < particles.len());
-            row.and_then(|row| particles.body(row))
-        };
+        let body = |place: usize| rows[place].within(particles).and_then(|row| particles.body(row));
         let mut last = body(from);
         let mut others = from + 1..rows.len();
         let next = others.find(|&place| {
@@ -442,6 +445,6 @@ impl Tables {
     /// The row of a particle that takes part; `None` if it is gone or set aside.
     pub(crate) fn valid_row(&self, entity: Entity) -> Option<u32> {
         let row = *self.layout.row_of.get(&entity)?;
-        self.refused[row as usize].is_none().then_some(row)
+        self.is_valid(row as usize).then_some(row)
     }
 }
