@@ -55,7 +55,7 @@ fn finish(
     let (hero, cape) = (heroes.single()?.translation, capes.single()?);
     let all = cape.iter().filter_map(|p| particles.get(p).ok());
     let far = all.map(|p| p.position.distance(hero)).fold(0.0, f32::max);
-    println!("the cape has walked 10 m with its hero and is within {far:.2} m of it");
+    println!("after 10 m the cape is within {far:.2} m of its hero");
     exit.write(if far < 2.0 { AppExit::Success } else { AppExit::error() });
     Ok(())
 }

@@ -62,7 +62,7 @@ fn finish(
 ) {
     if clock.seconds > 10.0 {
         let (Character { velocity, stands, highest }, at) = *one;
-        println!("it came to {:.2?}, from {highest:.2} m; stands: {stands}", at.translation);
+        println!("ended at {:.2?}, jumped to {highest:.2} m, standing: {stands}", at.translation);
         // It stands on the kerb, has slid along the wall, is at rest, and has jumped.
         let (top, Vec3 { y, z, .. }) = (1.05 + 0.9 + 0.01, at.translation);
         assert!(*stands && (y - top).abs() < 0.01 && z < -1.0 && *velocity == Vec3::ZERO);

@@ -72,7 +72,7 @@ fn finish(clock: Res<SinewClock>, all: Query<&Particle>, mut exit: MessageWriter
     let far = all.iter().map(|one| off(one.position)).fold(0.0, f32::max);
     let low = all.iter().filter(|one| one.position.y < 0.0).count();
     println!(
-        "{low} of 24 marbles are on the lower half, none farther from its surface than {far:.6} m"
+        "{low} of 24 marbles are on the lower half; the largest distance from the surface is {far:.6} m"
     );
     exit.write(if far < 1e-3 && low > 12 { AppExit::Success } else { AppExit::error() });
 }

@@ -35,7 +35,7 @@ fn watch(
     *least = Some(least.map_or(tall, |least| least.min(tall)));
     if clock.seconds > 5.0 {
         let squashed = least.unwrap_or(1.0);
-        println!("the jelly was squashed to {squashed:.2} m, and is {tall:.2} m tall at rest");
+        println!("the jelly was squashed to {squashed:.2} m and is {tall:.2} m tall at rest");
         let right = squashed < 0.9 && tall > squashed + 0.02 && tall < 1.02 && low > -0.01;
         exit.write(if right { AppExit::Success } else { AppExit::error() });
     }

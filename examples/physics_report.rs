@@ -29,13 +29,13 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let rows = judge(arguments.only.as_deref());
     let wrong = rows.iter().filter(|row| !row.verdict()).count();
-    println!("{} of {} rows are within what is allowed.", rows.len() - wrong, rows.len());
+    println!("{} of {} rows are within tolerance.", rows.len() - wrong, rows.len());
     if let Err(error) = write(&arguments, &rows) {
         eprintln!("{error}");
         return ExitCode::FAILURE;
     }
     if rows.is_empty() {
-        eprintln!("No case has that in its number or its title.");
+        eprintln!("No case has this text in its number or title.");
     }
     if wrong == 0 && !rows.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -57,7 +57,7 @@ fn play(
         30 => drop(input(PointerAction::Press(PointerButton::Primary))),
         31..150 => aim.0.y = 0.6 + 2.0 * (clock.tick - 30) as f32 / 120.0,
         180 => {
-            assert!(drag.grabbed.is_some(), "it hangs on the pointer");
+            assert!(drag.grabbed.is_some(), "the crate does not hang on the pointer");
             *lifted = crates.single()?.translation.y;
             input(PointerAction::Release(PointerButton::Primary));
         }

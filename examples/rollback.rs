@@ -74,5 +74,5 @@ fn main() {
     let [(_, one), (_, other)] = players;
     let both: Vec<_> = one.iter().filter_map(|(f, hash)| Some((hash, other.get(f)?))).collect();
     assert!(both.len() > 50 && both.iter().all(|(a, b)| a == b), "their states differ");
-    println!("{} frames are alike to the last bit; the last: {:?}", both.len(), both.last());
+    println!("{} frames are identical bit for bit; the last: {:?}", both.len(), both.last());
 }

@@ -70,8 +70,11 @@ fn watch(
     let (Player(_, stood), Transform { translation: at, .. }) = *player;
     *loaded = if at.x.abs() < 2.0 { loaded.max(depth) } else { *loaded };
     if clock.seconds > 13.0 {
-        println!("it sagged by {:.2} m under him, and hangs by {depth:.2} m", *loaded);
-        println!("he stood on planks for {stood} ticks, and came to {at:.2?}");
+        println!(
+            "the bridge sagged by {:.2} m under the player, and by {depth:.2} m after",
+            *loaded
+        );
+        println!("the player stood on planks for {stood} ticks, and ended at {at:.2?}");
         assert!((at - Vec3::new(4.0, 0.89, 0.0)).length() < 0.05 && *stood > 200);
         assert!(*loaded > depth + 0.1 && *loaded < 1.0);
         exit.write(AppExit::Success);

@@ -58,18 +58,18 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     std::fs::remove_file(&path)?;
     let mut new = game();
     SinewSnapshot::from_bytes(&file, new.world())?.restore(new.world_mut())?;
-    assert_eq!(hash(&new), hash(&old), "what was loaded is what was saved");
+    assert_eq!(hash(&new), hash(&old), "the loaded state differs from the saved state");
     assert!(SinewSnapshot::from_bytes(&file[..file.len() / 2], new.world()).is_err());
 
     for _ in 0..300 {
         old.update();
         new.update();
-        assert_eq!(hash(&new), hash(&old), "both go on alike");
+        assert_eq!(hash(&new), hash(&old), "the two simulations diverged");
     }
     let mut boxes = new.world_mut().query::<(&Health, &Transform)>();
     for (health, transform) in boxes.iter(new.world()) {
         println!("{health:?} at {:.3}", transform.translation);
     }
-    println!("300 ticks later both are at {:#018x}", hash(&new));
+    println!("after 300 more ticks both have the hash {:#018x}", hash(&new));
     Ok(())
 }

@@ -44,7 +44,7 @@ fn direct(
         }
         _ => {
             let taken: Vec<u64> = ticks.windows(2).map(|pair| pair[1] - pair[0]).collect();
-            println!("ticks in a second at full speed, at a quarter, by hand: {taken:?}");
+            println!("ticks per second at full speed, at a quarter, single-stepped: {taken:?}");
             let slowed = taken[1] * 4 <= taken[0] + 4 && taken[2] == 10;
             exit.write(if slowed { AppExit::Success } else { AppExit::error() });
         }

@@ -20,7 +20,7 @@ use cpu_time::ProcessTime;
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_draw::{self as draw, Image};
 use sinew_examples::assets_folder;
-use sinew_scenes::{OnStage, Scene, ScenesPlugin};
+use sinew_scenes::{Lesson, OnStage, Scene, ScenesPlugin};
 
 use crate::Options;
 use crate::stage::{self, Textures};
@@ -31,12 +31,12 @@ const FILM_FRAME: (usize, usize) = (400, 250);
 /// Frames on a contact sheet.
 const SHEET_FRAMES: usize = 6;
 /// Wall-clock time after which waiting for an asset ends with an error.
-const PATIENCE: Duration = Duration::from_secs(30);
+const MAX_WAIT: Duration = Duration::from_secs(30);
 
 /// Runs the scenes and writes the pictures. Succeeds only if all state stayed finite, every lesson agreed with its formula, and every file was written.
 pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
     if let Err(error) = fs::create_dir_all(&options.out) {
-        eprintln!("gallery: cannot make {}: {error}", options.out.display());
+        eprintln!("gallery: cannot create {}: {error}", options.out.display());
         return ExitCode::FAILURE;
     }
     let length = |scene: &Scene| options.seconds.unwrap_or(scene.seconds);
@@ -48,30 +48,30 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
     );
     // A scene is a world of its own and writes its own pictures, so the scenes run in parallel, one on each core. The table lists them in order.
     let next = AtomicUsize::new(0);
-    let played = Mutex::new(Vec::new());
-    let players = std::thread::available_parallelism().map_or(1, usize::from).min(scenes.len());
+    let finished = Mutex::new(Vec::new());
+    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(scenes.len());
     std::thread::scope(|scope| {
-        for _ in 0..players {
+        for _ in 0..workers {
             scope.spawn(|| {
                 while let Some(&scene) = scenes.get(next.fetch_add(1, Ordering::Relaxed)) {
                     bar.set_message(scene.name);
                     // Without a terminal, as in a log, the bar is hidden, and a line for each scene shows progress.
                     if bar.is_hidden() {
-                        println!("playing {} ...", scene.name);
+                        println!("running {} ...", scene.name);
                     }
-                    let row = perform(scene, length(scene), options.fps, &options.out, &bar);
-                    let mut played = played.lock().unwrap_or_else(PoisonError::into_inner);
-                    played.push((scene.name, row));
+                    let row = run_scene(scene, length(scene), options.fps, &options.out, &bar);
+                    let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+                    finished.push((scene.name, row));
                 }
             });
         }
     });
-    let mut played = played.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let mut finished = finished.into_inner().unwrap_or_else(PoisonError::into_inner);
     let place = |name: &str| scenes.iter().position(|scene| scene.name == name);
-    played.sort_by_key(|(name, _)| place(name));
+    finished.sort_by_key(|(name, _)| place(name));
     let mut rows = Vec::new();
     let mut failed = false;
-    for (name, row) in played {
+    for (name, row) in finished {
         match row {
             Ok(row) => rows.push(row),
             Err(error) => {
@@ -81,7 +81,7 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
         }
     }
     bar.finish_and_clear();
-    let table = table(&rows, players == 1);
+    let table = table(&rows, workers == 1);
     print!("{table}");
     let summary = options.out.join("summary.txt");
     if let Err(error) = fs::write(&summary, &table) {
@@ -89,7 +89,7 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
         failed = true;
     }
     println!("\nPictures: {}/*.png, *.gif", options.out.display());
-    if failed || rows.iter().any(|row| !row.finite || verdict(row).ends_with("NO")) {
+    if failed || rows.iter().any(|row| !row.finite || agreement(row) == Some(false)) {
         ExitCode::FAILURE
     } else {
         ExitCode::SUCCESS
@@ -118,16 +118,16 @@ struct Row {
 }
 
 /// Runs one scene and writes its pictures.
-fn perform(
+fn run_scene(
     scene: &'static Scene,
     seconds: f32,
     fps: u32,
     out: &Path,
     bar: &ProgressBar,
 ) -> Result<Row, String> {
-    let mut app = theatre();
+    let mut app = headless_app();
     sinew_scenes::load(app.world_mut(), scene);
-    raise_curtain(&mut app)?;
+    wait_for_assets(&mut app)?;
 
     let mut row = Row {
         name: scene.name,
@@ -166,17 +166,26 @@ fn perform(
     Ok(row)
 }
 
-/// The measured and the predicted number of a scene's lesson, and whether they agree; empty if it was not due.
+/// The lesson of a scene, with the measured and the predicted number; `None` if it was not due.
+fn lesson(row: &Row) -> Option<(Lesson, [f64; 2])> {
+    sinew_scenes::find(row.name).and_then(|scene| scene.lesson).zip(row.lesson)
+}
+
+/// Whether the measured number of a scene's lesson agrees with the predicted one; `None` if it was not due.
+fn agreement(row: &Row) -> Option<bool> {
+    lesson(row).map(|(lesson, [measured, expected])| lesson.agrees(measured, expected))
+}
+
+/// The numbers of a scene's lesson and whether they agree, as a text; empty if it was not due.
 fn verdict(row: &Row) -> String {
-    let lesson = sinew_scenes::find(row.name).and_then(|scene| scene.lesson);
-    let Some((lesson, [measured, expected])) = lesson.zip(row.lesson) else { return String::new() };
+    let Some((lesson, [measured, expected])) = lesson(row) else { return String::new() };
     let agrees = if lesson.agrees(measured, expected) { "yes" } else { "NO" };
     let (number, unit) = (lesson.number, lesson.unit);
-    format!("{number}: {measured:.3} {unit}, by the formula {expected:.3} {unit}: {agrees}")
+    format!("{number}: measured {measured:.3} {unit}, predicted {expected:.3} {unit}: {agrees}")
 }
 
 /// An app with everything that a scene needs and nothing that needs a GPU or a display.
-fn theatre() -> App {
+fn headless_app() -> App {
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,
@@ -201,7 +210,7 @@ fn theatre() -> App {
 }
 
 /// Waits for meshes and textures while the simulation is paused, so that every run starts from the same state.
-fn raise_curtain(app: &mut App) -> Result<(), String> {
+fn wait_for_assets(app: &mut App) -> Result<(), String> {
     let began = std::time::Instant::now();
     app.world_mut().resource_mut::<SinewControl>().paused = true;
     loop {
@@ -213,8 +222,8 @@ fn raise_curtain(app: &mut App) -> Result<(), String> {
         if missing == 0 && world.resource::<Textures>().ready() {
             break;
         }
-        if began.elapsed() > PATIENCE {
-            return Err(format!("{missing} meshes or some textures did not load"));
+        if began.elapsed() > MAX_WAIT {
+            return Err(format!("timed out: {missing} meshes or some textures did not load"));
         }
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -241,8 +250,8 @@ fn tick(app: &mut App, row: &mut Row) {
     row.ticks += 1;
     row.particles = sinew.particles().len();
     let simulation = sinew.simulation();
-    let laws = simulation.distances().len() + simulation.constraints().len();
-    row.constraints = laws + simulation.forces.springs.len();
+    let constraints = simulation.distances().len() + simulation.constraints().len();
+    row.constraints = constraints + simulation.forces.springs.len();
     row.error = row.error.max(sinew.report().error);
     row.strain = row.strain.max(sinew.report().strain);
     if row.lesson.is_none() {
@@ -262,13 +271,13 @@ fn tick(app: &mut App, row: &mut Row) {
 fn all_finite(world: &mut World) -> bool {
     let mut particles = world.query::<&Particle>();
     let mut transforms = world.query::<&Transform>();
-    let sound = |p: &Particle| p.position.is_finite() && p.velocity.is_finite();
+    let is_finite = |p: &Particle| p.position.is_finite() && p.velocity.is_finite();
     let meshes = world.resource::<Assets<Mesh>>().iter().all(|(_, mesh)| {
         let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION).and_then(|list| list.as_float3());
         positions.is_none_or(|list| list.iter().flatten().all(|x| x.is_finite()))
     });
     meshes
-        && particles.iter(world).all(sound)
+        && particles.iter(world).all(is_finite)
         && transforms.iter(world).all(bevy::prelude::Transform::is_finite)
 }
 
@@ -293,7 +302,7 @@ fn table(rows: &[Row], alone: bool) -> String {
         "constraints",
         "ticks",
         "ms/tick",
-        "most ms",
+        "max ms",
         "error, mm",
         "strain",
         "J at start",

@@ -89,10 +89,10 @@ fn main() -> ExitCode {
         match window::run(&options, &scenes) {
             Ok(code) => return code,
             Err(reason) if options.draws_in_a_window() => {
-                eprintln!("gallery: no window for the pictures: {reason}");
+                eprintln!("gallery: cannot draw pictures without a window: {reason}");
                 return ExitCode::FAILURE;
             }
-            Err(reason) => println!("No window ({reason}), so here is the gallery in pictures."),
+            Err(reason) => println!("No window ({reason}); rendering pictures instead."),
         }
     }
     headless::run(&options, &scenes)
@@ -107,7 +107,7 @@ fn chosen(options: &Options) -> Result<Vec<&'static Scene>, String> {
         return Err("--fps must be between 1 and 60".into());
     }
     if let Some(name) = options.lines.iter().find(|name| layers_of([name.as_str()]).is_none()) {
-        return Err(format!("there is no layer of lines \"{name}\""));
+        return Err(format!("unknown layer of debug lines \"{name}\""));
     }
     match &options.scene {
         None => Ok(sinew_scenes::ALL.iter().collect()),
@@ -115,7 +115,7 @@ fn chosen(options: &Options) -> Result<Vec<&'static Scene>, String> {
             Some(scene) => Ok(vec![scene]),
             None => {
                 let names: Vec<_> = sinew_scenes::ALL.iter().map(|scene| scene.name).collect();
-                Err(format!("there is no scene \"{name}\"; there are {}", names.join(", ")))
+                Err(format!("unknown scene \"{name}\"; the scenes are {}", names.join(", ")))
             }
         },
     }

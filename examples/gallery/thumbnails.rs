@@ -79,7 +79,7 @@ mod tests {
         }
         assert!(missing.is_empty(), "no thumbnail: {missing:?}");
         let gone = |name: &&str| sinew_scenes::find(name).is_none();
-        assert_eq!(NAMES.lines().find(gone), None, "a thumbnail of a scene that is no more");
+        assert_eq!(NAMES.lines().find(gone), None, "a thumbnail of a scene that does not exist");
     }
 
     #[test]

@@ -59,7 +59,7 @@ fn the_tower_stands_until_the_ball_meets_it() {
     let built = crates(&mut app);
     (0..20).for_each(|_| app.update());
     for (was, is) in built.iter().zip(crates(&mut app)) {
-        assert!(was.distance(is) < 0.01, "it stands: {was} {is}");
+        assert!(was.distance(is) < 0.01, "the crate moved before the impact: {was} {is}");
     }
     (0..300).for_each(|_| app.update());
     let fallen = crates(&mut app);
@@ -71,5 +71,5 @@ fn the_tower_stands_until_the_ball_meets_it() {
         assert!(fallen[..i].iter().all(|b| a.distance(*b) > 0.57), "{fallen:?}");
     }
     let refused = app.world().resource::<Messages<Refused>>();
-    assert!(refused.is_empty(), "nothing is set aside");
+    assert!(refused.is_empty(), "an entity was refused");
 }

@@ -114,15 +114,15 @@ impl Plugin for ScenesPlugin {
         app.add_systems(
             FixedUpdate,
             (
-                scenes::ropes::wave_hand,
+                scenes::ropes::move_hand,
                 scenes::swap::swap_bodies,
-                scenes::belt::lead_trays,
+                scenes::belt::move_trays,
                 scenes::reversal::turn_back,
                 scenes::timestep::change_step,
                 scenes::car::drive,
                 scenes::impulses::push,
                 scenes::damping::damp,
-                rounds::begin_anew,
+                rounds::restart,
                 scenes::events::dispense,
                 scenes::sleep::throw,
             )
@@ -138,9 +138,9 @@ impl Plugin for ScenesPlugin {
             scenes::least::draw_costs,
             scenes::spins::step_bricks,
             scenes::capacitor::draw_forces,
-            scenes::masses::draw_ways,
-            scenes::events::hear,
-            scenes::sleep::watch,
+            scenes::masses::draw_remaining,
+            scenes::events::count_and_flash,
+            scenes::sleep::record_sleep,
         );
         app.add_systems(FixedLast, drawn);
     }

@@ -7,7 +7,7 @@ use bevy_sinew::sinew::pose::pose;
 use bevy_sinew::{BodyParticles, Bound, ConstraintOf, CreationOrder, SinewWorld, WindSurface};
 
 /// The entities with this name, in the order of their creation.
-pub(crate) fn all_named(world: &mut World, name: &str) -> Vec<Entity> {
+pub(crate) fn entities_named(world: &mut World, name: &str) -> Vec<Entity> {
     let mut named = world.query::<(Entity, &Name, Option<&CreationOrder>)>();
     let mut found: Vec<(Option<CreationOrder>, Entity)> = named
         .iter(world)
@@ -19,19 +19,19 @@ pub(crate) fn all_named(world: &mut World, name: &str) -> Vec<Entity> {
 }
 
 /// A component of entity number `place`, from 0, of those with this name, in the order of their creation.
-pub(crate) fn of_place<C: Component + Clone>(
+pub(crate) fn nth_component_of<C: Component + Clone>(
     world: &mut World,
     name: &str,
     place: usize,
 ) -> Option<C> {
-    let entity = *all_named(world, name).get(place)?;
+    let entity = *entities_named(world, name).get(place)?;
     world.get::<C>(entity).cloned()
 }
 
 /// The positions of the particles of all bodies of a name, metres, in the order of their creation.
 pub(crate) fn points_of(world: &mut World, name: &str) -> Vec<Vec3> {
     let mut points = Vec::new();
-    for body in all_named(world, name) {
+    for body in entities_named(world, name) {
         let Some(particles) = world.get::<BodyParticles>(body) else { continue };
         let at = |p: Entity| world.get::<Particle>(p).map(|p| p.position);
         points.extend(particles.iter().filter_map(at));
@@ -65,7 +65,7 @@ pub(crate) fn deepest_below(world: &World, level: f32) -> f64 {
 
 /// Whether the bodies of a name are clear of the ground: each particle by more than its radius and a centimetre.
 pub(crate) fn is_in_flight(world: &mut World, name: &str) -> bool {
-    all_named(world, name).into_iter().all(|body| {
+    entities_named(world, name).into_iter().all(|body| {
         let Some(particles) = world.get::<BodyParticles>(body) else { return false };
         particles.iter().all(|particle| {
             let radius = world.get::<Radius>(particle).map_or(0.0, |radius| radius.0);
@@ -84,7 +84,7 @@ pub(crate) fn width_of(world: &mut World, name: &str) -> Option<f64> {
 
 /// The strain of each hard rod of the bodies of a name: the error of its length as a fraction of the length.
 pub(crate) fn strains_of(world: &mut World, name: &str) -> Vec<f64> {
-    let bodies = all_named(world, name);
+    let bodies = entities_named(world, name);
     let mut rods = world.query::<(&DistanceConstraint, &ConstraintOf)>();
     let hard = |(rod, of): &(&DistanceConstraint, &ConstraintOf)| {
         let held = rod.bound == Bound::Equal && rod.softness == Softness::Hard;

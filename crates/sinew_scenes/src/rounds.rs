@@ -20,7 +20,7 @@ impl Rounds {
 
     /// The number of rounds that have ended, returned once for each end.
     pub(crate) fn ended(&mut self, clock: &SinewClock) -> Option<u32> {
-        let ended = (clock.seconds / self.period + SLACK) as u32;
+        let ended = (clock.seconds / self.period + ROUND_OFF) as u32;
         (ended > self.ended).then(|| {
             self.ended = ended;
             ended
@@ -30,29 +30,29 @@ impl Rounds {
 
 /// A loose particle that is reset to its start when a round ends.
 #[derive(Component, Clone, Debug)]
-pub(crate) struct Again {
+pub(crate) struct Restart {
     rounds: Rounds,
     start: Particle,
 }
 
-impl Again {
+impl Restart {
     /// Resets the particle to `start` every `period` seconds.
-    pub(crate) fn after(period: f64, start: Particle) -> Self {
+    pub(crate) fn every(period: f64, start: Particle) -> Self {
         Self { rounds: Rounds::of(period), start }
     }
 }
 
 /// Resets the particles whose round has ended.
-pub(crate) fn begin_anew(clock: Res<SinewClock>, mut again: Query<(&mut Again, &mut Particle)>) {
-    for (mut again, mut particle) in &mut again {
-        if again.rounds.ended(&clock).is_some() {
-            *particle = again.start;
+pub(crate) fn restart(clock: Res<SinewClock>, mut loose: Query<(&mut Restart, &mut Particle)>) {
+    for (mut restart, mut particle) in &mut loose {
+        if restart.rounds.ended(&clock).is_some() {
+            *particle = restart.start;
         }
     }
 }
 
 /// Round-off allowed in the sum of the ticks, as a fraction of a round.
-const SLACK: f64 = 1e-5;
+const ROUND_OFF: f64 = 1e-5;
 
 /// The nearest multiple of a quarter of a second, at least one quarter.
 pub(crate) fn quarters(seconds: f32) -> f64 {
@@ -61,6 +61,6 @@ pub(crate) fn quarters(seconds: f32) -> f64 {
 
 /// Time since the start of its round of `period` seconds: 0 only at the very beginning, and the whole period where a round ends.
 pub(crate) fn into_round(seconds: f64, period: f64) -> f64 {
-    let ended = (seconds / period - SLACK).floor().max(0.0);
+    let ended = (seconds / period - ROUND_OFF).floor().max(0.0);
     seconds - ended * period
 }

@@ -68,7 +68,7 @@ impl Heading {
             Self::Bodies => "Bodies",
             Self::Soft => "Ropes, cloth, soft bodies",
             Self::Contacts => "Contacts and friction",
-            Self::Together => "All together",
+            Self::Together => "Everything together",
         }
     }
 }
@@ -161,7 +161,7 @@ pub(crate) fn values<const N: usize>(world: &World) -> [f32; N] {
 }
 
 /// The component of the first entity with this name.
-pub(crate) fn of_named<C: Component + Clone>(world: &mut World, name: &str) -> Option<C> {
+pub(crate) fn component_of<C: Component + Clone>(world: &mut World, name: &str) -> Option<C> {
     let mut named = world.query::<(&Name, &C)>();
     named.iter(world).find(|(its, _)| its.as_str() == name).map(|(_, found)| found.clone())
 }

@@ -12,7 +12,7 @@ use bevy_sinew::SinewClock;
 use sinew_draw as draw;
 use sinew_scenes::Scene;
 
-use super::Programme;
+use super::SceneChoice;
 use super::screenshots::Textures;
 use crate::thumbnails;
 
@@ -88,11 +88,11 @@ const STILL: u32 = 5;
 /// Frames that are drawn and discarded before the first picture.
 const DRAWN: u32 = 2;
 /// Most frames to wait for assets, for the time of the picture or for a picture, each.
-const PATIENCE: u32 = 2_000;
+const MAX_WAIT_FRAMES: u32 = 2_000;
 
 /// Runs one scene after the other, then quits the app.
 pub(super) fn add(app: &mut App, job: Job, scenes: Vec<&'static Scene>) {
-    app.insert_resource(Studio {
+    app.insert_resource(Filming {
         job,
         scenes,
         next: 0,
@@ -102,11 +102,11 @@ pub(super) fn add(app: &mut App, job: Job, scenes: Vec<&'static Scene>) {
     })
     .init_resource::<Shots>()
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
-    .add_systems(Last, shoot);
+    .add_systems(Last, capture);
 }
 
 #[derive(Resource)]
-struct Studio {
+struct Filming {
     job: Job,
     scenes: Vec<&'static Scene>,
     next: usize,
@@ -127,7 +127,7 @@ enum State {
     /// The scene has been drawn this many times, which creates its pipelines and bins.
     Drawn(u32),
     /// This many pictures have been requested.
-    Rolling(usize),
+    Capturing(usize),
 }
 
 /// The captured pictures, in the order of their requests.
@@ -155,25 +155,25 @@ impl Loading<'_, '_> {
     }
 }
 
-fn shoot(
+fn capture(
     mut commands: Commands,
-    mut studio: ResMut<Studio>,
+    mut filming: ResMut<Filming>,
     mut shots: ResMut<Shots>,
-    mut programme: ResMut<Programme>,
+    mut choice: ResMut<SceneChoice>,
     mut time: ResMut<TimeUpdateStrategy>,
     mut camera: Single<&mut Camera, With<PanOrbitCamera>>,
     clock: Res<SinewClock>,
     loading: Loading,
     mut exit: MessageWriter<AppExit>,
 ) {
-    let studio = &mut *studio;
+    let filming = &mut *filming;
     let mut failed = |message: String| {
         error!("{message}");
         exit.write(AppExit::error());
     };
-    let Some(scene) = studio.scenes.get(studio.next).copied() else {
-        if let Job::Thumbnails(file) = &studio.job
-            && let Err(reason) = thumbnails::write(file, &studio.tiles)
+    let Some(scene) = filming.scenes.get(filming.next).copied() else {
+        if let Job::Thumbnails(file) = &filming.job
+            && let Err(reason) = thumbnails::write(file, &filming.tiles)
         {
             failed(format!("cannot write {}: {reason}", file.display()));
             return;
@@ -181,17 +181,17 @@ fn shoot(
         exit.write(AppExit::Success);
         return;
     };
-    studio.waited += 1;
-    if studio.waited > PATIENCE {
-        failed(format!("nothing more of {} after {PATIENCE} frames", scene.name));
+    filming.waited += 1;
+    if filming.waited > MAX_WAIT_FRAMES {
+        failed(format!("no progress on {} after {MAX_WAIT_FRAMES} frames", scene.name));
         return;
     }
-    let frames = studio.job.frames(scene);
+    let frames = filming.job.frames(scene);
     let mut stride = Duration::ZERO;
-    let next = match studio.state {
+    let next = match filming.state {
         State::Start => {
-            programme.wanted = Some(scene);
-            programme.values = None;
+            choice.requested = Some(scene);
+            choice.values = None;
             shots.0.clear();
             State::Loading
         }
@@ -199,32 +199,32 @@ fn shoot(
         State::Loading => State::Loading,
         State::Still(n) if n < STILL => State::Still(n + 1),
         State::Still(_) => State::Playing,
-        State::Playing if clock.seconds < studio.job.begin(scene) => {
-            stride = studio.job.stride();
+        State::Playing if clock.seconds < filming.job.begin(scene) => {
+            stride = filming.job.stride();
             State::Playing
         }
         State::Playing => State::Drawn(0),
         State::Drawn(n) if n < DRAWN => State::Drawn(n + 1),
-        State::Drawn(_) => State::Rolling(0),
-        State::Rolling(asked) if asked < frames => {
-            let factor = studio.job.factor();
+        State::Drawn(_) => State::Capturing(0),
+        State::Capturing(requested) if requested < frames => {
+            let factor = filming.job.factor();
             shots.0.push(None);
             commands.spawn(Screenshot::primary_window()).observe(
                 move |captured: On<ScreenshotCaptured>, mut shots: ResMut<Shots>| {
                     let image = image_of(&captured.image).map(|image| image.shrunk(factor));
-                    if let Some(shot) = shots.0.get_mut(asked) {
+                    if let Some(shot) = shots.0.get_mut(requested) {
                         *shot = image;
                     }
                 },
             );
-            stride = studio.job.stride();
-            studio.waited = 0;
-            State::Rolling(asked + 1)
+            stride = filming.job.stride();
+            filming.waited = 0;
+            State::Capturing(requested + 1)
         }
-        State::Rolling(asked) if shots.missing() > 0 => State::Rolling(asked),
-        State::Rolling(_) => {
+        State::Capturing(requested) if shots.missing() > 0 => State::Capturing(requested),
+        State::Capturing(_) => {
             let film: Vec<draw::Image> = shots.0.drain(..).flatten().collect();
-            match &studio.job {
+            match &filming.job {
                 Job::Films { folder, fps, .. } => {
                     let path = folder.join(format!("{}.gif", scene.name));
                     // In hundredths of a second, the unit of GIF.
@@ -250,11 +250,11 @@ fn shoot(
                 }
                 Job::Thumbnails(_) => {
                     println!("{}", scene.name);
-                    studio.tiles.extend(film.into_iter().map(|tile| (scene.name, tile)));
+                    filming.tiles.extend(film.into_iter().map(|tile| (scene.name, tile)));
                 }
             }
-            studio.next += 1;
-            studio.waited = 0;
+            filming.next += 1;
+            filming.waited = 0;
             State::Start
         }
     };
@@ -262,10 +262,10 @@ fn shoot(
     // A software renderer is slow: only frames that are used are drawn.
     camera.is_active = match next {
         State::Drawn(_) => true,
-        State::Rolling(asked) => asked < frames || shots.missing() > 0,
+        State::Capturing(requested) => requested < frames || shots.missing() > 0,
         _ => false,
     };
-    studio.state = next;
+    filming.state = next;
 }
 
 /// Converts a captured image for the crate that writes files; `None` for a format that the CPU cannot read.

@@ -26,12 +26,12 @@ use crate::Options;
 
 /// The current scene, and the one that is to be loaded.
 #[derive(Resource)]
-struct Programme {
+struct SceneChoice {
     current: &'static Scene,
     /// Whether a scene has been loaded yet.
-    begun: bool,
+    loaded_any: bool,
     /// The scene to load, or to reload, before the next frame.
-    wanted: Option<&'static Scene>,
+    requested: Option<&'static Scene>,
     /// Values of its sliders for that; `None`: their defaults.
     values: Option<Vec<f32>>,
 }
@@ -56,7 +56,7 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> Result<ExitCo
         .or_else(|| options.stills.clone().map(film::Job::Stills))
         .or_else(|| options.thumbnails.clone().map(film::Job::Thumbnails));
     let opened = catch_unwind(AssertUnwindSafe(|| open(first, for_pictures, job.as_ref())));
-    let mut app = opened.map_err(|_| "Bevy could not open one, see above")?;
+    let mut app = opened.map_err(|_| "Bevy could not open a window, see above")?;
     if let Some(layers) = crate::layers_of(options.lines.iter().map(String::as_str))
         && !options.lines.is_empty()
     {
@@ -75,7 +75,7 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> Result<ExitCo
         #[cfg(target_os = "linux")]
         drive::add(&mut app, folder);
         #[cfg(not(target_os = "linux"))]
-        return Err(format!("{}: only an X server makes events on request", folder.display()));
+        return Err(format!("{}: --drive needs an X server", folder.display()));
     }
     match app.run() {
         AppExit::Success => Ok(ExitCode::SUCCESS),
@@ -118,10 +118,10 @@ fn open(first: &'static Scene, for_screenshots: bool, job: Option<&film::Job>) -
         ui::add(&mut app);
         tools::add(&mut app);
     }
-    app.insert_resource(Programme {
+    app.insert_resource(SceneChoice {
         current: first,
-        begun: false,
-        wanted: Some(first),
+        loaded_any: false,
+        requested: Some(first),
         values: None,
     })
     .add_systems(First, change_scene);
@@ -130,13 +130,13 @@ fn open(first: &'static Scene, for_screenshots: bool, job: Option<&film::Job>) -
 
 /// Loads the requested scene, and moves the camera to its viewpoint.
 fn change_scene(world: &mut World) {
-    let Some(scene) = world.resource_mut::<Programme>().wanted.take() else { return };
-    let mut programme = world.resource_mut::<Programme>();
-    let moved = !programme.begun || programme.current.name != scene.name;
-    programme.begun = true;
-    programme.current = scene;
+    let Some(scene) = world.resource_mut::<SceneChoice>().requested.take() else { return };
+    let mut choice = world.resource_mut::<SceneChoice>();
+    let moved = !choice.loaded_any || choice.current.name != scene.name;
+    choice.loaded_any = true;
+    choice.current = scene;
     // A restart keeps the values of the sliders.
-    let values = world.resource_mut::<Programme>().values.clone();
+    let values = world.resource_mut::<SceneChoice>().values.clone();
     match values {
         Some(values) => sinew_scenes::load_with(world, scene, &values),
         None => sinew_scenes::load(world, scene),

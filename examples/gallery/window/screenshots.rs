@@ -11,20 +11,20 @@ use bevy_panorbit_camera::PanOrbitCamera;
 use bevy_sinew::SinewClock;
 use sinew_scenes::Scene;
 
-use super::Programme;
+use super::SceneChoice;
 
 /// Simulated time of a frame until the time of the picture.
 const STRIDE: Duration = Duration::from_millis(125);
 /// Frames of the panel alone at the time of the picture, in which textures reach the GPU and the panel gets its final layout.
 const STILL: u32 = 4;
 /// Most frames to wait for the time of the picture and for the file: a loading asset or a full disk must not hang CI.
-const PATIENCE: u32 = 2_000;
+const MAX_WAIT_FRAMES: u32 = 2_000;
 
 /// Runs one scene after the other, then quits the app.
 pub(super) fn add(app: &mut App, folder: PathBuf, scenes: Vec<&'static Scene>) {
     app.insert_resource(Series { folder, scenes, next: 0, state: State::Start, frames: 0 })
         .insert_resource(TimeUpdateStrategy::ManualDuration(STRIDE))
-        .add_systems(Last, shoot);
+        .add_systems(Last, capture);
 }
 
 #[derive(Resource)]
@@ -61,10 +61,10 @@ impl Textures<'_> {
     }
 }
 
-fn shoot(
+fn capture(
     mut commands: Commands,
     mut series: ResMut<Series>,
-    mut programme: ResMut<Programme>,
+    mut choice: ResMut<SceneChoice>,
     mut time: ResMut<TimeUpdateStrategy>,
     mut camera: Single<&mut Camera, With<PanOrbitCamera>>,
     clock: Res<SinewClock>,
@@ -77,20 +77,20 @@ fn shoot(
         return;
     };
     series.frames += 1;
-    if series.frames > PATIENCE {
-        error!("no picture of {} after {PATIENCE} frames", scene.name);
+    if series.frames > MAX_WAIT_FRAMES {
+        error!("no picture of {} after {MAX_WAIT_FRAMES} frames", scene.name);
         exit.write(AppExit::error());
         return;
     }
     let next = match &series.state {
         State::Start => {
             if std::fs::create_dir_all(&series.folder).is_err() {
-                error!("cannot make {}", series.folder.display());
+                error!("cannot create {}", series.folder.display());
                 exit.write(AppExit::error());
                 return;
             }
-            programme.wanted = Some(scene);
-            programme.values = None;
+            choice.requested = Some(scene);
+            choice.values = None;
             *time = TimeUpdateStrategy::ManualDuration(STRIDE);
             State::Playing
         }

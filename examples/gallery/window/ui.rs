@@ -16,7 +16,7 @@ use sinew_panel::{
 };
 use sinew_scenes::{ALL, Heading, OnStage, Scene};
 
-use super::Programme;
+use super::SceneChoice;
 use super::tools::{self, Tools};
 use crate::thumbnails;
 
@@ -57,7 +57,7 @@ fn spawn_camera(mut commands: Commands) {
 fn draw(
     mut contexts: EguiContexts,
     mut panel: PanelParams,
-    mut programme: ResMut<Programme>,
+    mut choice: ResMut<SceneChoice>,
     stage: Option<Res<OnStage>>,
     mut tools: ResMut<Tools>,
     mut pictures: Local<Option<Pictures>>,
@@ -71,12 +71,12 @@ fn draw(
     dock(ctx, PanelSide::Left, |ui| {
         ui.heading("Sinew");
         ui.add_space(2.0);
-        let current = programme.current;
+        let current = choice.current;
         ui.label(egui::RichText::new(current.about).weak());
         ui.add_space(6.0);
         if let Some(values) = stage.as_deref().and_then(|stage| lesson(ui, stage)) {
-            programme.wanted = Some(current);
-            programme.values = Some(values);
+            choice.requested = Some(current);
+            choice.values = Some(values);
         }
         if tools::is_on(stage.as_deref()) {
             tools::bar(ui, &mut tools);
@@ -91,20 +91,20 @@ fn draw(
                 .show_unindented(ui, |ui| scenes_of(ui, heading, current, pictures))
                 .body_returned;
             if let Some(scene) = clicked.flatten() {
-                programme.wanted = Some(scene);
-                programme.values = None;
+                choice.requested = Some(scene);
+                choice.values = None;
             }
         }
         ui.add_space(4.0);
         ui.horizontal(|ui| {
             if ui.button("Restart").on_hover_text("R").clicked() {
-                programme.wanted = Some(current);
+                choice.requested = Some(current);
             }
-            let keys = egui::RichText::new("R restarts, arrows: other scenes").weak().small();
+            let keys = egui::RichText::new("R restarts; arrows change the scene").weak().small();
             ui.add(egui::Label::new(keys).truncate());
         });
         let pointer =
-            egui::RichText::new("Drag anything; a click selects, Escape deselects.").weak().small();
+            egui::RichText::new("Drag bodies; click to select, Escape to deselect.").weak().small();
         ui.add(egui::Label::new(pointer).truncate());
         ui.separator();
         show(ui, &mut panel);
@@ -163,7 +163,7 @@ fn scenes_of(
     current: &Scene,
     pictures: &Pictures,
 ) -> Option<&'static Scene> {
-    let mut wanted = None;
+    let mut requested = None;
     egui::Grid::new(heading.title()).num_columns(COLUMNS).spacing([4.0, 2.0]).show(ui, |ui| {
         let gaps = 4.0 * (COLUMNS - 1) as f32;
         let width = ((DOCK_WIDTH - 28.0 - gaps) / COLUMNS as f32).floor();
@@ -178,14 +178,14 @@ fn scenes_of(
                 ui.label(scene.title);
             };
             if ui.add(button).on_hover_ui(closer).clicked() {
-                wanted = Some(scene);
+                requested = Some(scene);
             }
             if i % COLUMNS == COLUMNS - 1 {
                 ui.end_row();
             }
         }
     });
-    wanted
+    requested
 }
 
 /// Draws the lesson: what to try and to watch, the formula, the sliders and the number. Returns the values of the sliders if one was moved.
@@ -204,13 +204,13 @@ fn lesson(ui: &mut egui::Ui, stage: &OnStage) -> Option<Vec<f32>> {
         let rail = egui::Slider::new(value, slider.range[0]..=slider.range[1])
             .text(slider.label)
             .suffix(suffix);
-        moved |= ui.add(rail).on_hover_text("The scene starts again with it.").changed();
+        moved |= ui.add(rail).on_hover_text("Changing it restarts the scene.").changed();
     }
     ui.add_space(4.0);
     if let Some([measured, expected]) = stage.reading {
         let unit = lesson.unit;
         ui.label(egui::RichText::new(lesson.number).strong());
-        ui.label(format!("measured {measured:.3} {unit}, by the formula {expected:.3} {unit}"))
+        ui.label(format!("measured {measured:.3} {unit}, predicted {expected:.3} {unit}"))
             .on_hover_text(format!("Compared {} s after the start.", lesson.after));
     }
     ui.add_space(6.0);
@@ -220,22 +220,22 @@ fn lesson(ui: &mut egui::Ui, stage: &OnStage) -> Option<Vec<f32>> {
 fn keys(
     keys: Res<ButtonInput<KeyCode>>,
     egui: Res<EguiWantsInput>,
-    mut programme: ResMut<Programme>,
+    mut choice: ResMut<SceneChoice>,
 ) {
     if egui.wants_keyboard_input() {
         return;
     }
-    let current = ALL.iter().position(|scene| scene.name == programme.current.name).unwrap_or(0);
+    let current = ALL.iter().position(|scene| scene.name == choice.current.name).unwrap_or(0);
     if keys.just_pressed(KeyCode::KeyR) {
-        programme.wanted = Some(programme.current);
+        choice.requested = Some(choice.current);
     }
     if keys.just_pressed(KeyCode::ArrowRight) {
-        programme.wanted = Some(&ALL[(current + 1) % ALL.len()]);
-        programme.values = None;
+        choice.requested = Some(&ALL[(current + 1) % ALL.len()]);
+        choice.values = None;
     }
     if keys.just_pressed(KeyCode::ArrowLeft) {
-        programme.wanted = Some(&ALL[(current + ALL.len() - 1) % ALL.len()]);
-        programme.values = None;
+        choice.requested = Some(&ALL[(current + ALL.len() - 1) % ALL.len()]);
+        choice.values = None;
     }
 }
 

@@ -21,14 +21,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "areas",
     heading: Heading::Soft,
     title: "Area by scaling and by gradient",
-    about: "two flat ellipses grow to the same area: scaled (orange), one keeps its shape; by the gradient (blue), each bit of the rim goes straight out",
+    about: "two flat ellipses grow to the same area: the orange one is scaled and keeps its shape; in the blue one, moved along the gradient, each part of the rim moves straight out",
     eye: Vec3::new(0.0, 1.35, 4.4),
     target: Vec3::new(0.0, 0.95, 0.0),
     seconds: 3.0,
     moment: 2.4,
     lesson: Some(Lesson {
-        try_this: "make the ellipses thin, or their area large: orange has to go far to the sides, blue hardly at all",
-        watch: "both have the same area in the end, and the gradient displaces the least; the posts are as far apart as the scaled one becomes wide",
+        try_this: "make the ellipses thin, or their area large: orange has to move far to the sides, blue hardly at all",
+        watch: "both reach the same area, and the gradient displaces the least; the posts are as far apart as the scaled ellipse becomes wide",
         formula: "scaled: width √(A/A₀); by gradient: each corner by d ∝ ∂A/∂x, the least Σ m d²",
         sliders: &[
             SceneSlider { label: "Area", unit: "times", range: [1.2, 2.5], default: 1.8 },
@@ -46,7 +46,7 @@ pub(super) const SCENE: Scene = Scene {
 };
 
 /// Particles on the rim.
-const AROUND: u32 = 28;
+const RIM_PARTICLES: u32 = 28;
 /// Frequency of the soft constraint that makes them grow, Hz.
 const HERTZ: f32 = 1.2;
 /// Height of their centres, metres.
@@ -64,17 +64,18 @@ fn spawn(world: &mut World) {
     world.spawn((InScene, board, Look::color(0xe9e3d5).roughness(0.9), at));
     // The centre, and the rim about it, counter-clockwise as seen from the camera.
     let mut points = vec![Vec3::ZERO];
-    points.extend((0..AROUND).map(|i| {
-        let (sin, cos) = libm::sincosf(TAU * i as f32 / AROUND as f32);
+    points.extend((0..RIM_PARTICLES).map(|i| {
+        let (sin, cos) = libm::sincosf(TAU * i as f32 / RIM_PARTICLES as f32);
         Vec3::new(0.5 * width * cos, 0.5 * height * sin, 0.0)
     }));
-    let triangles: Vec<[u32; 3]> = (0..AROUND).map(|i| [0, 1 + i, 1 + (i + 1) % AROUND]).collect();
+    let triangles: Vec<[u32; 3]> =
+        (0..RIM_PARTICLES).map(|i| [0, 1 + i, 1 + (i + 1) % RIM_PARTICLES]).collect();
     let area = Patch::of(triangles.as_slice(), &points).rest;
     // Each rim particle is as heavy as the rim around it, so that the rim moves like a uniform line.
     let mass = |i: usize| match i {
         0 => 1.0,
         _ => {
-            let around = AROUND as usize;
+            let around = RIM_PARTICLES as usize;
             let [before, after] = [(i + around - 2) % around, i % around].map(|k| points[1 + k]);
             before.distance(after)
         }
@@ -107,7 +108,8 @@ fn spawn(world: &mut World) {
         world.spawn((full, ConstraintOf(body)));
         world.entity_mut(body).insert(MeshFollow { vertices: particles });
         // The initial rim.
-        let rim = (0..=AROUND).map(|i| middle + points[1 + (i % AROUND) as usize] + Vec3::Z * 0.02);
+        let rim = (0..=RIM_PARTICLES)
+            .map(|i| middle + points[1 + (i % RIM_PARTICLES) as usize] + Vec3::Z * 0.02);
         let rim: Vec<Vec3> = rim.collect();
         curve(world, &rim, 0.008, Look::color(0xf3f1ea));
         // Posts as far apart as the scaled patch becomes wide.

@@ -19,7 +19,7 @@ pub(super) const SCENE: Scene = Scene {
     moment: 3.0,
     lesson: Some(Lesson {
         try_this: "turn up the wind, or take heavier cloth: the banner leans until wind and weight add up to its own direction",
-        watch: "the seam of the texture is welded, so the banner hangs as one sheet, along the red line; the wind finds less of a sheet that leans, as its cosine",
+        watch: "the texture seam is welded, so the banner hangs as one sheet, along the red line; the wind pressure on it falls with the cosine of its angle",
         formula: "sin φ / cos² φ = p / (σ g)",
         sliders: &[
             SceneSlider { label: "Pressure", unit: "Pa", range: [0.5, 5.0], default: 3.0 },

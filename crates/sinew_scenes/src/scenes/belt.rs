@@ -6,21 +6,21 @@ use bevy_sinew::{Combine, ParticleBody, ParticleOf, RigidPose, SinewClock};
 
 use crate::look::Look;
 use crate::props::{curve, mesh};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "belt",
     heading: Heading::Contacts,
-    title: "Moved and bounced",
-    about: "a tray that goes to and fro carries crates by friction alone; five balls bounce to e² of their height",
+    title: "Carried and bouncing",
+    about: "a tray that moves to and fro carries crates by friction alone; five balls bounce to e² of their height",
     eye: Vec3::new(2.4, 2.6, 6.0),
     target: Vec3::new(0.0, 0.8, 0.0),
     seconds: 6.0,
     moment: 1.4,
     lesson: Some(Lesson {
-        try_this: "change how much of its speed the ball in the middle bounces back with, or from how high it falls",
-        watch: "each bounce gives back the share e of the speed and so e² of the height, up to the red mark; the crates go with the tray, for friction asks less than μ g of them",
+        try_this: "change the restitution of the ball in the middle, or the height it falls from",
+        watch: "each bounce returns the fraction e of the speed and so e² of the height, up to the red mark; the crates move with the tray, because its acceleration stays below μ g",
         formula: "v' = −e v, so h' = e² h",
         sliders: &[
             SceneSlider { label: "Restitution", unit: "", range: [0.3, 1.0], default: 0.7 },
@@ -31,7 +31,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "m",
         after: 1.1,
         measure: |world| {
-            let ball: Particle = of_named(world, "middle ball")?;
+            let ball: Particle = component_of(world, "middle ball")?;
             Some(f64::from(ball.position.y - RADIUS - PLATE))
         },
         expect: |values, seconds| {
@@ -50,7 +50,7 @@ pub(crate) struct Tray {
 }
 
 /// Moves the trays by 0.8 m to either side, with a period of 5 s.
-pub(crate) fn lead_trays(clock: Res<SinewClock>, mut trays: Query<(&Tray, &mut Transform)>) {
+pub(crate) fn move_trays(clock: Res<SinewClock>, mut trays: Query<(&Tray, &mut Transform)>) {
     for (tray, mut transform) in &mut trays {
         let turn = (clock.seconds / 5.0).fract() as f32 * core::f32::consts::TAU;
         transform.translation = tray.at + Vec3::X * (0.8 * libm::sinf(turn));

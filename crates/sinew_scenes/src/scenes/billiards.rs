@@ -6,7 +6,7 @@ use bevy_sinew::prelude::*;
 
 use crate::look::Look;
 use crate::props::mesh;
-use crate::readings::all_named;
+use crate::readings::entities_named;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 use crate::shapes::{ball, rounded_box};
 
@@ -14,14 +14,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "billiards",
     heading: Heading::Contacts,
     title: "The break",
-    about: "fifteen balls that touch are hit by one: all contacts of the blow are solved as one problem, so that with restitution 1 no energy comes or goes",
+    about: "one ball hits fifteen that touch: all contacts of the blow are solved as one problem, so that with restitution 1 no energy is lost or gained",
     eye: Vec3::new(0.0, 5.6, 4.6),
     target: Vec3::new(0.2, 0.3, 0.1),
     seconds: 6.0,
     moment: 1.15,
     lesson: Some(Lesson {
-        try_this: "hit harder, or further off the middle: the balls fly elsewhere, and together have the energy of the one that came",
-        watch: "fifteen balls that touch share one blow: as many unknowns as contacts, solved together, or energy would be lost or made",
+        try_this: "hit harder, or further off the middle: the balls fly elsewhere, and together have the energy of the cue ball",
+        watch: "fifteen touching balls share one blow: as many unknowns as contacts, solved together; solved one by one, they would lose or gain energy",
         formula: "Σ ½ m v² = ½ m v₀²",
         sliders: &[
             SceneSlider { label: "Speed", unit: "m/s", range: [2.0, 8.0], default: 5.0 },
@@ -33,7 +33,7 @@ pub(super) const SCENE: Scene = Scene {
         after: 2.0,
         measure: |world| {
             let [_, _, mass] = values(world);
-            let balls = all_named(world, "ball");
+            let balls = entities_named(world, "ball");
             let square = |ball: &Entity| {
                 world.get::<LinearVelocity>(*ball).map(|v| v.0.as_dvec3().length_squared())
             };
@@ -50,8 +50,8 @@ pub(super) const SCENE: Scene = Scene {
 
 const RADIUS: f32 = 0.16;
 /// Length and width of the cloth, metres, and its height.
-const TABLE: Vec2 = Vec2::new(5.6, 2.9);
-const HEIGHT: f32 = 0.4;
+const TABLE_SIZE: Vec2 = Vec2::new(5.6, 2.9);
+const TABLE_HEIGHT: f32 = 0.4;
 
 fn spawn(world: &mut World) {
     let [speed, off, mass] = values(world);
@@ -63,21 +63,21 @@ fn spawn(world: &mut World) {
         friction_rule: Combine::Multiply,
         ..SurfaceMaterial::new(0.0)
     };
-    let slab = Vec3::new(TABLE.x, HEIGHT, TABLE.y);
+    let slab = Vec3::new(TABLE_SIZE.x, TABLE_HEIGHT, TABLE_SIZE.y);
     let cloth = mesh(world, rounded_box(slab, 0.02, 2));
     let felt = (Collider::cuboid(slab), SurfaceMaterial::new(0.05));
     let green = Look::color(0x2f6b4a).roughness(0.95);
-    let at = Transform::from_xyz(0.0, 0.5 * HEIGHT, 0.0);
+    let at = Transform::from_xyz(0.0, 0.5 * TABLE_HEIGHT, 0.0);
     world.spawn((InScene, Name::new("table"), felt, cloth, green, at));
     let wood = Look::color(0x5d3f29).roughness(0.6);
     for (x, z) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
         let wide = 0.18;
         let size = if x == 0.0 {
-            Vec3::new(TABLE.x + 2.0 * wide, HEIGHT + 0.24, wide)
+            Vec3::new(TABLE_SIZE.x + 2.0 * wide, TABLE_HEIGHT + 0.24, wide)
         } else {
-            Vec3::new(wide, HEIGHT + 0.24, TABLE.y)
+            Vec3::new(wide, TABLE_HEIGHT + 0.24, TABLE_SIZE.y)
         };
-        let out = Vec3::new(x * (TABLE.x + wide), size.y, z * (TABLE.y + wide)) * 0.5;
+        let out = Vec3::new(x * (TABLE_SIZE.x + wide), size.y, z * (TABLE_SIZE.y + wide)) * 0.5;
         let skin = mesh(world, rounded_box(size, 0.03, 2));
         let cushion = (Collider::cuboid(size), smooth);
         let at = Transform::from_translation(out);
@@ -94,7 +94,7 @@ fn spawn(world: &mut World) {
             skin.clone(),
             Look::color(color).roughness(0.15),
             Interpolate,
-            Transform::from_xyz(x, HEIGHT + RADIUS, z),
+            Transform::from_xyz(x, TABLE_HEIGHT + RADIUS, z),
         ));
     };
     let colors = [0xd9b26a, 0x4f7cac, 0xc0604d, 0x6b4f8a, 0xd98a3d, 0x3d7a5a, 0x8a3344, 0x26262b];

@@ -20,14 +20,14 @@ pub(super) const SCENE: Scene = Scene {
     moment: 3.0,
     lesson: Some(Lesson {
         try_this: "make the jelly stiffer, denser or rougher",
-        watch: "each cube gives way where it is pressed and swells elsewhere; walls and ground push with whatever it takes, and no particle gets through",
-        formula: "|x| ≤ room/2, |z| ≤ room/2, y ≥ 0 for the middle of every particle",
+        watch: "each cube yields where it is pressed and bulges elsewhere; walls and ground push as hard as needed, and no particle gets through",
+        formula: "|x| ≤ width/2, |z| ≤ width/2, y ≥ 0 for the centre of every particle",
         sliders: &[
             SceneSlider { label: "Stiffness", unit: "kPa", range: [5.0, 20.0], default: 8.0 },
             SceneSlider { label: "Density", unit: "kg/m³", range: [50.0, 150.0], default: 100.0 },
             SceneSlider { label: "Friction", unit: "", range: [0.2, 0.9], default: 0.5 },
         ],
-        number: "Deepest middle in wall or ground",
+        number: "Deepest particle centre in wall or ground",
         unit: "mm",
         after: 0.75,
         measure: |world| {

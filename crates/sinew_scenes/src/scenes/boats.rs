@@ -6,7 +6,7 @@ use bevy_sinew::{BoxParticles, Region};
 
 use crate::look::Look;
 use crate::props::mesh;
-use crate::readings::of_place;
+use crate::readings::nth_component_of;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 use crate::shapes::{cylinder, rounded_box};
 
@@ -14,14 +14,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "boats",
     heading: Heading::Forces,
     title: "Hulls in a current",
-    about: "crates float a quarter, a half and three quarters deep, as their density says; the raft stays level, the tall box turns over; all drift",
+    about: "crates float a quarter, a half and three quarters deep, by their density; the raft stays level, the tall box turns over; all drift",
     eye: Vec3::new(0.4, 3.3, 8.4),
     target: Vec3::new(0.0, 0.95, 0.0),
     seconds: 8.0,
     moment: 4.2,
     lesson: Some(Lesson {
         try_this: "load the crate in the middle, build it higher, or let the water flow",
-        watch: "a hull pushes aside as much water as it weighs: it sits as deep as the share of its density in the water's, in still water and in a current",
+        watch: "a hull displaces its own weight of water: the fraction of it under water is the ratio of its density to the water's, in still water and in a current",
         formula: "draught = height ρ_crate / ρ_water",
         sliders: &[
             SceneSlider { label: "Density", unit: "kg/m³", range: [250.0, 750.0], default: 500.0 },
@@ -32,7 +32,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "mm",
         after: 6.0,
         measure: |world| {
-            let frame: Transform = of_place(world, "crate", 1)?;
+            let frame: Transform = nth_component_of(world, "crate", 1)?;
             let [_, height, _] = values(world);
             Some(f64::from(DEPTH - (frame.translation.y - 0.5 * height)) * 1e3)
         },

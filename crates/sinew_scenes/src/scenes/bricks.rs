@@ -7,7 +7,7 @@ use bevy_sinew::{BodySolver, GradientAt, RigidIntegrator};
 
 use crate::look::Look;
 use crate::props::mesh;
-use crate::readings::all_named;
+use crate::readings::entities_named;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 use crate::shapes::{ball, cylinder, rounded_box};
 
@@ -15,14 +15,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "bricks",
     heading: Heading::Constraints,
     title: "Bricks in space (Dzhanibekov)",
-    about: "orange, the lectures' loop, loses its spin; blue, corrected along the start of the step, flips every 3.9 s, and so does green, a rigid body",
+    about: "orange, plain position-based dynamics, loses its spin; blue, corrected along the gradients at the start of the step, flips every 3.9 s, and so does green, a rigid body",
     eye: Vec3::new(0.0, 4.7, 13.8),
     target: Vec3::new(0.0, 2.7, 0.0),
     seconds: 8.0,
     moment: 3.9,
     lesson: Some(Lesson {
         try_this: "throw them faster, or tilted further: the further off its axis, the sooner a brick flips",
-        watch: "nothing turns a brick in space, so its angular momentum stays what it was, though its axis goes over and back; the blue one's 28 distances keep it by themselves",
+        watch: "no torque acts on a brick in space, so its angular momentum is constant, though its axis flips over and back; the blue one's 28 distances conserve it by themselves",
         formula: "L = Σ m r × v = I ω is constant",
         sliders: &[
             SceneSlider { label: "Spin", unit: "rad/s", range: [2.0, 7.0], default: 6.0 },
@@ -33,7 +33,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "kg m²/s",
         after: 2.0,
         measure: |world| {
-            let brick = *all_named(world, "brick").get(1)?;
+            let brick = *entities_named(world, "brick").get(1)?;
             angular_momentum(world, brick)
         },
         expect: |values, _| {

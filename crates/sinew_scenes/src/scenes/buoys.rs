@@ -5,21 +5,21 @@ use bevy_sinew::prelude::*;
 
 use crate::look::Look;
 use crate::props::{curve, mesh};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "buoys",
     heading: Heading::Forces,
     title: "Floating balls",
-    about: "from cork to stone: each floats as deep as its density says, and one sinks",
+    about: "from cork to stone: each ball floats as deep as its density requires, and one sinks",
     eye: Vec3::new(0.4, 1.8, 5.6),
     target: Vec3::new(0.0, 0.55, 0.0),
     seconds: 6.0,
     moment: 1.4,
     lesson: Some(Lesson {
-        try_this: "make the red ball denser, or the water: it comes to rest where it pushes aside as much water as it weighs",
-        watch: "the ball bobs until its foot is at the red mark; half as dense as water it floats with its middle at the surface",
+        try_this: "make the red ball or the water denser: it comes to rest where it displaces its own weight of water",
+        watch: "the ball bobs until its lowest point is at the red mark; half as dense as water, it floats with its centre at the surface",
         formula: "x² (3 − x) / 4 = ρ_ball / ρ_water, with x = depth / radius",
         sliders: &[
             SceneSlider { label: "Density", unit: "kg/m³", range: [150.0, 780.0], default: 500.0 },
@@ -30,7 +30,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "mm",
         after: 5.0,
         measure: |world| {
-            let ball: Particle = of_named(world, "red ball")?;
+            let ball: Particle = component_of(world, "red ball")?;
             let [_, radius, _] = values(world);
             Some(f64::from(LEVEL - (ball.position.y - radius)) * 1e3)
         },

@@ -8,7 +8,7 @@ use bevy_sinew::{Charge, ConstraintOf, ElectricField, ParticleBody, ParticleOf, 
 use crate::arrow::Arrow;
 use crate::look::Look;
 use crate::props::{mesh, post};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
@@ -33,7 +33,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "°",
         after: 5.0,
         measure: |world| {
-            let bob: Particle = of_named(world, "charged ball")?;
+            let bob: Particle = component_of(world, "charged ball")?;
             let hook = hook();
             let (across, down) = (bob.position.x - hook.x, hook.y - bob.position.y);
             Some(libm::atan2(f64::from(across), f64::from(down)).to_degrees())

@@ -7,21 +7,21 @@ use bevy_sinew::{AttachmentOf, ControlForce, SinewClock};
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
 use crate::rounds::into_round;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "car",
     heading: Heading::Forces,
-    title: "A torque on the wheels, a force on the body",
-    about: "the red car is driven by its axles, the blue one is pushed by a force of torque over radius: both are as fast, because the road pushes the red one",
+    title: "Torque on wheels, force on body",
+    about: "the red car is driven by its axles, the blue one is pushed by a force of torque over radius: both reach the same speed, because the road pushes the red one",
     eye: Vec3::new(0.4, 2.5, 5.6),
     target: Vec3::new(0.0, 0.35, 0.0),
     seconds: 5.0,
     moment: 1.2,
     lesson: Some(Lesson {
-        try_this: "turn up the torque, load the car, or put it on larger wheels: a larger wheel makes less force of the same torque",
-        watch: "both speed up for 1.25 s, brake for as long, and go back; the wheels take their share, for they must be turned as well",
+        try_this: "turn up the torque, load the car, or use larger wheels: the same torque makes less force at a larger wheel",
+        watch: "both speed up for 1.25 s, brake for as long, and drive back; part of the torque goes into turning the wheels",
         formula: "a = (2τ/r) / (M + 2m + 2I/r²), with I = ½ m r² for each axle",
         sliders: &[
             SceneSlider { label: "Torque", unit: "N·m", range: [2.0, 8.0], default: 5.0 },
@@ -32,7 +32,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "m/s",
         after: 1.0,
         measure: |world| {
-            let velocity: LinearVelocity = of_named(world, "driven car")?;
+            let velocity: LinearVelocity = component_of(world, "driven car")?;
             Some(f64::from(velocity.0.x))
         },
         expect: |values, seconds| {

@@ -7,28 +7,28 @@ use bevy_sinew::prelude::*;
 use crate::look::Look;
 use crate::props::{mesh, post};
 use crate::readings::points_of;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
     name: "catch",
     heading: Heading::Contacts,
     title: "Caught in a sheet",
-    about: "a crate lands in a cloth held at four corners: each pulls at the other",
+    about: "a crate lands in a cloth pinned at four corners: each pulls on the other",
     eye: Vec3::new(2.6, 2.6, 4.4),
     target: Vec3::new(0.0, 1.0, 0.0),
     seconds: 5.0,
     moment: 1.0,
     lesson: Some(Lesson {
-        try_this: "drop a heavier crate, or from higher up; then knit the sheet of softer threads",
-        watch: "the sheet gives way until it carries the crate; crate and sheet push each other by the same in every contact, and where they touch, a particle's middle is its radius off the crate",
+        try_this: "drop a heavier crate, or from higher up; then make the sheet softer",
+        watch: "the sheet yields until it carries the crate; crate and sheet push each other equally in every contact, and a touching particle's centre is its radius away from the crate",
         formula: "d(p, crate) ≥ r, and equal where they touch",
         sliders: &[
             SceneSlider { label: "Mass", unit: "kg", range: [1.0, 8.0], default: 4.0 },
             SceneSlider { label: "Drop", unit: "m", range: [0.2, 1.2], default: 0.7 },
             SceneSlider { label: "Softness", unit: "mm/N", range: [0.1, 0.4], default: 0.2 },
         ],
-        number: "From the crate to the nearest particle",
+        number: "Crate to nearest particle centre",
         unit: "mm",
         after: 3.0,
         measure: |world| {
@@ -37,7 +37,7 @@ pub(super) const SCENE: Scene = Scene {
             let off = |p: &Vec3| f64::from(off_a_box(into(p), 0.5 * EDGE));
             Some(points_of(world, "sheet").iter().map(off).reduce(f64::min)? * 1e3)
         },
-        expect: |_, _| f64::from(THREAD) * 1e3,
+        expect: |_, _| f64::from(PARTICLE_RADIUS) * 1e3,
         tolerance: [1.5, 0.0],
     }),
     spawn,
@@ -48,7 +48,7 @@ const SHEET: f32 = 1.4;
 const SIDE: f32 = 2.0;
 const EDGE: f32 = 0.5;
 /// Radius of a particle of the sheet, metres.
-const THREAD: f32 = 0.03;
+const PARTICLE_RADIUS: f32 = 0.03;
 
 /// Signed distance of a point from a cube about the origin with this half edge, metres; negative inside.
 fn off_a_box(at: Vec3, half: f32) -> f32 {
@@ -59,7 +59,7 @@ fn off_a_box(at: Vec3, half: f32) -> f32 {
 /// Centre and rotation of the crate, from its particles, as the sheet's particles are read too. Its transform is interpolated between two ticks and lags by up
 /// to 50 mm while the crate bounces at 3 m/s.
 fn crate_now(world: &mut World) -> Option<(Vec3, Mat3)> {
-    let RigidPose { particles, rest } = of_named(world, "crate")?;
+    let RigidPose { particles, rest } = component_of(world, "crate")?;
     let at = |&one: &Entity| world.get::<Particle>(one).map(|one| one.position);
     let points: Vec<Vec3> = particles.iter().filter_map(at).collect();
     let middle = points.iter().sum::<Vec3>() / points.len() as f32;
@@ -90,7 +90,7 @@ fn spawn(world: &mut World) {
         Name::new("sheet"),
         // Compliant, like a knitted fabric: inextensible cloth, spread taut, would act as a trampoline.
         Cloth {
-            radius: THREAD,
+            radius: PARTICLE_RADIUS,
             density: 0.8,
             stretch_compliance: softness * 1e-3,
             ..Cloth::grid(SIDE, SIDE, 40, 40)

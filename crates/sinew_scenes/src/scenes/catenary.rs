@@ -6,20 +6,20 @@ use bevy_sinew::prelude::*;
 
 use crate::look::Look;
 use crate::props::{curve, post};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "catenary",
     heading: Heading::Soft,
     title: "The catenary",
-    about: "a rope between two posts swings itself to rest in thick air, on the red curve of cosh that its length alone decides",
+    about: "a rope between two posts comes to rest in strong drag, on the red curve of cosh that its length alone determines",
     eye: Vec3::new(0.4, 1.6, 4.6),
     target: Vec3::new(0.0, 1.15, 0.0),
     seconds: 5.0,
     moment: 4.0,
     lesson: Some(Lesson {
         try_this: "give the rope more slack, then more mass: slack changes the curve, mass does not",
-        watch: "high drag takes the motion out of it, and what is left is statics: the rope lies on the red curve",
+        watch: "high drag removes the motion, and what is left is statics: the rope lies on the red curve",
         formula: "sag = a (cosh(D/2a) − 1), with 2a sinh(D/2a) = L",
         sliders: &[
             SceneSlider { label: "Slack", unit: "", range: [0.2, 0.6], default: 0.3 },
@@ -30,7 +30,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "m",
         after: 5.0,
         measure: |world| {
-            let particles: BodyParticles = of_named(world, "hanging rope")?;
+            let particles: BodyParticles = component_of(world, "hanging rope")?;
             let height = |p: Entity| world.get::<Particle>(p).map(|p| f64::from(p.position.y));
             let lowest = particles.iter().filter_map(height).reduce(f64::min)?;
             Some(f64::from(TOP) - lowest)

@@ -7,7 +7,7 @@ use bevy_sinew::{BodyParticles, Bound, ConstraintOf, ParticleBody, ParticleOf, R
 
 use crate::look::Look;
 use crate::props::{mesh, post};
-use crate::readings::all_named;
+use crate::readings::entities_named;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 use crate::shapes::ball;
 
@@ -22,18 +22,18 @@ pub(super) const SCENE: Scene = Scene {
     moment: 0.8,
     lesson: Some(Lesson {
         try_this: "hang a heavier ball on the chain, or pull harder at all of it",
-        watch: "nothing ties one loop to the next: ropes that cross push each other off to two radii, and that carries the ball",
+        watch: "no joint connects one loop to the next: crossing ropes push each other two radii apart, and that carries the ball",
         formula: "|p_a − p_b| ≥ 2r, and equal where two loops hang in each other",
         sliders: &[
-            SceneSlider { label: "Ball", unit: "kg", range: [0.2, 4.0], default: 2.0 },
+            SceneSlider { label: "Ball mass", unit: "kg", range: [0.2, 4.0], default: 2.0 },
             SceneSlider { label: "Gravity", unit: "m/s²", range: [3.7, 15.0], default: 9.81 },
             SceneSlider { label: "Mass of a loop", unit: "kg", range: [0.4, 1.6], default: 0.8 },
         ],
-        number: "Nearest middles of two loops",
+        number: "Distance of two loops' centre lines",
         unit: "mm",
         after: 1.5,
         measure: |world| {
-            let loops = all_named(world, "loop");
+            let loops = entities_named(world, "loop");
             let beads = |body: &Entity| -> Option<Vec<Vec3>> {
                 let at = |p: Entity| world.get::<Particle>(p).map(|p| p.position);
                 Some(world.get::<BodyParticles>(*body)?.iter().filter_map(at).collect())

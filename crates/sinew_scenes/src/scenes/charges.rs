@@ -20,15 +20,15 @@ pub(super) const SCENE: Scene = Scene {
     seconds: 6.0,
     moment: 2.5,
     lesson: Some(Lesson {
-        try_this: "give them more charge or less mass: they find each other sooner; thin the air and they fly about for longer",
-        watch: "red and blue come as near as their radii let them, and no nearer, however hard they pull; two reds keep away from each other",
+        try_this: "give them more charge or less mass: they come together sooner; less air drag lets them fly about for longer",
+        watch: "red and blue come as close as their radii allow, and no closer, however strong the attraction; two reds stay apart",
         formula: "F = K q² r / (r² + ε²)^(3/2) as long as r > r_red + r_blue",
         sliders: &[
             SceneSlider { label: "Charge", unit: "µC", range: [1.0, 4.0], default: 2.0 },
             SceneSlider { label: "Mass", unit: "g", range: [10.0, 50.0], default: 20.0 },
             SceneSlider { label: "Air drag", unit: "per s", range: [0.2, 0.8], default: 0.35 },
         ],
-        number: "Nearest red and blue, middles",
+        number: "Nearest red and blue centres",
         unit: "mm",
         after: 2.0,
         measure: |world| {

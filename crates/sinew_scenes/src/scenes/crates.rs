@@ -6,21 +6,21 @@ use bevy_sinew::prelude::*;
 use crate::look::Look;
 use crate::props::mesh;
 use crate::readings::is_in_flight;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
     name: "crate",
     heading: Heading::Bodies,
     title: "Falling crates",
-    about: "8 particles and 28 distances each: nobody integrates a rotation, and yet they turn",
+    about: "8 particles and 28 distances each: no code integrates a rotation, and yet they turn",
     eye: Vec3::new(3.6, 3.4, 7.6),
     target: Vec3::new(0.0, 1.5, -0.4),
     seconds: 5.0,
     moment: 1.0,
     lesson: Some(Lesson {
         try_this: "throw the first crate with more spin, make it larger, or thicken the air",
-        watch: "distances alone keep the spin of a crate in flight, as if somebody integrated a rotation; only the air takes its share in each second",
+        watch: "distances alone keep the spin of a crate in flight, as if its rotation were integrated; only air drag takes its share each second",
         formula: "ω = ω₀ (1 − drag)^t until it lands",
         sliders: &[
             SceneSlider { label: "Spin", unit: "rad/s", range: [0.0, 6.0], default: 3.0 },
@@ -31,7 +31,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "rad/s",
         after: 0.5,
         measure: |world| {
-            let spin: AngularVelocity = of_named(world, "first crate")?;
+            let spin: AngularVelocity = component_of(world, "first crate")?;
             is_in_flight(world, "first crate").then_some(f64::from(spin.0.length()))
         },
         expect: |values, seconds| {

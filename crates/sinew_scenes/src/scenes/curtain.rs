@@ -5,7 +5,7 @@ use bevy_sinew::prelude::*;
 
 use crate::look::Look;
 use crate::props::{mesh, post};
-use crate::readings::{all_named, faceted_ball, volume_of};
+use crate::readings::{entities_named, faceted_ball, volume_of};
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
@@ -18,8 +18,8 @@ pub(super) const SCENE: Scene = Scene {
     seconds: 4.0,
     moment: 0.62,
     lesson: Some(Lesson {
-        try_this: "throw the ball harder, or a heavier one, or pump it up",
-        watch: "the cloth dents the ball and is swept along by it; the dent comes out elsewhere, for there is as much room in it as before",
+        try_this: "throw the ball harder, use a heavier one, or inflate it more",
+        watch: "the cloth dents the ball and is swept along by it; the ball bulges elsewhere, because its volume stays the same",
         formula: "V = p V₀, at every moment of the blow",
         sliders: &[
             SceneSlider { label: "Speed", unit: "m/s", range: [4.5, 9.0], default: 6.0 },
@@ -30,7 +30,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "l",
         after: 0.36,
         measure: |world| {
-            let ball = *all_named(world, "ball").first()?;
+            let ball = *entities_named(world, "ball").first()?;
             Some(volume_of(world, ball)? * 1e3)
         },
         expect: |values, _| {

@@ -7,32 +7,32 @@ use bevy_sinew::{Drag, SinewClock};
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
 use crate::rounds::{Rounds, into_round};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "damping",
     heading: Heading::Forces,
     title: "Velocity damping, exact and approximated",
-    about: "blue is damped by the exact factor, the others by 1 − d h: every half second, every quarter, every tick",
+    about: "blue is damped by the exact factor, the others by 1 − d h, applied every half second, every quarter, every tick",
     eye: Vec3::new(0.5, 2.0, 4.6),
     target: Vec3::new(0.0, 0.75, 0.0),
     seconds: 4.0,
     moment: 1.7,
     lesson: Some(Lesson {
-        try_this: "turn the drag up: the approximation gets worse; a heavier bead is damped as well as a light one, because drag is a share and no force",
-        watch: "after a second blue has the share 1 − d of its speed left; the others have more, and the more, the shorter their step: it tends to exp(−d)",
+        try_this: "turn the drag up: the approximation gets worse; a heavier bead is damped like a light one, because drag takes a fraction of the velocity",
+        watch: "after a second blue has the fraction 1 − d of its speed left; the others have more, and more with shorter steps: it tends to exp(−d)",
         formula: "v = v₀ (1 − d)^t for every step, by c = (1 − d)^h and not by 1 − d h",
         sliders: &[
             SceneSlider { label: "Speed", unit: "m/s", range: [1.0, 2.4], default: 2.0 },
-            SceneSlider { label: "Lost in a second", unit: "", range: [0.4, 0.95], default: 0.8 },
+            SceneSlider { label: "Loss per second", unit: "", range: [0.4, 0.95], default: 0.8 },
             SceneSlider { label: "Mass", unit: "kg", range: [0.1, 10.0], default: 1.0 },
         ],
-        number: "Way of the blue bead",
+        number: "Distance of the blue bead",
         unit: "m",
         after: 1.75,
         measure: |world| {
-            let bead: Particle = of_named(world, "exact")?;
+            let bead: Particle = component_of(world, "exact")?;
             Some(f64::from(bead.position.x - START))
         },
         expect: |values, seconds| {

@@ -6,7 +6,7 @@ use bevy_sinew::{BodyContacts, BodyParticles};
 
 use crate::look::Look;
 use crate::props::mesh;
-use crate::readings::of_place;
+use crate::readings::nth_component_of;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 use crate::shapes::{ball, rounded_box};
 
@@ -21,7 +21,7 @@ pub(super) const SCENE: Scene = Scene {
     moment: 2.6,
     lesson: Some(Lesson {
         try_this: "drape the red cloth over a smaller or a larger ball, heavier or smoother",
-        watch: "each particle of the cloth is a small ball that stays out of the large one; where the cloth lies on it, their middles are apart by both radii",
+        watch: "each particle of the cloth is a small ball that stays outside the large one; where the cloth lies on it, their centres are both radii apart",
         formula: "|p − c| ≥ R + r, and equal where it lies",
         sliders: &[
             SceneSlider {
@@ -33,16 +33,16 @@ pub(super) const SCENE: Scene = Scene {
             SceneSlider { label: "Density", unit: "kg/m²", range: [0.1, 0.6], default: 0.2 },
             SceneSlider { label: "Friction", unit: "", range: [0.2, 1.0], default: 0.5 },
         ],
-        number: "From the ball's middle to the cloth",
+        number: "Ball's centre to the cloth",
         unit: "mm",
         after: 0.8,
         measure: |world| {
-            let cloth: BodyParticles = of_place(world, "cloth", 0)?;
+            let cloth: BodyParticles = nth_component_of(world, "cloth", 0)?;
             let apart =
                 |p: Entity| world.get::<Particle>(p).map(|p| f64::from(p.position.distance(BALL)));
             Some(cloth.iter().filter_map(apart).reduce(f64::min)? * 1e3)
         },
-        expect: |values, _| f64::from(values[0] + THREAD) * 1e3,
+        expect: |values, _| f64::from(values[0] + PARTICLE_RADIUS) * 1e3,
         tolerance: [1.0, 0.0],
     }),
     spawn,
@@ -50,7 +50,7 @@ pub(super) const SCENE: Scene = Scene {
 
 /// Centre of the ball, and radius of a particle of cloth, metres.
 const BALL: Vec3 = Vec3::new(-1.05, 0.75, 0.0);
-const THREAD: f32 = 0.0165;
+const PARTICLE_RADIUS: f32 = 0.0165;
 
 fn spawn(world: &mut World) {
     let [radius, density, friction] = values(world);
@@ -72,7 +72,7 @@ fn spawn(world: &mut World) {
         world.spawn((
             InScene,
             Name::new("cloth"),
-            Cloth { radius: THREAD, density, ..Cloth::grid(1.7, 1.7, 44, 44) },
+            Cloth { radius: PARTICLE_RADIUS, density, ..Cloth::grid(1.7, 1.7, 44, 44) },
             surface,
             BodyContacts::ALL,
             Look::color(color).double_sided().roughness(0.9),

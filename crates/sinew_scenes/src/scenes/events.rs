@@ -17,21 +17,21 @@ pub(super) const SCENE: Scene = Scene {
     name: "events",
     heading: Heading::Contacts,
     title: "Sensors, layers, contact events",
-    about: "two gates count what passes; the plate between them is solid for blue and not for red; a box flashes as hard as it is hit",
+    about: "two gates count the balls that pass; the plate between them is solid for blue and not for red; a box flashes as hard as it is hit",
     eye: Vec3::new(1.7, 2.3, 5.7),
     target: Vec3::new(0.0, 1.4, 0.1),
     seconds: 6.0,
     moment: 3.4,
     lesson: Some(Lesson {
-        try_this: "let more of them be red, or let them come faster; from higher up they are later at the lower gate by the square root of the way",
-        watch: "a gate is a sensor, it lights up and stops nothing; the layers of the plate have it meet the blue balls alone",
-        formula: "n(t) = red balls let go by t − √(2 d/g)",
+        try_this: "let more of them be red, or let them come faster; from higher up they reach the lower gate later, by the square root of the height",
+        watch: "a gate is a sensor: it lights up and stops nothing; the plate's layers collide with blue balls only",
+        formula: "n(t) = red balls released by t − √(2 d/g)",
         sliders: &[
             SceneSlider { label: "A ball every", unit: "s", range: [0.25, 1.0], default: 0.25 },
             SceneSlider { label: "Red of four", unit: "", range: [0.0, 4.0], default: 2.0 },
-            SceneSlider { label: "From above", unit: "m", range: [0.2, 1.0], default: 0.5 },
+            SceneSlider { label: "Drop height", unit: "m", range: [0.2, 1.0], default: 0.5 },
         ],
-        number: "Passed the lower gate",
+        number: "Balls through the lower gate",
         unit: "balls",
         after: 3.0,
         measure: |world| {
@@ -65,9 +65,9 @@ const LANE: f32 = 0.45;
 const START_Z: f32 = 0.12;
 const DRIFT: f32 = 0.25;
 /// Time after which a ball is despawned, seconds.
-const LIFE: f64 = 7.0;
+const BALL_LIFETIME: f64 = 7.0;
 /// Fraction of a flash that remains after a tick.
-const FADES: f32 = 0.9;
+const FLASH_DECAY: f32 = 0.9;
 
 /// Layers of red balls, of blue balls, and of the plate, which collides with blue balls only.
 const RED: CollisionLayers = CollisionLayers::new(1 << 1, u32::MAX);
@@ -95,9 +95,11 @@ pub(crate) struct Gate {
 }
 
 /// Spawns balls; counts them.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Clone, Debug)]
 pub(crate) struct Dispenser {
     next: u32,
+    /// Mesh of the balls.
+    mesh: Mesh3d,
 }
 
 /// Time at which a ball was spawned, seconds.
@@ -127,12 +129,11 @@ pub(crate) fn dispense(
     mut commands: Commands,
     mut dispensers: Query<&mut Dispenser>,
     dropped: Query<(Entity, &Dropped)>,
-    meshes: Option<ResMut<Assets<Mesh>>>,
 ) {
     let (Ok(mut dispenser), Some(stage)) = (dispensers.single_mut(), stage) else { return };
     let [every, red, above] = [stage.values[0], stage.values[1], stage.values[2]];
     let (n, now) = (dispenser.next, clock.seconds);
-    for (entity, _) in dropped.iter().filter(|(_, dropped)| now - dropped.0 > LIFE) {
+    for (entity, _) in dropped.iter().filter(|(_, dropped)| now - dropped.0 > BALL_LIFETIME) {
         commands.entity(entity).despawn();
     }
     if now + 1e-4 < f64::from(n) * quarters(every) {
@@ -146,14 +147,12 @@ pub(crate) fn dispense(
     let look = Look::color(color).roughness(0.25);
     let mut made =
         commands.spawn((InScene, Name::new("ball"), Dropped(now), body, layers, look, at));
-    made.insert((SurfaceMaterial::new(0.3), LinearVelocity(Vec3::NEG_Z * DRIFT), Interpolate));
-    if let Some(mut meshes) = meshes {
-        made.insert(Mesh3d(meshes.add(ball(RADIUS))));
-    }
+    let velocity = LinearVelocity(Vec3::NEG_Z * DRIFT);
+    made.insert((SurfaceMaterial::new(0.3), velocity, Interpolate, dispenser.mesh.clone()));
 }
 
 /// Counts the balls that enter the gates, and lights up what was entered or hit.
-pub(crate) fn hear(
+pub(crate) fn count_and_flash(
     mut started: MessageReader<ContactStarted>,
     mut impulses: MessageReader<ContactImpulse>,
     balls: Query<(), With<Dropped>>,
@@ -161,7 +160,7 @@ pub(crate) fn hear(
     mut flashes: Query<(&mut Flash, &mut Look)>,
 ) {
     for (mut flash, _) in &mut flashes {
-        flash.bright *= FADES;
+        flash.bright *= FLASH_DECAY;
     }
     for event in started.read().filter(|event| balls.contains(event.other)) {
         let Ok(mut gate) = gates.get_mut(event.entity) else { continue };
@@ -188,7 +187,8 @@ fn spawn(world: &mut World) {
     let [_, _, above] = values(world);
     world.insert_resource(AirDrag(0.0));
     floor(world, Vec2::new(4.2, 3.4), Look::color(0x3d464d).roughness(0.95));
-    world.spawn((InScene, Dispenser::default()));
+    let mesh_of_balls = mesh(world, ball(RADIUS));
+    world.spawn((InScene, Dispenser { next: 0, mesh: mesh_of_balls }));
     gate(world, UPPER, false);
     gate(world, LOWER, true);
     let steel = Look::color(0xaab2ba).metal();

@@ -6,7 +6,7 @@ use bevy_sinew::{AirFlow, Region};
 
 use crate::look::Look;
 use crate::props::{mesh, post};
-use crate::readings::of_place;
+use crate::readings::nth_component_of;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
@@ -20,7 +20,7 @@ pub(super) const SCENE: Scene = Scene {
     moment: 0.9,
     lesson: Some(Lesson {
         try_this: "make the orange sheet, the second, four times as heavy: it sinks twice as fast; its size drops out",
-        watch: "a sheet gains speed until the air carries its weight; in the end all of it sinks at one speed, and stays flat",
+        watch: "a sheet gains speed until drag carries its weight; then all of it sinks at one speed and stays flat",
         formula: "v = v_t tanh(g t / v_t), with v_t = √(2σg / ρC)",
         sliders: &[
             SceneSlider { label: "Density", unit: "kg/m²", range: [0.2, 0.8], default: 0.4 },
@@ -31,7 +31,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "m/s",
         after: 0.6,
         measure: |world| {
-            let velocity: LinearVelocity = of_place(world, "sheet", 1)?;
+            let velocity: LinearVelocity = nth_component_of(world, "sheet", 1)?;
             Some(f64::from(-velocity.0.y))
         },
         expect: |values, seconds| {

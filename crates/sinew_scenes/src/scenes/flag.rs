@@ -13,14 +13,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "flag",
     heading: Heading::Forces,
     title: "A flag in the wind",
-    about: "1 500 particles of cotton, held along one edge; a fresh breeze presses on every triangle",
+    about: "1 500 particles of cotton, pinned along one edge; a fresh breeze presses on every triangle",
     eye: Vec3::new(1.9, 2.5, 4.6),
     target: Vec3::new(0.75, 2.05, 0.0),
     seconds: 6.0,
     moment: 3.2,
     lesson: Some(Lesson {
-        try_this: "turn up the wind and its gusts, or take heavier cotton: it flies higher or hangs lower, and is as long as before",
-        watch: "cotton is threads that do not stretch: whatever pulls at the flag, its 48 cells stay as long as they are from pole to end",
+        try_this: "turn up the wind and its gusts, or use heavier cotton: it flies higher or hangs lower, at the same length",
+        watch: "cotton threads do not stretch: whatever pulls at the flag, its 48 cells from pole to end keep their length",
         formula: "p = ½ ρ v² on every triangle; |p_a − p_b| = L for every thread",
         sliders: &[
             SceneSlider { label: "Wind", unit: "m/s", range: [3.0, 6.0], default: 4.7 },
@@ -40,13 +40,13 @@ pub(super) const SCENE: Scene = Scene {
 /// Width and height of the flag, metres: the proportions of its texture.
 const SIZE: Vec2 = Vec2::new(1.92, 1.2);
 /// Direction of the wind, and density of air, kg/m³.
-const WAY: Vec3 = Vec3::new(13.0, 0.0, 3.5);
+const WIND_DIRECTION: Vec3 = Vec3::new(13.0, 0.0, 3.5);
 const AIR: f32 = 1.225;
 
 fn spawn(world: &mut World) {
     let [speed, gusts, density] = values(world);
     // This pressure does not depend on the velocity of the cloth, so air drag has to damp its motion.
-    let pressure = WAY * (0.5 * AIR * speed * speed / WAY.length());
+    let pressure = WIND_DIRECTION * (0.5 * AIR * speed * speed / WIND_DIRECTION.length());
     world.spawn((
         InScene,
         Name::new("breeze"),

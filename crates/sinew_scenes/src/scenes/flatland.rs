@@ -13,14 +13,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "flatland",
     heading: Heading::Bodies,
     title: "Flatland",
-    about: "a world in 2D: squares fall, slide and tumble, a rope swings; all of them were pushed towards the camera, and none comes",
+    about: "a 2D world: squares fall, slide and tumble, a rope swings; all of them were pushed towards the camera, and none leaves the plane",
     eye: Vec3::new(1.5, 2.6, 7.8),
     target: Vec3::new(0.05, 1.25, 0.0),
     seconds: 5.0,
     moment: 0.75,
     lesson: Some(Lesson {
         try_this: "push everything harder towards the camera, or make the slope steeper or rougher",
-        watch: "a plane for all particles is one constraint each: what is pushed out of it is put back, loses that velocity, and so turns about z alone",
+        watch: "a plane for all particles is one constraint each: a particle pushed out of it is put back and loses that velocity, so that bodies turn about z alone",
         formula: "z = 0, v_z = 0, ω_x = ω_y = 0",
         sliders: &[
             SceneSlider { label: "Push", unit: "m/s", range: [0.0, 6.0], default: 2.0 },

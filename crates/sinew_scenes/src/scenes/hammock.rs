@@ -6,7 +6,7 @@ use bevy_sinew::{Anchor, BodyParticles};
 
 use crate::look::Look;
 use crate::props::{mesh, post};
-use crate::readings::of_place;
+use crate::readings::nth_component_of;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 use crate::shapes::{ball, rounded_box};
 
@@ -14,25 +14,25 @@ pub(super) const SCENE: Scene = Scene {
     name: "hammock",
     heading: Heading::Soft,
     title: "A hammock",
-    about: "36 × 24 cells on four ropes, which are tied to its corners; a crate and some balls fall into it",
+    about: "36 × 24 cells on four ropes tied to its corners; a crate and some balls fall into it",
     eye: Vec3::new(1.5, 2.3, 3.4),
     target: Vec3::new(0.0, 0.95, 0.0),
     seconds: 4.0,
     moment: 1.6,
     lesson: Some(Lesson {
-        try_this: "make the crate heavier, or the ropes longer, and drag what lies in it",
-        watch: "all of the weight hangs on the two or three threads at the end of each rope, and they are no longer than the others",
-        formula: "|c − q| = L: a rope is taut, and as long as its pieces",
+        try_this: "make the crate heavier, or the ropes longer, and drag the bodies in it",
+        watch: "the whole weight hangs on two or three threads at the end of each rope, and they are no longer than the others",
+        formula: "|c − q| = L: a rope is taut, and as long as its segments",
         sliders: &[
             SceneSlider { label: "Mass of the crate", unit: "kg", range: [0.5, 3.0], default: 1.0 },
             SceneSlider { label: "Rope length", unit: "m", range: [0.72, 0.95], default: 0.8 },
             SceneSlider { label: "Gravity", unit: "m/s²", range: [5.0, 15.0], default: 9.81 },
         ],
-        number: "From a hook to the corner that it holds",
+        number: "Hook to the corner of the sheet",
         unit: "m",
         after: 2.0,
         measure: |world| {
-            let cloth: BodyParticles = of_place(world, "hammock", 0)?;
+            let cloth: BodyParticles = nth_component_of(world, "hammock", 0)?;
             let apart =
                 |p: Entity| world.get::<Particle>(p).map(|p| f64::from(p.position.distance(HOOK)));
             // The corner is the particle of the sheet nearest to the hook.

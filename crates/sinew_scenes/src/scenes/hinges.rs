@@ -9,21 +9,21 @@ use bevy_sinew::{BodyParts, BodySolver, Bone, BoneJoint, GradientAt};
 
 use crate::look::Look;
 use crate::props::post;
-use crate::readings::of_place;
+use crate::readings::nth_component_of;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "hinges",
     heading: Heading::Constraints,
     title: "Hinges, elbows, cones",
-    about: "each flap stops at its red mark; the orange elbow never bends backward, the grey one does; each bone of the tail stays within 20° of the last",
+    about: "each flap stops at its red mark; the orange elbow never bends backward, the grey one does; each bone of the tail stays within 20° of the previous one",
     eye: Vec3::new(1.45, 2.1, 6.9),
     target: Vec3::new(0.1, 1.4, 0.0),
     seconds: 6.0,
     moment: 1.9,
     lesson: Some(Lesson {
-        try_this: "move the stop of the first flap, the red mark, or the cones of the tail, and weigh them down",
-        watch: "a limit is an inequality: it does nothing while a flap is above its mark, and holds the flap on it, whatever gravity is",
+        try_this: "move the stop of the first flap (the red mark) or the cones of the tail, and increase gravity",
+        watch: "a limit is an inequality: it is inactive while a flap is above its mark, and stops the flap there, whatever gravity is",
         formula: "−φ_stop ≤ φ ≤ 0; the flap rests at φ = −φ_stop",
         sliders: &[
             SceneSlider { label: "Stop", unit: "°", range: [15.0, 80.0], default: 52.0 },
@@ -34,7 +34,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "°",
         after: 3.0,
         measure: |world| {
-            let parts: BodyParts = of_place(world, "signal", 0)?;
+            let parts: BodyParts = nth_component_of(world, "signal", 0)?;
             let flap = world.get::<Transform>(parts.iter().nth(1)?)?.rotation * Vec3::NEG_Y;
             Some(libm::atan2(f64::from(-flap.y), f64::from(flap.x)).to_degrees())
         },

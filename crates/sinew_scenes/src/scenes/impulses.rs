@@ -7,33 +7,33 @@ use bevy_sinew::{Combine, ControlForce, SinewClock, WorldCenterOfMass};
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
 use crate::rounds::{Rounds, into_round, quarters};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "impulses",
     heading: Heading::Forces,
     title: "Impulse, force, teleport",
-    about: "red gets its momentum at once, yellow by a force that lasts; blue is moved by hand and has none",
+    about: "red gets its momentum at once, yellow by a force over time; blue is teleported and has none",
     eye: Vec3::new(0.2, 1.9, 5.3),
     target: Vec3::new(0.0, 0.2, 0.0),
     seconds: 4.0,
     moment: 1.4,
     lesson: Some(Lesson {
-        try_this: "let the force last longer: yellow comes to the same speed, only later; a heavier stone gets less of it from the same momentum",
-        watch: "red is off at once; yellow speeds up until it is as fast; blue is carried as fast as red, and stands still as soon as it is let go",
+        try_this: "let the force last longer: yellow reaches the same speed, only later; a heavier stone is slower with the same momentum",
+        watch: "red moves at once; yellow speeds up until it is as fast; blue is moved as fast as red, and stops as soon as it is released",
         formula: "Δp = J = F T, v = J/m; a teleport changes x and leaves p",
         sliders: &[
             SceneSlider { label: "Impulse", unit: "N·s", range: [1.0, 4.0], default: 2.5 },
-            SceneSlider { label: "Force lasts", unit: "s", range: [0.25, 1.0], default: 0.5 },
+            SceneSlider { label: "Force duration", unit: "s", range: [0.25, 1.0], default: 0.5 },
             SceneSlider { label: "Mass", unit: "kg", range: [1.5, 4.0], default: 2.0 },
         ],
         number: "Momentum of the yellow stone",
         unit: "kg·m/s",
         after: 1.25,
         measure: |world| {
-            let velocity: LinearVelocity = of_named(world, "force")?;
-            let weight: WorldCenterOfMass = of_named(world, "force")?;
+            let velocity: LinearVelocity = component_of(world, "force")?;
+            let weight: WorldCenterOfMass = component_of(world, "force")?;
             Some(f64::from(velocity.0.x) * f64::from(weight.mass))
         },
         expect: |values, seconds| {

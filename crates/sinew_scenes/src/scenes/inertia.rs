@@ -6,7 +6,7 @@ use bevy_sinew::{BoxParticles, Representation, RigidIntegrator};
 
 use crate::look::Look;
 use crate::props::{floor, mesh};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
@@ -19,8 +19,8 @@ pub(super) const SCENE: Scene = Scene {
     seconds: 4.0,
     moment: 1.2,
     lesson: Some(Lesson {
-        try_this: "hit harder, make the bricks heavier or wider: whatever you do, orange is three times as hard to turn",
-        watch: "the small balls are where the particles sit: further out is harder to turn; blue and green never part",
+        try_this: "hit harder, make the bricks heavier or wider: orange always has three times the moment of inertia",
+        watch: "the small balls mark the particles: particles further out are harder to turn; blue and green stay in step",
         formula: "ω = L/I, with I = m (a² + b²)/12 for the solid brick and m (a² + b²)/4 for its corners",
         sliders: &[
             SceneSlider { label: "Blow", unit: "N·m·s", range: [0.5, 3.0], default: 1.5 },
@@ -31,7 +31,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "rad/s",
         after: 1.5,
         measure: |world| {
-            let spin: AngularVelocity = of_named(world, "equimomental")?;
+            let spin: AngularVelocity = component_of(world, "equimomental")?;
             Some(f64::from(spin.0.z))
         },
         expect: |values, _| {

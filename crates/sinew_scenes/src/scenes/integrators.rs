@@ -7,7 +7,7 @@ use bevy_sinew::sinew::{Integrator, ParticleSeed, Simulation, SolverSettings, Sp
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
 use crate::rounds::into_round;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, coil, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
@@ -20,19 +20,19 @@ pub(super) const SCENE: Scene = Scene {
     seconds: 4.0,
     moment: 2.6,
     lesson: Some(Lesson {
-        try_this: "take more steps in a second: red gains less, and never nothing; a harder spring or a lighter ball swings faster, and it gains more",
-        watch: "the white line is the energy at the start: yellow swings about it, green and blue keep to it, and their balls go side by side",
+        try_this: "take more steps a second: red gains less, but always gains; a stiffer spring or a lighter ball swings faster, and red gains more",
+        watch: "the white line is the initial energy: yellow oscillates about it, green and blue stay on it, and their balls move side by side",
         formula: "E = E₀ (1 + ω²h²)^n for explicit Euler, with ω² = k/m",
         sliders: &[
             SceneSlider { label: "Steps", unit: "1/s", range: [60.0, 480.0], default: 120.0 },
             SceneSlider { label: "Stiffness", unit: "N/m", range: [10.0, 30.0], default: 25.0 },
             SceneSlider { label: "Mass", unit: "kg", range: [1.0, 3.0], default: 1.0 },
         ],
-        number: "Energy of explicit Euler as a share of that at the start",
+        number: "Energy of explicit Euler, relative to the start",
         unit: "",
         after: 2.5,
         measure: |world| {
-            let energy: Energy = of_named(world, "explicit Euler")?;
+            let energy: Energy = component_of(world, "explicit Euler")?;
             Some(energy.0)
         },
         expect: |values, seconds| {

@@ -9,31 +9,31 @@ use bevy_sinew::{ConstraintOf, MeshFollow, ParticleBody, ParticleOf, WindSurface
 use crate::look::Look;
 use crate::props::mesh;
 use crate::readings::{is_in_flight, thrown};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "jelly",
     heading: Heading::Soft,
     title: "A jelly of springs",
-    about: "125 particles and some 700 damped springs; its skin is a mesh that follows the outer ones",
+    about: "125 particles and some 700 damped springs; a mesh follows the outer particles",
     eye: Vec3::new(1.6, 1.9, 4.6),
     target: Vec3::new(0.0, 0.75, -0.2),
     seconds: 5.0,
     moment: 0.62,
     lesson: Some(Lesson {
-        try_this: "let the red block go squeezed, with stiffer springs, or throw it up: in the air it swells and shrinks",
-        watch: "each spring pulls its two ends by the same, so all springs together pull at nothing: the block wobbles, and its barycentre falls as a stone does",
+        try_this: "release the red block squeezed, with stiffer springs, or throw it up: in the air it swells and shrinks",
+        watch: "each spring pulls both ends equally, so all springs together exert no net force: the block wobbles, and its barycentre falls like a stone",
         formula: "f_a = −f_b, so v = (v₀ + g/c) e^(−c t) − g/c, with e^(−c) = 1 − drag",
         sliders: &[
             SceneSlider { label: "Squeezed to", unit: "", range: [0.75, 1.0], default: 0.85 },
             SceneSlider { label: "Stiffness", unit: "N/m", range: [50.0, 140.0], default: 90.0 },
             SceneSlider { label: "Thrown up at", unit: "m/s", range: [0.0, 3.0], default: 1.0 },
         ],
-        number: "Its barycentre's velocity up",
+        number: "Upward velocity of the barycentre",
         unit: "m/s",
         after: 0.35,
         measure: |world| {
-            let velocity: LinearVelocity = of_named(world, "red jelly")?;
+            let velocity: LinearVelocity = component_of(world, "red jelly")?;
             is_in_flight(world, "red jelly").then_some(f64::from(velocity.0.y))
         },
         expect: |values, seconds| thrown(f64::from(values[2]), 9.81, f64::from(DRAG), seconds),

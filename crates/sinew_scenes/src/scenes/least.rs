@@ -6,21 +6,21 @@ use bevy_sinew::{ConstraintOf, ParticleBody, ParticleOf, SinewClock, TubeMesh};
 
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "least",
     heading: Heading::Constraints,
     title: "The least displacement",
-    about: "five ways to bring two balls to the length of a rod; the bars are Σ m d²: gold, in front, is the solver's and costs least",
+    about: "five ways to bring two balls to the length of a rod; the bars are Σ m d²: gold, in front, is the solver's and the shortest",
     eye: Vec3::new(0.1, 3.0, 4.6),
     target: Vec3::new(0.05, 0.1, 0.08),
     seconds: 4.0,
     moment: 2.5,
     lesson: Some(Lesson {
-        try_this: "make the masses equal: the second way, each by the half, is then the solver's as well; make the left ball heavy: to move that alone costs most",
-        watch: "every row satisfies the constraint in the end; they differ in who moves how far, and no bar is shorter than the golden one: the white line goes on from its end",
+        try_this: "make the masses equal: then the second way, half each, is also the solver's; make the left ball heavy: moving it alone costs most",
+        watch: "every row satisfies the constraint in the end; they differ in how far each ball moves, and no bar is shorter than the golden one: the white line marks its end",
         formula: "least Σ m d² with C(p + d) = 0: d = −w ∇C C/Σ w |∇C|², for a rod m₁ m₂ C²/(m₁ + m₂)",
         sliders: &[
             SceneSlider { label: "Left mass", unit: "kg", range: [1.0, 8.0], default: 4.0 },
@@ -31,7 +31,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "kg·m²",
         after: 2.0,
         measure: |world| {
-            let cost: Cost = of_named(world, "solver")?;
+            let cost: Cost = component_of(world, "solver")?;
             Some(cost.now)
         },
         expect: |values, seconds| {

@@ -7,7 +7,7 @@ use bevy_sinew::{ConstraintOf, ParticleBody, ParticleOf};
 
 use crate::look::Look;
 use crate::props::{mesh, post};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
@@ -21,7 +21,7 @@ pub(super) const SCENE: Scene = Scene {
     moment: 3.0,
     lesson: Some(Lesson {
         try_this: "raise the mass: the spring and the compliant rod sag further, the rod does not",
-        watch: "the balls come to rest on the red mark; a compliance α = 1/k is a spring of stiffness k that stays stable at any step",
+        watch: "the balls come to rest on the red mark; a compliance α = 1/k acts as a spring of stiffness k and is stable at any step",
         formula: "sag = m g / k = m g α",
         sliders: &[
             SceneSlider { label: "Mass", unit: "kg", range: [0.5, 3.0], default: 2.0 },
@@ -32,7 +32,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "mm",
         after: 4.0,
         measure: |world| {
-            let bob: Particle = of_named(world, "compliant rod")?;
+            let bob: Particle = component_of(world, "compliant rod")?;
             Some(f64::from(HANG - LENGTH - bob.position.y) * 1e3)
         },
         expect: |values, _| sag(values[0], values[1], values[2]) * 1e3,

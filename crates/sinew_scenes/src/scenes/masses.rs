@@ -7,7 +7,7 @@ use bevy_sinew::{ConstraintOf, ParticleBody, ParticleOf, TubeMesh};
 use crate::arrow::Arrow;
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
@@ -21,18 +21,18 @@ pub(super) const SCENE: Scene = Scene {
     moment: 0.4,
     lesson: Some(Lesson {
         try_this: "change the two masses of the pair in front: the barycentre, the white mark, stays where it is",
-        watch: "the arrows are the displacements that are left, and the rings on the floor where the formula says that the balls come to rest; the sum of m d is zero in every correction",
+        watch: "the arrows are the remaining displacements, and the rings on the floor the rest positions by the formula; the sum of m d is zero in every correction",
         formula: "d_a = m_b/(m_a + m_b) (D − L), d_b = m_a/(m_a + m_b) (D − L)",
         sliders: &[
             SceneSlider { label: "Left mass", unit: "kg", range: [1.0, 8.0], default: 4.0 },
             SceneSlider { label: "Right mass", unit: "kg", range: [0.5, 4.0], default: 1.0 },
             SceneSlider { label: "Too long by", unit: "m", range: [0.5, 1.5], default: 1.2 },
         ],
-        number: "Way of the left ball",
+        number: "Displacement of the left ball",
         unit: "mm",
         after: 2.0,
         measure: |world| {
-            let ball: Particle = of_named(world, "left ball")?;
+            let ball: Particle = component_of(world, "left ball")?;
             let apart = f64::from(LENGTH) + f64::from(excess(world));
             Some((f64::from(ball.position.x) + 0.5 * apart) * 1e3)
         },
@@ -54,7 +54,7 @@ const HERTZ: f32 = 0.7;
 
 /// The rest of the displacement that the formula predicts for a ball, as an arrow.
 #[derive(Component, Clone, Copy, Debug)]
-pub(crate) struct Way {
+pub(crate) struct Remaining {
     /// Rest position of the ball, metres.
     to: Vec3,
     /// Height of the arrow over the centre of the ball, metres.
@@ -63,7 +63,10 @@ pub(crate) struct Way {
 }
 
 /// Draws the remaining displacements.
-pub(crate) fn draw_ways(balls: Query<(&Way, &Particle)>, mut drawn: Query<&mut Transform>) {
+pub(crate) fn draw_remaining(
+    balls: Query<(&Remaining, &Particle)>,
+    mut drawn: Query<&mut Transform>,
+) {
     for (way, ball) in &balls {
         let left = [ball.position, way.to].map(|end| end + Vec3::Y * way.above);
         let worth = left[0].distance(left[1]) > 0.01;
@@ -120,7 +123,7 @@ fn pair(
         let particle = (Particle::at(at), Mass(masses[i]), Radius(size), ParticleOf(body));
         let drawn = (Transform::from_translation(at), skin, look);
         let arrow = Arrow::spawn(world, 0.016, Look::color(0xd9622b).roughness(0.5));
-        let way = Way { to: at.with_x(rests[i]), above: size + 0.06, arrow };
+        let way = Remaining { to: at.with_x(rests[i]), above: size + 0.06, arrow };
         let mut ball = world.spawn((Name::new(names[i]), particle, drawn, way));
         if pinned && i == 0 {
             ball.insert(Pinned::HERE);

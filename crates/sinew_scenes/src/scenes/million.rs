@@ -15,14 +15,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "million",
     heading: Heading::Together,
     title: "A million particles",
-    about: "a lake of particles and twice as many springs: 65 thousand at first, a million where the slider ends, which takes far more than 16 ms a frame",
+    about: "a lake of particles and twice as many springs: 65 thousand at first, a million at the end of the slider, which takes far more than 16 ms a frame",
     eye: Vec3::new(0.5, 3.1, 8.2),
     target: Vec3::new(0.0, 0.2, 0.5),
     seconds: 6.0,
     moment: 0.75,
     lesson: Some(Lesson {
-        try_this: "move the first slider to a million and look at the report below for what a tick takes; the waves are the same",
-        watch: "the drop becomes a ring, which comes back from the walls; whatever it does there, its slowest part swings as the formula says",
+        try_this: "move the first slider to a million and read the time of a tick in the report below; the waves are the same",
+        watch: "the drop becomes a ring that reflects from the walls; throughout, its lowest mode oscillates as the formula predicts",
         formula: "a = a₀ cos ωt, ω = √(8k/m) sin(π/2N), c = d √(k/m)",
         sliders: &[
             SceneSlider {
@@ -34,7 +34,7 @@ pub(super) const SCENE: Scene = Scene {
             SceneSlider { label: "Wave speed", unit: "m/s", range: [1.0, 2.5], default: 2.0 },
             SceneSlider { label: "Drop", unit: "m", range: [0.2, 1.2], default: 1.0 },
         ],
-        number: "Height of the slowest wave",
+        number: "Amplitude of the lowest mode",
         unit: "mm",
         after: 0.25,
         measure: |world| {

@@ -6,14 +6,14 @@ use bevy_sinew::{BodyContacts, ContactShape};
 
 use crate::look::Look;
 use crate::props::{mesh, post};
-use crate::readings::all_named;
+use crate::readings::entities_named;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "net",
     heading: Heading::Contacts,
     title: "Caught in coarse sheets",
-    about: "the left sheet collides by its particles, and marbles fall between them; the right one by its triangles, and keeps them all",
+    about: "the left sheet collides by its particles, and marbles fall between them; the right one by its triangles, and holds them all",
     eye: Vec3::new(0.7, 2.7, 4.3),
     target: Vec3::new(0.0, 1.05, 0.0),
     seconds: 4.0,
@@ -33,7 +33,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "",
         after: 1.5,
         measure: |world| {
-            let marbles = all_named(world, "marble");
+            let marbles = entities_named(world, "marble");
             let held = |marble: &&Entity| {
                 world
                     .get::<Particle>(**marble)

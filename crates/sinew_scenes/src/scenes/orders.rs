@@ -6,32 +6,32 @@ use bevy_sinew::{BodyReport, BodySolver, ConstraintOf, Order, ParticleBody, Part
 
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "orders",
     heading: Heading::Constraints,
     title: "Contradictory constraints",
-    about: "rods too short for both: in turn (orange) or worst first (green), one has all of the error; Jacobi (blue) halves it",
+    about: "two rods too short to meet: with Gauss–Seidel (orange) or most violated first (green), one rod has all of the error; Jacobi (blue) splits it",
     eye: Vec3::new(0.7, 2.2, 3.3),
     target: Vec3::new(0.05, 0.62, 0.0),
     seconds: 2.0,
     moment: 1.0,
     lesson: Some(Lesson {
         try_this: "make one rod longer, or move the posts together until the rods meet: then all three agree, and no error is left",
-        watch: "the thick sticks are the rods as long as they should be; the ball ends where the last correction put it, or in the mean of both; the bars behind are the error that is left",
+        watch: "the thick sticks are the rods at rest length; the ball ends where the last correction put it, or at the mean of both; the bars behind are the remaining error",
         formula: "Jacobi leaves (D − L₁ − L₂)/2 to each rod, the other two D − L₁ − L₂ to one",
         sliders: &[
             SceneSlider { label: "Left rod", unit: "m", range: [0.4, 0.9], default: 0.75 },
             SceneSlider { label: "Right rod", unit: "m", range: [0.3, 0.7], default: 0.45 },
-            SceneSlider { label: "Posts apart", unit: "m", range: [1.7, 2.2], default: 2.0 },
+            SceneSlider { label: "Post distance", unit: "m", range: [1.7, 2.2], default: 2.0 },
         ],
         number: "Error that Jacobi leaves",
         unit: "mm",
         after: 0.5,
         measure: |world| {
-            let report: BodyReport = of_named(world, "Jacobi")?;
+            let report: BodyReport = component_of(world, "Jacobi")?;
             Some(f64::from(report.error) * 1e3)
         },
         expect: |values, _| {

@@ -7,21 +7,21 @@ use bevy_sinew::{BodySolver, ConstraintOf, GradientAt, ParticleBody, ParticleOf}
 
 use crate::look::Look;
 use crate::props::{mesh, post};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "pendulums",
     heading: Heading::Constraints,
     title: "Pendulum wave",
-    about: "15 rods whose periods differ by one swing in 24 seconds: the same formula, side by side",
+    about: "15 rods whose periods differ by one swing in 24 seconds, side by side",
     eye: Vec3::new(2.6, 1.7, 2.2),
     target: Vec3::new(0.0, 1.35, 0.0),
     seconds: 8.0,
     moment: 4.6,
     lesson: Some(Lesson {
-        try_this: "let them swing wider: all take longer by the same share, and the wave stays in step; make them heavier: nothing changes",
-        watch: "the pendulums are a straight line at first, then waves, then two rows that pass through each other; in 24 s they meet again if they swing little",
+        try_this: "let them swing wider: all periods grow by the same factor, and the wave stays in step; make them heavier: nothing changes",
+        watch: "the pendulums form a straight line, then waves, then two rows that pass through each other; for small swings they align again after 24 s",
         formula: "θ'' = −(g/L) sin θ: sin ½θ = k sn(K − t √(g/L), k), with k = sin ½θ₀",
         sliders: &[
             SceneSlider { label: "Angle", unit: "°", range: [5.0, 60.0], default: 28.65 },
@@ -32,7 +32,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "°",
         after: 2.0,
         measure: |world| {
-            let bob: Particle = of_named(world, "longest")?;
+            let bob: Particle = component_of(world, "longest")?;
             let down = f64::from(HEIGHT - bob.position.y);
             Some(libm::atan2(f64::from(bob.position.x), down).to_degrees())
         },

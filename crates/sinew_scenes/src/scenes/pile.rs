@@ -5,7 +5,7 @@ use bevy_sinew::prelude::*;
 
 use crate::look::Look;
 use crate::props::mesh;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
@@ -19,7 +19,7 @@ pub(super) const SCENE: Scene = Scene {
     moment: 4.5,
     lesson: Some(Lesson {
         try_this: "build the tower higher, lay a heavier crate on its top, or take friction away",
-        watch: "each contact pushes with the weight of all that is above it and gives way to none of it: the tower stands as high as its crates are",
+        watch: "each contact carries the weight of everything above it without yielding: the tower stays as high as its crates",
         formula: "h = (n − ½) edge, whatever the weights",
         sliders: &[
             SceneSlider {
@@ -31,11 +31,11 @@ pub(super) const SCENE: Scene = Scene {
             SceneSlider { label: "Topmost", unit: "kg", range: [1.0, 50.0], default: 5.0 },
             SceneSlider { label: "Friction", unit: "", range: [0.3, 1.0], default: 0.6 },
         ],
-        number: "Height of the topmost crate's middle",
+        number: "Height of the topmost crate's centre",
         unit: "m",
         after: 1.5,
         measure: |world| {
-            let top: Transform = of_named(world, "topmost crate")?;
+            let top: Transform = component_of(world, "topmost crate")?;
             Some(f64::from(top.translation.y))
         },
         expect: |values, _| (f64::from(values[0]).round() - 0.5) * f64::from(EDGE),

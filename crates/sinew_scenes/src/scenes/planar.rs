@@ -6,32 +6,32 @@ use bevy_sinew::{Combine, GroundDrag};
 
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
     name: "planar",
     heading: Heading::Contacts,
     title: "Planar friction",
-    about: "in every second blue loses a share of its speed, orange the same speed, grey nothing; marks: where they come to rest",
+    about: "each second blue loses a fraction of its speed, orange a fixed amount, grey nothing; marks show where they stop",
     eye: Vec3::new(0.2, 2.9, 5.4),
     target: Vec3::new(0.1, 0.25, 0.0),
     seconds: 4.0,
     moment: 1.3,
     lesson: Some(Lesson {
         try_this: "throw the blocks faster: twice the speed goes twice as far by planar friction, four times as far by Coulomb's",
-        watch: "orange stops dead on its mark; blue slows down by a share, creeps towards its own, and is never quite there",
+        watch: "orange stops dead on its mark; blue slows down by a fraction, approaches its mark and never quite reaches it",
         formula: "v = v₀ (1 − d)^t by planar friction, v₀ − μ g t by Coulomb's",
         sliders: &[
             SceneSlider { label: "Speed", unit: "m/s", range: [1.0, 2.6], default: 2.2 },
-            SceneSlider { label: "Lost in a second", unit: "", range: [0.45, 0.9], default: 0.6 },
+            SceneSlider { label: "Loss per second", unit: "", range: [0.45, 0.9], default: 0.6 },
             SceneSlider { label: "Friction", unit: "", range: [0.08, 0.3], default: 0.1 },
         ],
         number: "Speed of the blue block",
         unit: "m/s",
         after: 1.5,
         measure: |world| {
-            let velocity: LinearVelocity = of_named(world, "planar friction")?;
+            let velocity: LinearVelocity = component_of(world, "planar friction")?;
             Some(f64::from(velocity.0.x))
         },
         expect: |values, seconds| {

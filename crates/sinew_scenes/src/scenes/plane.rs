@@ -7,22 +7,22 @@ use bevy_sinew::sinew::{Bound, ConstraintKind, Equation, Points};
 
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
-use crate::rounds::{Again, into_round};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::rounds::{Restart, into_round};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "plane",
     heading: Heading::Constraints,
     title: "Equation and inequality",
-    about: "all are thrown off the slope: C = 0 keeps the orange ones on it, C ≥ 0 lets the green ones leave and holds them when they are back",
+    about: "all are thrown off the slope: C = 0 keeps the orange ones on it, C ≥ 0 lets the green ones leave and stops them when they return",
     eye: Vec3::new(1.4, 2.3, 4.5),
     target: Vec3::new(0.0, 1.05, 0.0),
     seconds: 4.0,
     moment: 0.3,
     lesson: Some(Lesson {
-        try_this: "make the heavy balls heavier: nothing changes, because a single particle goes to the nearest point whatever its mass; drag an orange ball, and a green one, off the slope",
-        watch: "all four are side by side down the slope at any time: a correction goes along the normal alone, and takes from the velocity what points that way",
+        try_this: "make the heavy balls heavier: nothing changes, because a single particle moves to the nearest point whatever its mass; drag an orange ball and a green one off the slope",
+        watch: "all four stay side by side down the slope: a correction acts along the normal only, and removes only that part of the velocity",
         formula: "C = (p − p₀)·n; height y = v t − ½ g t² cos θ while y > 0, and 0 then",
         sliders: &[
             SceneSlider { label: "Jump", unit: "m/s", range: [1.0, 2.8], default: 2.0 },
@@ -33,8 +33,8 @@ pub(super) const SCENE: Scene = Scene {
         unit: "mm",
         after: 0.3,
         measure: |world| {
-            let slope = of_named::<Slope>(world, "slope")?;
-            let ball: Particle = of_named(world, "inequality")?;
+            let slope = component_of::<Slope>(world, "slope")?;
+            let ball: Particle = component_of(world, "inequality")?;
             let height = (ball.position - CENTRE).dot(slope.normal) - slope.offset;
             Some(f64::from(height) * 1e3)
         },
@@ -124,7 +124,7 @@ fn spawn(world: &mut World) {
             InScene,
             Name::new(name),
             start,
-            Again::after(ROUND, start),
+            Restart::every(ROUND, start),
             Mass(mass),
             Radius(radius),
             Interpolate,

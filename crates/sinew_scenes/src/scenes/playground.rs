@@ -14,14 +14,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "playground",
     heading: Heading::Together,
     title: "A playground",
-    about: "spawn, pin, tie, cut, shoot and drag whatever you like, and save it to a file; in a window the keys stand below",
+    about: "spawn, pin, tie, cut, shoot and drag, and save it to a file; in a window the keys are listed below",
     eye: Vec3::new(0.6, 3.2, 9.3),
     target: Vec3::new(0.0, 1.0, -0.3),
     seconds: 5.0,
     moment: 1.3,
     lesson: Some(Lesson {
-        try_this: "play; on the moon, in honey, on ice",
-        watch: "whatever you do to it, nothing comes through the floor: of every particle the middle stays above it",
+        try_this: "play with the Moon's gravity, in thick air, or without friction",
+        watch: "whatever you do, nothing passes through the floor: the centre of every particle stays above it",
         formula: "y ≥ h",
         sliders: &[
             SceneSlider { label: "Gravity", unit: "m/s²", range: [1.62, 9.81], default: 9.81 },

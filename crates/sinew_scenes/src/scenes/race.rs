@@ -6,21 +6,21 @@ use bevy_sinew::{Combine, SinewClock};
 
 use crate::look::Look;
 use crate::props::mesh;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "race",
     heading: Heading::Contacts,
     title: "A race downhill",
-    about: "down one slope a block on ice gets g sin θ, a ball 5/7 of it and a cylinder 2/3, whatever they weigh: to turn takes energy",
+    about: "down one slope a frictionless block accelerates by g sin θ, a ball by 5/7 and a cylinder by 2/3 of that, whatever their mass: rotation takes energy",
     eye: Vec3::new(1.5, 3.2, 8.2),
     target: Vec3::new(0.2, 0.75, 0.0),
     seconds: 5.0,
     moment: 1.25,
     lesson: Some(Lesson {
-        try_this: "change the angle, the density or the radius: only the angle changes who is how fast",
-        watch: "the block on ice leads, the ball follows, the cylinder is last: the more of the mass is far from the axis, the slower",
+        try_this: "change the angle, the density or the radius: only the angle changes the speeds",
+        watch: "the frictionless block leads, the ball follows, the cylinder is last: the farther the mass is from the axis, the slower",
         formula: "a = g sin θ / (1 + I/mr²): 1, 5/7 and 2/3 of g sin θ for block, ball, cylinder",
         sliders: &[
             SceneSlider { label: "Angle", unit: "°", range: [6.0, 16.0], default: 11.5 },
@@ -34,7 +34,7 @@ pub(super) const SCENE: Scene = Scene {
         after: 1.0,
         measure: |world| {
             let seconds = world.resource::<SinewClock>().seconds;
-            let velocity: LinearVelocity = of_named(world, "cylinder")?;
+            let velocity: LinearVelocity = component_of(world, "cylinder")?;
             (seconds > 0.0).then(|| f64::from(velocity.0.length()) / seconds)
         },
         expect: |values, _| 2.0 / 3.0 * 9.81 * libm::sin(f64::from(values[0]).to_radians()),

@@ -5,31 +5,31 @@ use bevy_sinew::prelude::*;
 
 use crate::look::Look;
 use crate::readings::{is_in_flight, thrown};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "ragdoll",
     heading: Heading::Bodies,
     title: "Ragdolls",
-    about: "22 particles, 33 bones, 20 struts and 22 limits of angles each; nobody holds them up",
+    about: "limp figures of 22 particles, 33 bones, 20 struts and 22 angle limits each collapse on the floor",
     eye: Vec3::new(0.9, 1.9, 6.4),
     target: Vec3::new(0.0, 0.9, -0.3),
     seconds: 5.0,
     moment: 0.5,
     lesson: Some(Lesson {
         try_this: "throw the yellow figure up faster, or with more spin, or under the gravity of another planet",
-        watch: "bones, struts and joints pull in pairs that add up to nothing: limbs fly about, and the barycentre falls as a stone does, until the figure lands",
+        watch: "bones, struts and joints pull in pairs that sum to zero: limbs fly about, and the barycentre falls like a stone until the figure lands",
         formula: "v = (v₀ + g/c) e^(−c t) − g/c, with e^(−c) = 1 − drag",
         sliders: &[
             SceneSlider { label: "Thrown up at", unit: "m/s", range: [0.0, 4.0], default: 1.5 },
             SceneSlider { label: "Spin", unit: "rad/s", range: [0.0, 6.0], default: 1.0 },
             SceneSlider { label: "Gravity", unit: "m/s²", range: [1.6, 9.81], default: 9.81 },
         ],
-        number: "Its barycentre's velocity up",
+        number: "Upward velocity of the barycentre",
         unit: "m/s",
         after: 0.4,
         measure: |world| {
-            let velocity: LinearVelocity = of_named(world, "yellow figure")?;
+            let velocity: LinearVelocity = component_of(world, "yellow figure")?;
             is_in_flight(world, "yellow figure").then_some(f64::from(velocity.0.y))
         },
         expect: |values, seconds| {

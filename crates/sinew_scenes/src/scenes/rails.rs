@@ -7,7 +7,7 @@ use bevy_sinew::{ConstraintOf, ContactShape, ParticleBody, ParticleOf};
 
 use crate::look::Look;
 use crate::props::{mesh, post};
-use crate::readings::all_named;
+use crate::readings::entities_named;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 use crate::shapes::{ball, cylinder};
 
@@ -15,26 +15,31 @@ pub(super) const SCENE: Scene = Scene {
     name: "rails",
     heading: Heading::Contacts,
     title: "Over rails and ropes",
-    about: "on the left ropes collide by their particles, and rail and line pass between those; on the right by their segments, and hang",
+    about: "on the left ropes collide by their particles, and rail and line pass between them; on the right by their segments, and they hang",
     eye: Vec3::new(1.0, 1.95, 4.5),
     target: Vec3::new(0.05, 0.98, 0.0),
     seconds: 5.0,
     moment: 3.2,
     lesson: Some(Lesson {
         try_this: "make the rails thinner or thicker, the ropes heavier, or the gravity stronger",
-        watch: "on the right a rope is a row of capsules: wherever the rail meets it, between two particles too, it hangs on the sum of both radii",
+        watch: "on the right a rope is a row of capsules: wherever the rail touches it, also between two particles, it hangs at the sum of both radii",
         formula: "d = r_rail + r_rope, from line to line",
         sliders: &[
-            SceneSlider { label: "Rail", unit: "mm", range: [10.0, 30.0], default: 18.0 },
-            SceneSlider { label: "Mass of a piece", unit: "g", range: [5.0, 60.0], default: 20.0 },
+            SceneSlider { label: "Rail radius", unit: "mm", range: [10.0, 30.0], default: 18.0 },
+            SceneSlider {
+                label: "Mass per particle",
+                unit: "g",
+                range: [5.0, 60.0],
+                default: 20.0,
+            },
             SceneSlider { label: "Gravity", unit: "m/s²", range: [3.7, 15.0], default: 9.81 },
         ],
-        number: "From a rail to the nearest rope",
+        number: "Rail to the nearest rope",
         unit: "mm",
         after: 1.5,
         measure: |world| {
             let mut nearest: Option<f64> = None;
-            for rope in all_named(world, "rope") {
+            for rope in entities_named(world, "rope") {
                 let Some(particles) = world.get::<BodyParticles>(rope) else { continue };
                 let at = |p: Entity| world.get::<Particle>(p).map(|p| p.position);
                 let points: Vec<Vec3> = particles.iter().filter_map(at).collect();
@@ -45,7 +50,7 @@ pub(super) const SCENE: Scene = Scene {
             }
             Some(nearest? * 1e3)
         },
-        expect: |values, _| f64::from(values[0]) + f64::from(THICK) * 1e3,
+        expect: |values, _| f64::from(values[0]) + f64::from(ROPE_RADIUS) * 1e3,
         tolerance: [1.0, 0.0],
     }),
     spawn,
@@ -58,10 +63,10 @@ const RAIL: f32 = 1.75;
 const LINE: f32 = 1.3;
 /// Length of a segment, and radius of the ropes, metres: six radii from one particle to the next.
 const PIECE: f32 = 0.11;
-const THICK: f32 = 0.018;
+const ROPE_RADIUS: f32 = 0.018;
 /// Radius of a weight, and its distance from the end of its rope, metres: large enough that the two do not touch.
 const BALL: f32 = 0.06;
-const TIE: f32 = BALL + 2.0 * THICK;
+const TIE: f32 = BALL + 2.0 * ROPE_RADIUS;
 
 /// Distance of a rope segment from the axis of the rails, metres.
 fn off_the_rail(a: Vec3, b: Vec3) -> f32 {
@@ -127,7 +132,7 @@ fn over_the_rail(world: &mut World, x: f32, contacts: BodyContacts) {
 /// A slack line between the front posts, and ropes across it with a weight at each end.
 fn over_a_line(world: &mut World, x: f32, contacts: BodyContacts) {
     let ends = [-WIDE, WIDE].map(|side| Vec3::new(x + side, LINE, DEEP));
-    let line = Rope { segments: 17, mass: 0.4, radius: THICK, slack: 0.1, ..default() };
+    let line = Rope { segments: 17, mass: 0.4, radius: ROPE_RADIUS, slack: 0.1, ..default() };
     let line = Rope { from: ends[0], to: ends[1], pin_end: true, ..line };
     let hemp = Look::color(0xc9a66b).roughness(0.9);
     world.spawn((InScene, Name::new("line"), line, contacts, hemp, Interpolate));
@@ -157,13 +162,13 @@ fn rope(
     let body = world.spawn((InScene, name, ParticleBody, contacts, look, Interpolate)).id();
     let particle = |i: usize| {
         let at = from + along * (PIECE * i as f32);
-        (Particle::at(at), Mass(mass * 1e-3), Radius(THICK), ParticleOf(body))
+        (Particle::at(at), Mass(mass * 1e-3), Radius(ROPE_RADIUS), ParticleOf(body))
     };
     let particles: Vec<Entity> = (0..=pieces).map(|i| world.spawn(particle(i)).id()).collect();
     for pair in particles.windows(2) {
         world.spawn((DistanceConstraint::new(pair[0], pair[1], PIECE), ConstraintOf(body)));
     }
-    let tube = TubeMesh { particles: particles.clone(), radius: THICK, ..default() };
+    let tube = TubeMesh { particles: particles.clone(), radius: ROPE_RADIUS, ..default() };
     world.entity_mut(body).insert(tube);
     particles
 }

@@ -6,7 +6,7 @@ use bevy_sinew::prelude::*;
 
 use crate::look::Look;
 use crate::props::mesh;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
@@ -32,7 +32,7 @@ pub(super) const SCENE: Scene = Scene {
         after: 0.8,
         measure: |world| {
             let seconds = world.resource::<bevy_sinew::SinewClock>().seconds;
-            let velocity: LinearVelocity = of_named(world, "sliding block")?;
+            let velocity: LinearVelocity = component_of(world, "sliding block")?;
             (seconds > 0.0).then(|| f64::from(velocity.0.length()) / seconds)
         },
         expect: |values, _| {

@@ -21,15 +21,15 @@ pub(super) const SCENE: Scene = Scene {
     seconds: 4.0,
     moment: 0.5,
     lesson: Some(Lesson {
-        try_this: "change when the balls turn back, how fast they are thrown and how strong gravity is: gold comes back all the same",
-        watch: "each golden ball goes along its line and back to its post; the red one lost some of its speed for good, and never finds its post again",
+        try_this: "change when the balls turn back, how fast they are thrown and how strong gravity is: gold always comes back",
+        watch: "each golden ball returns along its line to its post; the red one has lost speed to drag and misses its post",
         formula: "s = |v τ + ½ g τ²|, τ = t before the turn and 2T − t after it",
         sliders: &[
             SceneSlider { label: "Turn after", unit: "s", range: [0.5, 1.0], default: 0.75 },
             SceneSlider { label: "Speed", unit: "m/s", range: [4.0, 6.0], default: 5.0 },
             SceneSlider { label: "Gravity", unit: "m/s²", range: [5.0, 9.81], default: 9.81 },
         ],
-        number: "From the post to the farthest golden ball",
+        number: "Post to the farthest golden ball",
         unit: "m",
         after: 1.4,
         measure: |world| {

@@ -24,7 +24,7 @@ pub(super) const SCENE: Scene = Scene {
     moment: 2.6,
     lesson: Some(Lesson {
         try_this: "hang a heavier lantern on the rope, or a longer rope on the beam",
-        watch: "the rope weighs far less than its lantern and swings with it, and does not get longer by it",
+        watch: "the rope weighs far less than its lantern, swings with it, and does not stretch",
         formula: "Σ |p_(i+1) − p_i| = L",
         sliders: &[
             SceneSlider { label: "Lantern", unit: "kg", range: [0.3, 3.0], default: 1.2 },
@@ -52,7 +52,7 @@ pub(crate) struct Hand {
 }
 
 /// Moves the hand along a horizontal figure of eight, 0.5 m wide and 0.3 m high, with a period of 1.6 s.
-pub(crate) fn wave_hand(clock: Res<SinewClock>, mut hands: Query<(&Hand, &mut Transform)>) {
+pub(crate) fn move_hand(clock: Res<SinewClock>, mut hands: Query<(&Hand, &mut Transform)>) {
     for (hand, mut transform) in &mut hands {
         let turn = (clock.seconds / 1.6).fract() as f32 * core::f32::consts::TAU;
         let (sin, cos) = libm::sincosf(turn);

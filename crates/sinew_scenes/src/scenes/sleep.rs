@@ -12,20 +12,20 @@ use crate::shapes::{ball, rounded_box};
 pub(super) const SCENE: Scene = Scene {
     name: "sleep",
     heading: Heading::Contacts,
-    title: "What sleeps costs nothing",
-    about: "blue boxes sleep, orange ones are awake, green ones sleep again: the ball wakes the stack that it hits, and no other",
+    title: "Sleeping bodies cost nothing",
+    about: "blue boxes sleep, orange ones are awake, green ones have been woken and sleep again: the ball wakes only the stack that it hits",
     eye: Vec3::new(4.2, 4.2, 7.4),
     target: Vec3::new(0.1, 0.1, 0.4),
     seconds: 8.0,
     moment: 3.65,
     lesson: Some(Lesson {
-        try_this: "stack higher, or let more stacks stand there: what a tick costs follows those that are awake",
-        watch: "a hit wakes all that lies on what is hit, at once; half a second after it lies still it sleeps again",
+        try_this: "stack higher, or add stacks: the cost of a tick depends on the awake ones",
+        watch: "a hit wakes everything that lies on the box at once; half a second after it comes to rest it sleeps again",
         formula: "woken = boxes in a stack × hits",
         sliders: &[
             SceneSlider { label: "Boxes in a stack", unit: "", range: [1.0, 4.0], default: 3.0 },
             SceneSlider { label: "Stacks in a row", unit: "", range: [3.0, 7.0], default: 5.0 },
-            SceneSlider { label: "Ball", unit: "kg", range: [0.5, 2.0], default: 1.5 },
+            SceneSlider { label: "Ball mass", unit: "kg", range: [0.5, 2.0], default: 1.5 },
         ],
         number: "Boxes that were woken",
         unit: "boxes",
@@ -36,7 +36,7 @@ pub(super) const SCENE: Scene = Scene {
         },
         expect: |values, seconds| {
             let [high, row] = [values[0], values[1]].map(|value| f64::from(value.round()));
-            let hits = ((seconds - FIRST - FLIES) / EVERY).floor() + 1.0;
+            let hits = ((seconds - FIRST_THROW - FLIGHT_TIME) / INTERVAL).floor() + 1.0;
             high * hits.clamp(0.0, row * row)
         },
         tolerance: [0.01, 0.0],
@@ -47,11 +47,11 @@ pub(super) const SCENE: Scene = Scene {
 /// Edge of a box, metres; its mass, kg; and the distance between stacks, metres: boxes that fall off one do not reach the next.
 const EDGE: f32 = 0.3;
 const MASS: f32 = 2.0;
-const APART: f32 = 1.8;
+const SPACING: f32 = 1.8;
 /// Time of the first throw, interval between throws, and time of flight, seconds.
-const FIRST: f64 = 1.0;
-const EVERY: f64 = 1.0;
-const FLIES: f64 = 0.4;
+const FIRST_THROW: f64 = 1.0;
+const INTERVAL: f64 = 1.0;
+const FLIGHT_TIME: f64 = 0.4;
 /// Where the ball starts relative to its target, metres: from above and between the rows, so that it passes no other stack closely.
 const FROM: Vec3 = Vec3::new(1.0, 0.5, 1.0);
 /// Radius of the ball, metres.
@@ -83,7 +83,7 @@ pub(crate) struct Thrown {
 }
 
 /// Time from a hit until the ball is taken back, seconds: before it rolls to another stack.
-const BACK: f64 = 0.2;
+const RETURN_AFTER: f64 = 0.2;
 
 /// Throws the ball when a throw is due, each time at another stack, and takes it back.
 pub(crate) fn throw(
@@ -95,13 +95,15 @@ pub(crate) fn throw(
     let (Ok((ball, mut thrown)), Some(stage)) = (balls.single_mut(), stage) else { return };
     let n = thrown.times;
     let (high, row) = (stage.values[0].round(), stage.values[1].round() as u32);
-    let lies = clock.seconds + 1e-4 >= FIRST + (f64::from(n) - 1.0) * EVERY + FLIES + BACK;
+    let lies = clock.seconds + 1e-4
+        >= FIRST_THROW + (f64::from(n) - 1.0) * INTERVAL + FLIGHT_TIME + RETURN_AFTER;
     if n > 0 && lies && !thrown.is_back {
         thrown.is_back = true;
         let mut ball = commands.entity(ball);
-        ball.teleport(Transform::from_translation(hand(row))).set_motion(Vec3::ZERO, Vec3::ZERO);
+        ball.teleport(Transform::from_translation(ball_rest_position(row)))
+            .set_motion(Vec3::ZERO, Vec3::ZERO);
     }
-    if n >= row * row || clock.seconds + 1e-4 < FIRST + f64::from(n) * EVERY {
+    if n >= row * row || clock.seconds + 1e-4 < FIRST_THROW + f64::from(n) * INTERVAL {
         return;
     }
     *thrown = Thrown { times: n + 1, is_back: false };
@@ -110,21 +112,21 @@ pub(crate) fn throw(
     let first = row * row / 2 + row / 2;
     let target = stack((first + n * step) % (row * row), row);
     let target = target + Vec3::Y * (FLOOR + EDGE * (high - 0.45));
-    let (from, flies) = (target + FROM, FLIES as f32);
+    let (from, flies) = (target + FROM, FLIGHT_TIME as f32);
     let velocity = -FROM / flies + Vec3::Y * (0.5 * 9.81 * flies);
     let mut ball = commands.entity(ball);
     ball.teleport(Transform::from_translation(from)).set_motion(velocity, Vec3::ZERO);
 }
 
 /// Where the ball waits, metres: at a corner of the field.
-fn hand(row: u32) -> Vec3 {
+fn ball_rest_position(row: u32) -> Vec3 {
     let corner = 0.5 * side(row) - 0.3;
     Vec3::new(corner, FLOOR + RADIUS, corner)
 }
 
 /// Length and width of the field, metres.
 fn side(row: u32) -> f32 {
-    row as f32 * APART + 0.9
+    row as f32 * SPACING + 0.9
 }
 
 fn gcd(a: u32, b: u32) -> u32 {
@@ -134,12 +136,12 @@ fn gcd(a: u32, b: u32) -> u32 {
 /// Position of a stack, metres.
 fn stack(number: u32, row: u32) -> Vec3 {
     let middle = 0.5 * (row - 1) as f32;
-    let [x, z] = [number % row, number / row].map(|i| (i as f32 - middle) * APART);
+    let [x, z] = [number % row, number / row].map(|i| (i as f32 - middle) * SPACING);
     Vec3::new(x, 0.0, z)
 }
 
 /// Records which boxes were woken, and colours the boxes by their state. Runs after the tick.
-pub(crate) fn watch(mut boxes: Query<(&Sleep, &mut Sleeper, &mut Look)>) {
+pub(crate) fn record_sleep(mut boxes: Query<(&Sleep, &mut Sleeper, &mut Look)>) {
     for (sleep, mut one, mut look) in &mut boxes {
         let now = Sleeper {
             slept: one.slept || sleep.asleep,
@@ -182,6 +184,6 @@ fn spawn(world: &mut World) {
         RigidMesh::mass(mass).shaped(RigidShape::Sphere { radius: RADIUS }),
         SurfaceMaterial::new(0.9),
         (skin, Look::color(0xd1495b).roughness(0.3), Interpolate),
-        Transform::from_translation(hand(row)),
+        Transform::from_translation(ball_rest_position(row)),
     ));
 }

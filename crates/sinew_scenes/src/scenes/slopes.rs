@@ -5,34 +5,34 @@ use bevy_sinew::prelude::*;
 
 use crate::look::Look;
 use crate::props::{mesh, post};
-use crate::readings::of_place;
+use crate::readings::nth_component_of;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
     name: "slopes",
     heading: Heading::Contacts,
-    title: "Held and slid",
-    about: "stacks on slopes of 10°, 20° and 30°: with a friction of 0.5 what is less steep than 26.6° stays for ever, and does not creep by a tenth of a millimetre",
+    title: "Friction holds or slides",
+    about: "stacks on slopes of 10°, 20° and 30°: with friction 0.5 everything less steep than 26.6° holds, without creeping by a tenth of a millimetre",
     eye: Vec3::new(0.9, 1.9, 6.4),
     target: Vec3::new(0.5, 0.7, 0.0),
     seconds: 5.0,
     moment: 1.1,
     lesson: Some(Lesson {
         try_this: "tilt the slope in the middle towards 26°, or take friction away from it: as long as tan θ is less than μ the stack stays where it is",
-        watch: "what holds does not creep, not by a tenth of a millimetre; mass is on both sides and drops out; the red stack is past the limit and slides",
+        watch: "a stack that holds does not creep, not by a tenth of a millimetre; mass is on both sides and cancels; the red stack is past the limit and slides",
         formula: "a = g (sin θ − μ cos θ), and 0 while tan θ ≤ μ",
         sliders: &[
             SceneSlider { label: "Angle", unit: "°", range: [5.0, 25.5], default: 20.0 },
             SceneSlider { label: "Friction", unit: "", range: [0.38, 0.9], default: 0.5 },
             SceneSlider { label: "Mass of a plate", unit: "kg", range: [0.5, 20.0], default: 2.0 },
         ],
-        number: "Way of the lowest plate",
+        number: "Displacement of the lowest plate",
         unit: "mm",
         after: 2.0,
         measure: |world| {
             let [degrees, ..]: [f32; 3] = values(world);
-            let plate: Transform = of_place(world, "plate", PLATES as usize)?;
+            let plate: Transform = nth_component_of(world, "plate", PLATES as usize)?;
             let way = (plate.translation - MIDDLE).dot(tilted(degrees) * Vec3::X) - START;
             Some(f64::from(way) * 1e3)
         },

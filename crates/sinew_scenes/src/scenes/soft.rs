@@ -5,21 +5,21 @@ use bevy_sinew::prelude::*;
 
 use crate::look::Look;
 use crate::props::mesh;
-use crate::readings::{all_named, faceted_ball, volume_of};
+use crate::readings::{entities_named, faceted_ball, volume_of};
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "soft",
     heading: Heading::Soft,
     title: "Soft bodies",
-    about: "balls kept full by their volume, the striped one pumped up; cubes of tetrahedra, soft and stiff: all squash, and come back",
+    about: "balls that keep their volume, the striped one inflated; cubes of tetrahedra, soft and stiff: all are squashed and recover",
     eye: Vec3::new(0.4, 2.2, 7.3),
     target: Vec3::new(0.0, 0.7, 0.0),
     seconds: 4.2,
     moment: 0.62,
     lesson: Some(Lesson {
-        try_this: "pump the striped ball up, make it larger or let it fall from higher",
-        watch: "the ground squashes it, and its volume is what it was at every moment: the harder it is pumped, the tighter its skin and the higher it bounces",
+        try_this: "inflate the striped ball, make it larger or let it fall from higher",
+        watch: "the ground squashes it at constant volume: the higher the pressure, the tighter its skin and the higher it bounces",
         formula: "V = p V₀, kept as one constraint of all corners",
         sliders: &[
             SceneSlider { label: "Pressure", unit: "times", range: [1.0, 1.3], default: 1.15 },
@@ -30,7 +30,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "l",
         after: 0.62,
         measure: |world| {
-            let ball = *all_named(world, "ball").first()?;
+            let ball = *entities_named(world, "ball").first()?;
             Some(volume_of(world, ball)? * 1e3)
         },
         expect: |values, _| {

@@ -7,32 +7,32 @@ use bevy_sinew::sinew::{RigidBody, RigidIntegrator};
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
 use crate::rounds::into_round;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "spins",
     heading: Heading::Integration,
     title: "Three integrators for rotations",
-    about: "one throw about the middle axis by Euler (red), leapfrog (green) and Verlet (blue); the columns are the energies: red does not keep its own",
+    about: "one throw about the middle axis by Euler (red), leapfrog (green) and Verlet (blue); the columns are the energies: red does not conserve its own",
     eye: Vec3::new(0.3, 1.9, 6.5),
     target: Vec3::new(0.2, 1.0, 0.0),
     seconds: 12.0,
     moment: 10.0,
     lesson: Some(Lesson {
-        try_this: "take more steps in a second: red keeps up with the others for longer; a faster spin spoils it sooner",
-        watch: "the white line is the energy at the start; green and blue flip together, again and again, and red parts from them",
-        formula: "dω/dt = −J⁻¹ (ω × J ω); E = ½ Σ I ω², and both E and L stay",
+        try_this: "take more steps a second: red agrees with the others for longer; with a faster spin it diverges sooner",
+        watch: "the white line is the initial energy; green and blue flip together, again and again, and red diverges from them",
+        formula: "dω/dt = −J⁻¹ (ω × J ω); E = ½ Σ I ω²; both E and L are constant",
         sliders: &[
             SceneSlider { label: "Steps", unit: "1/s", range: [60.0, 480.0], default: 60.0 },
             SceneSlider { label: "Spin", unit: "rad/s", range: [3.0, 7.0], default: 6.0 },
-            SceneSlider { label: "Off the axis", unit: "%", range: [1.0, 10.0], default: 2.0 },
+            SceneSlider { label: "Tilt", unit: "%", range: [1.0, 10.0], default: 2.0 },
         ],
         number: "Energy of the blue brick",
         unit: "J",
         after: 6.0,
         measure: |world| {
-            let brick: Brick = of_named(world, "Verlet")?;
+            let brick: Brick = component_of(world, "Verlet")?;
             Some(brick.now.kinetic_energy())
         },
         expect: |values, _| {

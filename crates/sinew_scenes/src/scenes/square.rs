@@ -6,13 +6,13 @@ use bevy_sinew::prelude::*;
 use crate::look::Look;
 use crate::props::{curve, mesh};
 use crate::readings::is_in_flight;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
     name: "square",
     heading: Heading::Bodies,
-    title: "The box of the lectures",
+    title: "A 2D box of four particles",
     about: "4 particles and 6 distances in a plane: pushed at a corner, or landing on one, it starts to turn by itself",
     eye: Vec3::new(0.8, 2.3, 6.6),
     target: Vec3::new(0.0, 1.6, 0.0),
@@ -20,7 +20,7 @@ pub(super) const SCENE: Scene = Scene {
     moment: 0.5,
     lesson: Some(Lesson {
         try_this: "push the blue square harder at its corner, where the red stick is, or make it lighter or smaller",
-        watch: "no particle knows of a rotation: one corner is pushed, six distances hand that on to the others, and the square turns as if somebody had given it an inertia",
+        watch: "no particle stores a rotation: one corner is pushed, six distances pass that on to the others, and the square turns as if it had a moment of inertia",
         formula: "ω = x J / I, with I = Σ m r² = m a² / 2, until it lands",
         sliders: &[
             SceneSlider { label: "Impulse", unit: "N s", range: [0.0, 6.0], default: 3.0 },
@@ -31,7 +31,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "rad/s",
         after: 0.5,
         measure: |world| {
-            let spin: AngularVelocity = of_named(world, "blue square")?;
+            let spin: AngularVelocity = component_of(world, "blue square")?;
             is_in_flight(world, "blue square").then_some(f64::from(spin.0.z))
         },
         expect: |values, _| {

@@ -13,15 +13,15 @@ use crate::shapes::{ball, capsule, cylinder, rounded_box};
 pub(super) const SCENE: Scene = Scene {
     name: "stage",
     heading: Heading::Together,
-    title: "A level of all of it",
+    title: "A level with everything",
     about: "a flag, five capes, lanterns, a rope bridge, sixty crates, ten ragdolls and ten floaters in a river, in one wind; it may take more than 16 ms a frame",
     eye: Vec3::new(5.0, 4.7, 12.2),
     target: Vec3::new(0.5, 1.15, -0.3),
     seconds: 6.0,
     moment: 2.6,
     lesson: Some(Lesson {
-        try_this: "let it blow harder or steadier, or the river run faster",
-        watch: "crates and figures lie on the land, floats go with the river, capes and the flag with the wind; whatever happens, nothing comes through the ground",
+        try_this: "make the wind stronger or steadier, or the river faster",
+        watch: "crates and figures lie on the land, floats drift with the river, capes and the flag blow in the wind; nothing passes through the ground",
         formula: "y ≥ 0",
         sliders: &[
             SceneSlider { label: "Wind", unit: "Pa", range: [0.0, 12.0], default: 6.5 },

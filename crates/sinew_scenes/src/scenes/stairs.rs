@@ -20,7 +20,7 @@ pub(super) const SCENE: Scene = Scene {
     moment: 1.5,
     lesson: Some(Lesson {
         try_this: "make the steps higher, smoother, or let the figures fall harder",
-        watch: "whatever a figure hits on its way down, the blow goes through bones and joints from end to end, and no bone gets longer or shorter",
+        watch: "whatever a figure hits on its way down, the blow travels through bones and joints, and no bone changes its length",
         formula: "|p_a − p_b| = L for every bone",
         sliders: &[
             SceneSlider { label: "Rise of a step", unit: "m", range: [0.16, 0.28], default: 0.24 },

@@ -12,34 +12,34 @@ use crate::arrow::Arrow;
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
 use crate::rounds::into_round;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "step",
     heading: Heading::Constraints,
     title: "One step in slow motion",
-    about: "blue: each ball goes as if it were alone; orange: the rods correct it in their turn; green: the floor does; yellow: the velocity that follows",
+    about: "blue: each ball is predicted as if it were alone; orange: the rods correct it in turn; green: the floor does; yellow: the velocity that results",
     eye: Vec3::new(0.2, 1.5, 4.1),
     target: Vec3::new(0.0, 1.13, 0.0),
     seconds: 7.0,
     moment: 2.2,
     lesson: Some(Lesson {
-        try_this: "take one sweep: the last constraint holds, and the others are off again; a heavy red ball goes a shorter way in each correction; a longer step predicts worse",
-        watch: "white rings are where the balls were, blue ones where each would go alone; the pegs count the stages, sweep by sweep; a velocity is the way from its white ring by the step, whatever happened in between",
+        try_this: "take one sweep: the last constraint holds, and the others are violated again; a heavy red ball moves less in each correction; a longer step predicts worse",
+        watch: "white rings are where the balls were, blue ones the predictions; the pegs count the stages, sweep by sweep; the velocity is the displacement from the white ring over the step, whatever happened in between",
         formula: "q = p + h v + ½ h² g; d = C m₂/(m₁ + m₂), C = L (√(1 + ω²h²) − 1); v = (q' − p)/h",
         sliders: &[
             SceneSlider { label: "Step", unit: "s", range: [0.12, 0.17], default: 0.15 },
             SceneSlider { label: "Sweeps", unit: "", range: [1.0, 4.0], default: 2.0 },
             SceneSlider { label: "Red ball", unit: "kg", range: [0.5, 5.0], default: 2.0 },
             SceneSlider { label: "Spin", unit: "rad/s", range: [3.0, 5.0], default: 4.5 },
-            SceneSlider { label: "A stage lasts", unit: "s", range: [0.3, 2.0], default: 0.6 },
+            SceneSlider { label: "Stage duration", unit: "s", range: [0.3, 2.0], default: 0.6 },
         ],
         number: "First correction of the red ball",
         unit: "mm",
         after: 1.0,
         measure: |world| {
-            let first: FirstCorrection = of_named(world, "step")?;
+            let first: FirstCorrection = component_of(world, "step")?;
             Some(f64::from(first.0) * 1e3)
         },
         expect: |values, _| {

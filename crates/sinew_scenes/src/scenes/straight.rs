@@ -12,21 +12,21 @@ use bevy_sinew::{
 use super::pendulums::swing;
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh, post};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "straight",
     heading: Heading::Constraints,
     title: "Collinear and coplanar",
-    about: "blue: beads kept on a line, corners kept in a plane; orange: without, the line bends and the square folds",
+    about: "blue: beads kept on a line, corners kept in a plane; orange: without these constraints the line bends and the square folds",
     eye: Vec3::new(0.9, 1.9, 4.6),
     target: Vec3::new(0.05, 1.05, 0.0),
     seconds: 4.0,
     moment: 1.1,
     lesson: Some(Lesson {
         try_this: "change the two masses: the heavier the upper bead, the faster the straight pendulum swings",
-        watch: "blue swings as one rod, as slow as its masses are spread; orange bends, and soon does as it likes",
+        watch: "blue swings as one rod, with the period that its two masses give; orange bends and soon moves chaotically",
         formula: "ω² = g Σ m l / Σ m l²",
         sliders: &[
             SceneSlider { label: "Angle", unit: "°", range: [10.0, 60.0], default: 35.0 },
@@ -37,7 +37,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "°",
         after: 1.5,
         measure: |world| {
-            let bead: Particle = of_named(world, "straight lower bead")?;
+            let bead: Particle = component_of(world, "straight lower bead")?;
             let (across, down) = (bead.position.x - STRAIGHT, TOP - bead.position.y);
             Some(libm::atan2(f64::from(across), f64::from(down)).to_degrees())
         },

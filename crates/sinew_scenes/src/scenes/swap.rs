@@ -7,7 +7,7 @@ use bevy_sinew::{RigidIntegrator, SinewClock};
 
 use crate::look::Look;
 use crate::props::mesh;
-use crate::readings::of_place;
+use crate::readings::nth_component_of;
 use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 use crate::shapes::rounded_box;
 
@@ -15,14 +15,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "swap",
     heading: Heading::Bodies,
     title: "Particles or rigid, at any time",
-    about: "the front row changes what it is every second: orange as particles, blue as a rigid body; it keeps up with the grey row, which never changes",
+    about: "the front row changes its representation every second: orange as particles, blue as a rigid body; it keeps up with the grey row, which never changes",
     eye: Vec3::new(1.6, 3.6, 8.6),
     target: Vec3::new(0.0, 2.0, 0.0),
     seconds: 6.0,
     moment: 1.6,
     lesson: Some(Lesson {
-        try_this: "throw the boxes with more spin, make them heavier, or fly them where gravity is stronger",
-        watch: "at each whole second the front row becomes rigid bodies or particles again: position, momentum and angular momentum go over, so nothing jumps",
+        try_this: "throw the boxes with more spin, make them heavier, or use stronger gravity",
+        watch: "at each whole second the front row becomes rigid bodies or particles again: position, momentum and angular momentum are kept, so nothing jumps",
         formula: "L = Σ m r × v of the particles = I ω of the rigid body",
         sliders: &[
             SceneSlider { label: "Spin", unit: "rad/s", range: [0.5, 4.0], default: 2.3 },
@@ -33,8 +33,8 @@ pub(super) const SCENE: Scene = Scene {
         unit: "kg m²/s",
         after: 1.5,
         measure: |world| {
-            let frame: Transform = of_place(world, "box", 0)?;
-            let spin: AngularVelocity = of_place(world, "box", 0)?;
+            let frame: Transform = nth_component_of(world, "box", 0)?;
+            let spin: AngularVelocity = nth_component_of(world, "box", 0)?;
             let [_, mass, _] = values(world);
             Some(momentum(SIZES[0], mass, frame.rotation.inverse() * spin.0))
         },

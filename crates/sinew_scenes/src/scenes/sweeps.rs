@@ -7,21 +7,21 @@ use bevy_sinew::sinew::{Distance, ParticleSeed, Simulation, SolverSettings};
 use crate::look::Look;
 use crate::props::{FLOOR, floor, mesh};
 use crate::rounds::into_round;
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "sweeps",
     heading: Heading::Constraints,
     title: "Sweep by sweep",
-    about: "two rods with one ball in common: each takes from the other what it gains, and every sweep leaves a share of the error; the bars are what is left",
+    about: "two rods share one ball: correcting one violates the other, and every sweep leaves a fraction of the error; the bars show what remains",
     eye: Vec3::new(0.2, 1.4, 4.2),
     target: Vec3::new(0.0, 0.93, 0.0),
     seconds: 6.5,
     moment: 3.2,
     lesson: Some(Lesson {
-        try_this: "make the middle ball light and the outer ones heavy: the error hardly gets smaller; a heavy ball between light ones takes two sweeps",
-        watch: "the sticks are the rods as long as they should be: the second one holds after each sweep, and at the first one there is what is left; the golden bar is the number",
+        try_this: "make the middle ball light and the outer ones heavy: the error hardly shrinks; a heavy ball between light ones needs two sweeps",
+        watch: "the sticks are the rods at rest length: the second one is satisfied after each sweep, and the error remains at the first; the golden bar is the number",
         formula: "e = E γ (1 + β) (β γ)^(n−1), with β = γ = w₂/(w₁ + w₂) and w = 1/m",
         sliders: &[
             SceneSlider { label: "Sweeps", unit: "", range: [1.0, 10.0], default: 4.0 },
@@ -33,7 +33,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "mm",
         after: 1.0,
         measure: |world| {
-            let left: ErrorLeft = of_named(world, "cascade")?;
+            let left: RemainingError = component_of(world, "cascade")?;
             Some(f64::from(left.0) * 1e3)
         },
         expect: |values, _| {
@@ -53,8 +53,8 @@ const LENGTH: f32 = 0.8;
 /// Height of the balls, metres.
 const HIGH: f32 = FLOOR + 0.32;
 /// Largest number of sweeps, and time for which each is shown, seconds.
-const MOST: usize = 12;
-const LASTS: f64 = 0.5;
+const MAX_SWEEPS: usize = 12;
+const FRAME_DURATION: f64 = 0.5;
 /// Height of a bar for each metre of error.
 const BAR: f32 = 2.2;
 /// Position of the bars, metres.
@@ -62,11 +62,11 @@ const BARS: Vec3 = Vec3::new(0.0, FLOOR + 0.6, -0.3);
 
 /// The error that the solver reports after as many sweeps as the slider sets, metres.
 #[derive(Component, Clone, Copy, Debug)]
-pub(crate) struct ErrorLeft(f32);
+pub(crate) struct RemainingError(f32);
 
 /// Positions of the three balls after each number of sweeps, and the entities that draw them.
 #[derive(Component, Clone, Debug)]
-pub(crate) struct Cascade {
+pub(crate) struct SweepFilm {
     places: Vec<[Vec3; 3]>,
     balls: [Entity; 3],
     /// The rods at their rest length, at the outer balls.
@@ -78,12 +78,13 @@ pub(crate) struct Cascade {
 /// Shows the sweep that is due.
 pub(crate) fn show_sweep(
     clock: Res<SinewClock>,
-    cascades: Query<&Cascade>,
+    cascades: Query<&SweepFilm>,
     mut drawn: Query<&mut Transform>,
 ) {
     for cascade in &cascades {
-        let passed = into_round(clock.seconds, LASTS * (MOST + 1) as f64) / LASTS;
-        let number = (passed as usize).min(MOST);
+        let passed =
+            into_round(clock.seconds, FRAME_DURATION * (MAX_SWEEPS + 1) as f64) / FRAME_DURATION;
+        let number = (passed as usize).min(MAX_SWEEPS);
         let places = cascade.places[number];
         let ends = [places[0] + Vec3::X * (0.5 * LENGTH), places[2] - Vec3::X * (0.5 * LENGTH)];
         let things = cascade.balls.iter().chain(&cascade.sticks);
@@ -103,7 +104,7 @@ pub(crate) fn show_sweep(
 /// The bar for a number of sweeps, `height` metres high.
 fn standing(number: usize, height: f32) -> Transform {
     let height = height.max(2e-3);
-    let along = (number as f32 - 0.5 * MOST as f32) * 0.24;
+    let along = (number as f32 - 0.5 * MAX_SWEEPS as f32) * 0.24;
     Transform::from_translation(BARS + Vec3::new(along, 0.5 * height, 0.0))
         .with_scale(Vec3::new(1.0, height, 1.0))
 }
@@ -135,7 +136,7 @@ fn solve(sweeps: usize, middle: f32, outer: f32, excess: f32) -> Option<([Vec3; 
 fn spawn(world: &mut World) {
     let [sweeps, middle, outer, excess] = values(world);
     let wanted = sweeps.round() as usize;
-    let solved = (0..=MOST).map(|sweeps| solve(sweeps, middle, outer, excess));
+    let solved = (0..=MAX_SWEEPS).map(|sweeps| solve(sweeps, middle, outer, excess));
     let Some(solved) = solved.collect::<Option<Vec<_>>>() else { return };
     floor(world, Vec2::new(4.2, 1.6), Look::color(0x54606e).roughness(0.9));
     let size = Vec3::new(3.6, 1.75, 0.06);
@@ -165,8 +166,8 @@ fn spawn(world: &mut World) {
         (world.spawn((InScene, bar.clone(), look, at)).id(), BAR * error)
     });
     let bars = bars.collect();
-    let left = ErrorLeft(solved[wanted.min(MOST)].1);
+    let left = RemainingError(solved[wanted.min(MAX_SWEEPS)].1);
     let places = solved.into_iter().map(|(places, _)| places).collect();
-    let cascade = Cascade { places, balls, sticks, bars };
+    let cascade = SweepFilm { places, balls, sticks, bars };
     world.spawn((InScene, Name::new("cascade"), left, cascade));
 }

@@ -6,34 +6,39 @@ use bevy_sinew::{Combine, Region};
 
 use crate::look::Look;
 use crate::props::{FLOOR, curve, floor, mesh};
-use crate::rounds::{Again, into_round};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::rounds::{Restart, into_round};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "throws",
     heading: Heading::Forces,
     title: "One throw in four media",
-    about: "the same ball thrown alike: in vacuum, in air, in water and, in front, in honey; each medium takes its share of the velocity per second",
+    about: "the same ball thrown equally: in vacuum, in air, in water and, in front, in honey; each medium takes a fraction of the velocity per second",
     eye: Vec3::new(0.3, 2.4, 5.7),
     target: Vec3::new(0.0, 0.58, 0.0),
     seconds: 4.0,
     moment: 0.45,
     lesson: Some(Lesson {
-        try_this: "throw at 60 and at 30 degrees: in vacuum both go as far, in a medium the lower one goes further; a lighter ball sinks more slowly in water and honey, and so it goes further",
-        watch: "the lines are the formula's, and the rings are where it has the balls land; in honey no throw goes beyond v/λ, however long it flies",
+        try_this: "throw at 60 and at 30 degrees: in vacuum both have the same range, in a medium the lower one goes farther; a lighter ball sinks more slowly in water and honey, and so it goes farther",
+        watch: "the lines are the predicted paths, and the rings where they land; in honey no throw goes beyond v/λ, however long it flies",
         formula: "x = v (1 − exp(−λt)) cos α / λ, with λ = −ln(1 − d); it falls by g (1 − ρ/ρ_b)",
         sliders: &[
             SceneSlider { label: "Speed", unit: "m/s", range: [4.0, 6.3], default: 6.0 },
             SceneSlider { label: "Angle", unit: "°", range: [30.0, 60.0], default: 50.0 },
-            SceneSlider { label: "Water takes", unit: "/s", range: [0.5, 0.95], default: 0.8 },
-            SceneSlider { label: "Ball", unit: "kg/m³", range: [3000.0, 8000.0], default: 5000.0 },
+            SceneSlider { label: "Water drag", unit: "/s", range: [0.5, 0.95], default: 0.8 },
+            SceneSlider {
+                label: "Ball density",
+                unit: "kg/m³",
+                range: [3000.0, 8000.0],
+                default: 5000.0,
+            },
         ],
         number: "Range in water",
         unit: "m",
         after: 1.75,
         measure: |world| {
-            let ball: Particle = of_named(world, "water")?;
+            let ball: Particle = component_of(world, "water")?;
             Some(f64::from(ball.position.x - START.x))
         },
         expect: |values, seconds| {
@@ -165,7 +170,7 @@ fn spawn(world: &mut World) {
             InScene,
             Name::new(name),
             start,
-            Again::after(ROUND, start),
+            Restart::every(ROUND, start),
             Mass(density * volume),
             Radius(RADIUS),
             sand,

@@ -7,7 +7,7 @@ use bevy_sinew::prelude::*;
 use crate::look::Look;
 use crate::props::{FLOOR, curve, floor, mesh, post};
 use crate::rounds::{Rounds, into_round};
-use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, component_of, values};
 use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
@@ -20,8 +20,8 @@ pub(super) const SCENE: Scene = Scene {
     seconds: 4.0,
     moment: 0.45,
     lesson: Some(Lesson {
-        try_this: "set both steps to 4 a tick: all three balls fly alike; then draw them apart",
-        watch: "with a previous position that is left alone, a step four times as short makes a ball four times as fast; rescaled, it forgets how old its velocity is, and is some millimetres off",
+        try_this: "set both steps to 4 a tick: all three balls fly alike; then make them differ",
+        watch: "with an unchanged previous position, a step four times shorter makes a ball four times faster; rescaled, the age of its velocity is ignored, and it is some millimetres off",
         formula: "q = p + (p − p_old) h'/h + a h' (h + h')/2: exact for constant a",
         sliders: &[
             SceneSlider { label: "First steps", unit: "a tick", range: [1.0, 4.0], default: 2.0 },
@@ -32,7 +32,7 @@ pub(super) const SCENE: Scene = Scene {
         unit: "m",
         after: 0.75,
         measure: |world| {
-            let ball: Particle = of_named(world, "corrected")?;
+            let ball: Particle = component_of(world, "corrected")?;
             Some(f64::from(ball.position.y - START.y))
         },
         expect: |values, seconds| {

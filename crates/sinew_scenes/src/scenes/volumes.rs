@@ -18,14 +18,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "volumes",
     heading: Heading::Soft,
     title: "Volume by scaling and by gradient",
-    about: "two pancakes are pumped up to the same volume: scaled (orange), one grows all ways; by the gradient (blue), where it is flat",
+    about: "two ellipsoids are inflated to the same volume: the orange one is scaled and grows in all directions; the blue one, by the gradient, grows where it is flat",
     eye: Vec3::new(0.0, 1.9, 4.4),
     target: Vec3::new(0.0, 0.85, 0.0),
     seconds: 3.0,
     moment: 2.4,
     lesson: Some(Lesson {
-        try_this: "pump harder, or make the pancakes flatter: orange keeps its shape, blue gets round",
-        watch: "both have the same volume in the end; the gradient displaces the least, and on a pancake that is up and down; the posts are as far apart as the scaled one grows",
+        try_this: "inflate them more, or make them flatter: orange keeps its shape, blue becomes round",
+        watch: "both reach the same volume; the gradient displaces the least, which on a flat ellipsoid is up and down; the posts are as far apart as the scaled one becomes wide",
         formula: "scaled: width ∛(V/V₀); by gradient: each corner by d ∝ ∂V/∂x, the least Σ m d²",
         sliders: &[
             SceneSlider { label: "Volume", unit: "times", range: [1.2, 3.0], default: 2.0 },

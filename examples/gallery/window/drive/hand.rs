@@ -69,10 +69,11 @@ impl Hand {
         let root = server.setup().roots[screen].root;
         let window = find(&server, root, title, 3).ok_or_else(|| said("has no such window"))?;
         let place = server.translate_coordinates(window, root, 0, 0).ok();
-        let place = place.and_then(|place| place.reply().ok()).ok_or_else(|| said("is mute"))?;
+        let place =
+            place.and_then(|place| place.reply().ok()).ok_or_else(|| said("does not answer"))?;
         let focused = server.set_input_focus(InputFocus::PARENT, window, CURRENT_TIME);
         let focused = focused.ok().and_then(|focused| focused.check().ok());
-        focused.ok_or_else(|| said("gives the window no keys"))?;
+        focused.ok_or_else(|| said("does not give the window the keyboard focus"))?;
         Ok(Self { server, opcode, root, origin: [place.dst_x, place.dst_y], at: Cell::new(None) })
     }
 

@@ -23,14 +23,14 @@ use bevy_egui::{EguiFullOutput, EguiPostUpdateSet, egui};
 use sinew_panel::RecordingConfig;
 
 /// Time for which the script waits for an answer, seconds: an app that is stuck must not hang CI.
-const PATIENCE: Duration = Duration::from_secs(60);
+const MAX_WAIT: Duration = Duration::from_secs(60);
 
 /// A closure that runs on the world between two frames.
-type Question = Box<dyn FnOnce(&mut World) + Send>;
+type Request = Box<dyn FnOnce(&mut World) + Send>;
 
 /// The pending closures of the script. One runs in each frame.
 #[derive(Resource)]
-struct Questions(Mutex<Receiver<Question>>);
+struct Requests(Mutex<Receiver<Request>>);
 
 /// The texts that egui drew in the last frame, and their rectangles: the script finds a button by its text.
 #[derive(Resource, Default)]
@@ -38,22 +38,22 @@ struct Texts(Vec<(String, egui::Rect)>);
 
 /// Starts the script, which writes its pictures to a folder.
 pub(super) fn add(app: &mut App, folder: PathBuf) {
-    let (asked, questions) = channel();
-    app.insert_resource(Questions(Mutex::new(questions)))
+    let (sender, requests) = channel();
+    app.insert_resource(Requests(Mutex::new(requests)))
         .init_resource::<Texts>()
         // One tick a frame, however long a software renderer takes for it.
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 64.0)))
         .add_systems(PostStartup, draw_plainly)
-        .add_systems(Last, answer)
+        .add_systems(Last, run_request)
         .add_systems(
             PostUpdate,
             read_texts.after(EguiPostUpdateSet::EndPass).before(EguiPostUpdateSet::ProcessOutput),
         );
     std::thread::spawn(move || {
-        let app = AppLine(asked);
+        let app = AppHandle(sender);
         let exit = match script::play(&app, &folder) {
             Ok(count) => {
-                println!("gallery: driven by pointer and keys, {count} things looked up");
+                println!("gallery: driven by pointer and keys, {count} checks passed");
                 AppExit::Success
             }
             Err(fault) => {
@@ -63,7 +63,7 @@ pub(super) fn add(app: &mut App, folder: PathBuf) {
                 AppExit::error()
             }
         };
-        let _ = app.ask(move |world| world.write_message(exit));
+        let _ = app.run(move |world| world.write_message(exit));
     });
 }
 
@@ -95,13 +95,13 @@ fn show_ground(shown: bool) -> impl Fn(Query<(&Name, &mut Visibility), With<Mesh
 }
 
 /// Runs one closure of the script.
-fn answer(world: &mut World) {
-    let asked = {
-        let questions = world.resource::<Questions>().0.lock();
-        questions.ok().and_then(|questions| questions.try_recv().ok())
+fn run_request(world: &mut World) {
+    let request = {
+        let requests = world.resource::<Requests>().0.lock();
+        requests.ok().and_then(|requests| requests.try_recv().ok())
     };
-    if let Some(question) = asked {
-        question(world);
+    if let Some(request) = request {
+        request(world);
     }
 }
 
@@ -128,34 +128,34 @@ fn read_texts(outputs: Query<&EguiFullOutput>, mut texts: ResMut<Texts>) {
 }
 
 /// The script's connection to the app.
-struct AppLine(Sender<Question>);
+struct AppHandle(Sender<Request>);
 
-impl AppLine {
+impl AppHandle {
     /// Runs a closure on the world between two frames, and returns its result.
-    fn ask<T: Send + 'static>(
+    fn run<T: Send + 'static>(
         &self,
-        question: impl FnOnce(&mut World) -> T + Send + 'static,
+        request: impl FnOnce(&mut World) -> T + Send + 'static,
     ) -> Result<T, String> {
-        let (answer, answered) = channel();
-        let asked = self.0.send(Box::new(move |world| {
-            let _ = answer.send(question(world));
+        let (result, results) = channel();
+        let sent = self.0.send(Box::new(move |world| {
+            let _ = result.send(request(world));
         }));
-        asked.map_err(|_| "the app is gone".to_owned())?;
-        answered.recv_timeout(PATIENCE).map_err(|_| "the app gave no answer".to_owned())
+        sent.map_err(|_| "the app has exited".to_owned())?;
+        results.recv_timeout(MAX_WAIT).map_err(|_| "the app did not answer in time".to_owned())
     }
 
     /// Lets frames pass.
     fn frames(&self, count: usize) -> Result<(), String> {
-        (0..count).try_for_each(|_| self.ask(|_| ()))
+        (0..count).try_for_each(|_| self.run(|_| ()))
     }
 
     /// Lets frames pass until a condition holds, at most 240.
     fn until(&self, what: &str, is: fn(&mut World) -> bool) -> Result<(), String> {
         for _ in 0..240 {
-            if self.ask(is)? {
+            if self.run(is)? {
                 return Ok(());
             }
         }
-        Err(format!("never came: {what}"))
+        Err(format!("timed out waiting for: {what}"))
     }
 }

@@ -18,8 +18,8 @@ use sinew_panel::{DOCK_WIDTH, Recording, Replay, Selection};
 use sinew_scenes::OnStage;
 
 use super::hand::{Hand, Key, LEFT, WHEEL_DOWN, WHEEL_UP};
-use super::{AppLine, Texts, show_ground};
-use crate::window::Programme;
+use super::{AppHandle, Texts, show_ground};
+use crate::window::SceneChoice;
 use crate::window::tools::Tools;
 
 /// The file that settings are saved to, in the folder of the pictures. Its name is typed, and its letters are also commands: R restarts, N steps and B goes
@@ -30,40 +30,40 @@ const FILE: &str = "brand.new";
 const AFTER: usize = 3;
 
 /// Runs the session; returns the number of checks.
-pub(super) fn play(app: &AppLine, folder: &Path) -> Result<usize, String> {
+pub(super) fn play(app: &AppHandle, folder: &Path) -> Result<usize, String> {
     // A typed name without a folder is relative to the current folder.
     let folder = std::fs::create_dir_all(folder).and_then(|()| folder.canonicalize());
     let folder = &folder.map_err(|fault| fault.to_string())?;
     std::env::set_current_dir(folder).map_err(|fault| fault.to_string())?;
     app.until("the first scene", |world| world.contains_resource::<OnStage>())?;
     app.frames(5)?;
-    let visit = Visit { hand: Hand::at("Sinew gallery")?, app, looked: Default::default() };
-    visit.draw_view(false)?;
-    visit.choose_a_scene()?;
-    visit.move_its_slider()?;
-    visit.pause_and_step()?;
-    visit.go_by_phases()?;
-    visit.go_back_and_scrub()?;
-    visit.select_and_drag(folder)?;
-    visit.cut(folder)?;
-    visit.tune_save_and_load(folder)?;
-    visit.plot_and_draw_lines(folder)?;
-    visit.play_save_and_load(folder)?;
-    Ok(visit.looked.get())
+    let session = Session { hand: Hand::at("Sinew gallery")?, app, checks: Default::default() };
+    session.draw_view(false)?;
+    session.choose_a_scene()?;
+    session.move_its_slider()?;
+    session.pause_and_step()?;
+    session.go_by_phases()?;
+    session.go_back_and_scrub()?;
+    session.select_and_drag(folder)?;
+    session.cut(folder)?;
+    session.tune_save_and_load(folder)?;
+    session.plot_and_draw_lines(folder)?;
+    session.play_save_and_load(folder)?;
+    Ok(session.checks.get())
 }
 
 /// Takes a picture of the window.
-pub(super) fn photograph(app: &AppLine, folder: &Path, name: &str) -> Result<(), String> {
+pub(super) fn photograph(app: &AppHandle, folder: &Path, name: &str) -> Result<(), String> {
     let path = folder.join(format!("{name}.png"));
     let _ = std::fs::remove_file(&path);
     let to = path.clone();
-    app.ask(|world| world.run_system_once(show_ground(true)).map_err(|fault| fault.to_string()))??;
+    app.run(|world| world.run_system_once(show_ground(true)).map_err(|fault| fault.to_string()))??;
     app.frames(1)?;
-    app.ask(move |world| {
+    app.run(move |world| {
         world.spawn(Screenshot::primary_window()).observe(save_to_disk(to));
     })?;
     app.frames(1)?;
-    app.ask(|world| world.run_system_once(show_ground(false)).map_err(|fault| fault.to_string()))??;
+    app.run(|world| world.run_system_once(show_ground(false)).map_err(|fault| fault.to_string()))??;
     for _ in 0..200 {
         if path.exists() {
             return Ok(());
@@ -75,29 +75,29 @@ pub(super) fn photograph(app: &AppLine, folder: &Path, name: &str) -> Result<(),
 }
 
 /// A session of a simulated user.
-struct Visit<'a> {
+struct Session<'a> {
     hand: Hand,
-    app: &'a AppLine,
-    looked: std::cell::Cell<usize>,
+    app: &'a AppHandle,
+    checks: std::cell::Cell<usize>,
 }
 
-impl Visit<'_> {
+impl Session<'_> {
     fn choose_a_scene(&self) -> Result<(), String> {
         self.click("Ropes, cloth, soft bodies")?;
         self.click("ropes")?;
         self.until("the scene that was clicked is on", |world| {
             let on = world.resource::<OnStage>().scene.name == "ropes";
-            on && world.resource::<Programme>().current.name == "ropes"
+            on && world.resource::<SceneChoice>().current.name == "ropes"
         })
     }
 
     fn move_its_slider(&self) -> Result<(), String> {
         let label = self.find("Lantern")?;
-        let was = self.app.ask(|world| world.resource::<OnStage>().values[0])?;
+        let was = self.app.run(|world| world.resource::<OnStage>().values[0])?;
         // The slider's rail starts at the left edge, and the handle for 1.2 kg is at a third of it.
         self.drag([50.0, label.center().y], [100.0, label.center().y])?;
-        let now = self.app.ask(|world| world.resource::<OnStage>().values[0])?;
-        self.check("the scene has the lantern that the slider asks for", now > was + 0.5)
+        let now = self.app.run(|world| world.resource::<OnStage>().values[0])?;
+        self.check("the slider sets the mass of the lantern", now > was + 0.5)
     }
 
     fn pause_and_step(&self) -> Result<(), String> {
@@ -121,7 +121,7 @@ impl Visit<'_> {
         let tick = self.tick()?;
         let shown = |world: &mut World| world.resource::<PhaseSteps>().shown();
         self.click("½")?;
-        let first = self.app.ask(shown)?.ok_or("no phase is shown")?;
+        let first = self.app.run(shown)?.ok_or("no phase is shown")?;
         let forces = PhaseSystems::AccumulateForces;
         self.check(
             "the button ½ shows the first phase",
@@ -129,11 +129,11 @@ impl Visit<'_> {
         )?;
         self.find("Substep 1/10: forces, next wind")?;
         self.key(Key::H)?;
-        let second = self.app.ask(shown)?.ok_or("no second phase is shown")?;
+        let second = self.app.run(shown)?.ok_or("no second phase is shown")?;
         self.check("H shows the next one", second.phase == PhaseSystems::Wind)?;
         self.check("all of them are of one tick", self.tick()? == tick + 1)?;
         self.key(Key::N)?;
-        self.check("a whole step leaves them", self.app.ask(shown)?.is_none())?;
+        self.check("a whole step leaves them", self.app.run(shown)?.is_none())?;
         self.check("for the next tick", self.tick()? == tick + 2)
     }
 
@@ -149,14 +149,14 @@ impl Visit<'_> {
         self.drag([rail[1], y], [0.7 * rail[0] + 0.3 * rail[1], y])?;
         let scrubbed = self.tick()?;
         self.check("the scrubber goes to an earlier tick", scrubbed + 5 < tick)?;
-        let first = self.app.ask(|world| world.resource::<Recording>().ticks().next())?;
+        let first = self.app.run(|world| world.resource::<Recording>().ticks().next())?;
         let first = first.ok_or("nothing is recorded")?;
         self.check("and not before the recording", scrubbed >= first.tick)?;
         self.key(Key::SPACE)?;
         self.until("going on gives the hashes of the first pass", |world| {
             matches!(world.resource::<Recording>().replay(), Replay::Same(ticks) if ticks > 4)
         })?;
-        let differs = self.app.ask(|world| world.resource::<Recording>().replay())?;
+        let differs = self.app.run(|world| world.resource::<Recording>().replay())?;
         self.check("and no other", !matches!(differs, Replay::Differs(_)))
     }
 
@@ -169,7 +169,7 @@ impl Visit<'_> {
         let [x, y] = self.seen(line)?;
         self.press([x, y], true)?;
         self.press([x, y], false)?;
-        let selected = self.app.ask(|world| world.resource::<Selection>().body)?;
+        let selected = self.app.run(|world| world.resource::<Selection>().body)?;
         self.check("a click selects the rope", selected == Some(line))?;
 
         let lantern = self.body("lantern")?;
@@ -177,16 +177,16 @@ impl Visit<'_> {
         self.press([x, y], true)?;
         let held = |world: &mut World| world.resource::<MouseDrag>().grabbed.is_some();
         self.until("a press takes hold of the lantern", held)?;
-        let selected = self.app.ask(|world| world.resource::<Selection>().body)?;
+        let selected = self.app.run(|world| world.resource::<Selection>().body)?;
         self.check("and selects it", selected == Some(lantern))?;
-        let before = self.app.ask(move |world| centre(world, lantern))?;
+        let before = self.app.run(move |world| centre(world, lantern))?;
         self.key(Key::SPACE)?;
         for i in 1..=4 {
             self.hand.point(x, y - 30.0 * i as f32)?;
             self.app.frames(1)?;
         }
         self.app.frames(8)?;
-        let after = self.app.ask(move |world| centre(world, lantern))?;
+        let after = self.app.run(move |world| centre(world, lantern))?;
         self.check("the lantern follows the pointer up", after.y > before.y + 0.3)?;
         photograph(self.app, folder, "dragged")?;
         self.press([x, y - 120.0], false)?;
@@ -195,8 +195,8 @@ impl Visit<'_> {
         // Empty sky above everything.
         self.press([800.0, 30.0], true)?;
         self.press([800.0, 30.0], false)?;
-        let selected = self.app.ask(|world| world.resource::<Selection>().body)?;
-        self.check("a click into the void selects nothing", selected.is_none())
+        let selected = self.app.run(|world| world.resource::<Selection>().body)?;
+        self.check("a click into empty space deselects", selected.is_none())
     }
 
     fn cut(&self, folder: &Path) -> Result<(), String> {
@@ -206,15 +206,15 @@ impl Visit<'_> {
         self.press([x, y], false)?;
         self.draw_view(false)?;
         let rods = |world: &mut World| world.query::<&DistanceConstraint>().iter(world).count();
-        let before = self.app.ask(rods)?;
+        let before = self.app.run(rods)?;
         self.scroll_to("Cut the nearest rod")?;
         photograph(self.app, folder, "selected")?;
         self.click("Cut the nearest rod")?;
-        self.check("a rod of the selected rope is cut", self.app.ask(rods)? == before - 1)?;
+        self.check("a rod of the selected rope is cut", self.app.run(rods)? == before - 1)?;
         self.hand.point(DOCK_WIDTH + 200.0, 30.0)?;
         self.key(Key::ESCAPE)?;
-        let selected = self.app.ask(|world| world.resource::<Selection>().body)?;
-        self.check("Escape selects nothing", selected.is_none())
+        let selected = self.app.run(|world| world.resource::<Selection>().body)?;
+        self.check("Escape deselects", selected.is_none())
     }
 
     fn tune_save_and_load(&self, folder: &Path) -> Result<(), String> {
@@ -228,7 +228,7 @@ impl Visit<'_> {
             self.drag([x - 4.0, y], [x, y])
         };
         tune(0.3)?;
-        let saved = self.app.ask(substeps)?;
+        let saved = self.app.run(substeps)?;
         self.check("the slider sets the substeps", (11..32).contains(&saved))?;
 
         let tick = self.tick()?;
@@ -248,16 +248,16 @@ impl Visit<'_> {
         self.click("Save settings")?;
         self.check("Save writes the file that was named", path.exists())?;
         tune(0.8)?;
-        let tuned = self.app.ask(substeps)?;
+        let tuned = self.app.run(substeps)?;
         self.check("the slider sets the substeps again", tuned > saved + 10)?;
         self.scroll_to("Load settings")?;
         self.click("Load settings")?;
-        self.check("Load brings back what was saved", self.app.ask(substeps)? == saved)?;
+        self.check("Load brings back what was saved", self.app.run(substeps)? == saved)?;
         self.scroll_to("Reset to defaults")?;
         self.click("Reset to defaults")?;
         let is_default =
             |world: &mut World| *world.resource::<SolverConfig>() == SolverConfig::default();
-        self.check("Reset brings back the defaults", self.app.ask(is_default)?)
+        self.check("Reset brings back the defaults", self.app.run(is_default)?)
     }
 
     fn plot_and_draw_lines(&self, folder: &Path) -> Result<(), String> {
@@ -287,7 +287,7 @@ impl Visit<'_> {
             let (config, layers) = store.config::<SinewGizmoConfigGroup>();
             config.enabled && layers.velocities && layers.forces
         };
-        self.check("a layer of lines is a click away", self.app.ask(layers)?)?;
+        self.check("a layer of lines is a click away", self.app.run(layers)?)?;
         self.draw_view(true)?;
         self.app.frames(4)?;
         photograph(self.app, folder, "lines")
@@ -296,7 +296,7 @@ impl Visit<'_> {
     fn play_save_and_load(&self, folder: &Path) -> Result<(), String> {
         self.hand.point(150.0, 400.0)?;
         self.turn(WHEEL_UP, 60)?;
-        self.click("All together")?;
+        self.click("Everything together")?;
         self.click("playground")?;
         self.until("the playground is on", |world| {
             world.resource::<OnStage>().scene.name == "playground"
@@ -305,18 +305,18 @@ impl Visit<'_> {
             world.query_filtered::<(), With<BodyParticles>>().iter(world).count()
         };
         self.app.frames(3)?;
-        let at_first = self.app.ask(bodies)?;
+        let at_first = self.app.run(bodies)?;
         self.hand.point(DOCK_WIDTH + 480.0, 560.0)?;
         self.app.frames(AFTER)?;
         self.key(Key::ONE)?;
-        self.check("the key 1 makes a box", self.app.ask(bodies)? == at_first + 1)?;
+        self.check("the key 1 makes a box", self.app.run(bodies)? == at_first + 1)?;
 
         self.key(Key::SPACE)?;
         let path = folder.join("playground.ron");
         let _ = std::fs::remove_file(&path);
         // Not the default path beside the program, where the user may have a file.
         let file = path.clone();
-        self.app.ask(move |world| world.resource_mut::<Tools>().path = file)?;
+        self.app.run(move |world| world.resource_mut::<Tools>().path = file)?;
         self.key(Key::F5)?;
         self.check("F5 saves everything", path.exists())?;
         self.find("Saved playground.ron")?;
@@ -330,18 +330,18 @@ impl Visit<'_> {
             all.sort_unstable();
             all
         };
-        let saved = self.app.ask(places)?;
+        let saved = self.app.run(places)?;
         self.key(Key::SPACE)?;
         self.key(Key::ONE)?;
         self.app.frames(8)?;
-        self.check("then there is another box", self.app.ask(bodies)? == at_first + 2)?;
+        self.check("then there is another box", self.app.run(bodies)? == at_first + 2)?;
         self.key(Key::SPACE)?;
-        self.check("and all has moved", self.app.ask(places)? != saved)?;
+        self.check("and all has moved", self.app.run(places)? != saved)?;
         self.key(Key::F9)?;
         self.find("Loaded playground.ron")?;
-        self.check("F9 brings back the bodies", self.app.ask(bodies)? == at_first + 1)?;
-        self.check("where they were", self.app.ask(places)? == saved)?;
-        self.app.ask(|world| {
+        self.check("F9 brings back the bodies", self.app.run(bodies)? == at_first + 1)?;
+        self.check("where they were", self.app.run(places)? == saved)?;
+        self.app.run(|world| {
             let mut store = world.resource_mut::<GizmoConfigStore>();
             store.config_mut::<SinewGizmoConfigGroup>().0.enabled = false;
         })?;
@@ -351,26 +351,26 @@ impl Visit<'_> {
         // The simulation continues from there.
         self.key(Key::SPACE)?;
         self.app.frames(8)?;
-        self.check("and from there it goes on", self.app.ask(places)? != saved)
+        self.check("and from there it goes on", self.app.run(places)? != saved)
     }
 
     fn check(&self, what: &str, is: bool) -> Result<(), String> {
-        self.looked.set(self.looked.get() + 1);
-        if is { Ok(()) } else { Err(format!("not so: {what}")) }
+        self.checks.set(self.checks.get() + 1);
+        if is { Ok(()) } else { Err(format!("check failed: {what}")) }
     }
 
     fn until(&self, what: &str, is: fn(&mut World) -> bool) -> Result<(), String> {
-        self.looked.set(self.looked.get() + 1);
+        self.checks.set(self.checks.get() + 1);
         self.app.until(what, is)
     }
 
     fn tick(&self) -> Result<u64, String> {
-        self.app.ask(|world| world.resource::<SinewClock>().tick)
+        self.app.run(|world| world.resource::<SinewClock>().tick)
     }
 
     /// Switches drawing of the scene on or off: it takes a software renderer the longest.
     fn draw_view(&self, drawn: bool) -> Result<(), String> {
-        self.app.ask(move |world| {
+        self.app.run(move |world| {
             let mut cameras = world.query_filtered::<&mut Camera, With<PanOrbitCamera>>();
             cameras.iter_mut(world).for_each(|mut camera| camera.is_active = drawn);
         })?;
@@ -379,7 +379,7 @@ impl Visit<'_> {
 
     /// The body with this name.
     fn body(&self, name: &'static str) -> Result<Entity, String> {
-        let found = self.app.ask(move |world| {
+        let found = self.app.run(move |world| {
             let mut all = world.query_filtered::<(Entity, &Name), With<BodyParticles>>();
             all.iter(world).find(|(_, its)| its.as_str() == name).map(|(body, _)| body)
         })?;
@@ -388,7 +388,7 @@ impl Visit<'_> {
 
     /// The pixel at which a particle in the middle of a body is seen.
     fn seen(&self, body: Entity) -> Result<[f32; 2], String> {
-        let pixel = self.app.ask(move |world| {
+        let pixel = self.app.run(move |world| {
             let members = world.get::<BodyParticles>(body)?;
             let middle = members.iter().nth(members.len() / 2)?;
             let place = world.get::<Particle>(middle)?.position;
@@ -405,14 +405,14 @@ impl Visit<'_> {
     fn find(&self, text: &'static str) -> Result<egui::Rect, String> {
         let mut last = None;
         for _ in 0..40 {
-            let found = self.app.ask(move |world| place(world, text))?;
+            let found = self.app.run(move |world| place(world, text))?;
             // It must be at the same place in two frames: a panel that is being laid out or scrolled cannot be clicked yet.
             if let Some(place) = found.filter(|_| found == last) {
                 return Ok(place);
             }
             last = found;
         }
-        Err(format!("no \"{text}\" is to be seen"))
+        Err(format!("no \"{text}\" is visible"))
     }
 
     /// Scrolls the panel from the top until a text is visible.
@@ -423,7 +423,7 @@ impl Visit<'_> {
         };
         self.turn(WHEEL_UP, 60)?;
         for _ in 0..60 {
-            if self.app.ask(is_seen)? {
+            if self.app.run(is_seen)? {
                 return self.find(text);
             }
             self.turn(WHEEL_DOWN, 3)?;

@@ -14,7 +14,7 @@ const IN_THE_AIR: f32 = 5.0;
 
 /// A point under the pointer.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Spot {
+pub(super) struct PickedPoint {
     /// The entity to tie to: a rigid body, a limb, a particle, or a static collider.
     pub(super) entity: Entity,
     /// The point on it.
@@ -39,24 +39,24 @@ pub(super) fn depth(world: &World, ray: Ray3d, no_bodies: bool) -> f32 {
 }
 
 /// What is under the pointer: the first hit of its ray, or the particle nearest to it, such as one of a thin rope.
-pub(super) fn spot(world: &World, ray: Ray3d) -> Option<Spot> {
+pub(super) fn spot(world: &World, ray: Ray3d) -> Option<PickedPoint> {
     let sinew = world.resource::<SinewWorld>();
     let hit = sinew.cast_ray(ray, FAR, &QueryFilter::default());
     if let Some(hit) = hit
         && let Some(particle) = hit.particle
     {
-        return Some(of_particle(world, particle, hit.point));
+        return Some(point_on_body_of(world, particle, hit.point));
     }
     let far = hit.map_or(FAR, |hit| hit.distance);
     if let Some((particle, point)) = beside(sinew, ray, far) {
-        return Some(of_particle(world, particle, point));
+        return Some(point_on_body_of(world, particle, point));
     }
     let hit = hit?;
-    Some(Spot { entity: hit.entity, anchor: Anchor::Whole, point: hit.point, body: None })
+    Some(PickedPoint { entity: hit.entity, anchor: Anchor::Whole, point: hit.point, body: None })
 }
 
 /// A point on the body of a particle: the exact point if it is rigid, otherwise the particle.
-fn of_particle(world: &World, particle: Entity, point: Vec3) -> Spot {
+fn point_on_body_of(world: &World, particle: Entity, point: Vec3) -> PickedPoint {
     let body = world.get::<ParticleOf>(particle).map_or(particle, |of| of.0);
     let parts = world.get::<BodyParts>(body).into_iter().flat_map(BodyParts::iter).chain([body]);
     let holds = |&part: &Entity| {
@@ -71,10 +71,10 @@ fn of_particle(world: &World, particle: Entity, point: Vec3) -> Spot {
     if let Some((part, frame)) = rigid.and_then(|part| Some((part, world.get::<Transform>(part)?)))
     {
         let local = frame.compute_affine().inverse().transform_point3(point);
-        return Spot { entity: part, anchor: Anchor::Point(local), point, body: Some(body) };
+        return PickedPoint { entity: part, anchor: Anchor::Point(local), point, body: Some(body) };
     }
     let point = world.get::<Particle>(particle).map_or(point, |particle| particle.position);
-    Spot { entity: particle, anchor: Anchor::Whole, point, body: Some(body) }
+    PickedPoint { entity: particle, anchor: Anchor::Whole, point, body: Some(body) }
 }
 
 /// The particle nearest to a ray as seen from its origin, within `far` metres.

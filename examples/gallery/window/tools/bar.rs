@@ -19,7 +19,7 @@ pub(in crate::window) fn bar(ui: &mut Ui, tools: &mut Tools) {
             let button =
                 Button::new(text).selected(tools.armed == Some(tool)).min_size(vec2(width, 22.0));
             if ui.add(button).on_hover_text(tool.hint()).clicked() {
-                if tool.is_done_at_once() {
+                if tool.is_immediate() {
                     tools.clicked = Some(tool);
                 } else {
                     tools.armed = (tools.armed != Some(tool)).then_some(tool);
@@ -31,13 +31,14 @@ pub(in crate::window) fn bar(ui: &mut Ui, tools: &mut Tools) {
         }
     });
     let hint = match tools.armed {
-        None => "A key acts at the pointer; a button takes its tool in hand.".to_owned(),
-        Some(tool) => format!("{}: press in the view. Escape puts it away.", tool.name()),
+        None => "Keys act at the pointer; a button selects a tool for clicks.".to_owned(),
+        Some(tool) => format!("{}: click in the view. Escape deselects the tool.", tool.name()),
     };
     ui.label(RichText::new(hint).weak().small());
     // Always drawn, so that nothing below moves.
-    let said = if tools.said.is_empty() { "The pointer drags." } else { &tools.said };
-    ui.add(Label::new(RichText::new(said).small()).truncate());
+    let message =
+        if tools.message.is_empty() { "The pointer drags bodies." } else { &tools.message };
+    ui.add(Label::new(RichText::new(message).small()).truncate());
     ui.add_space(6.0);
 }
 

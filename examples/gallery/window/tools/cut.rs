@@ -13,14 +13,14 @@ use sinew_scenes::{InScene, Skin};
 use super::aim;
 
 /// Half the width of the knife, metres, and its increase for each metre of distance.
-const KNIFE: f32 = 0.016;
-const WIDER: f32 = 0.002;
+const KNIFE_HALF_WIDTH: f32 = 0.016;
+const KNIFE_SPREAD: f32 = 0.002;
 /// How far behind the first hit it still cuts, metres.
-const BEHIND: f32 = 0.12;
+const CUT_DEPTH: f32 = 0.12;
 
 /// Cuts the rods and springs near a ray; returns how many.
 pub(super) fn cut(world: &mut World, ray: Ray3d) -> usize {
-    let far = aim::depth(world, ray, false) + BEHIND;
+    let far = aim::depth(world, ray, false) + CUT_DEPTH;
     let particles = world.query::<&Particle>();
     let mut ties = world.query::<(
         Entity,
@@ -42,7 +42,7 @@ pub(super) fn cut(world: &mut World, ray: Ray3d) -> usize {
         };
         let [Ok(a), Ok(b)] = ends.map(|end| particles.get_manual(world, end)) else { continue };
         let (depth, off) = crossing(ray, a.position, b.position);
-        let near = depth > 0.0 && depth < far && off < KNIFE + WIDER * depth;
+        let near = depth > 0.0 && depth < far && off < KNIFE_HALF_WIDTH + KNIFE_SPREAD * depth;
         if near && !body.is_some_and(is_rigid) {
             found.push((*order, tie, ends, body));
         }
@@ -56,8 +56,8 @@ pub(super) fn cut(world: &mut World, ray: Ray3d) -> usize {
         }
     }
     for (body, gone) in bodies {
-        part_surface(world, body, &gone);
-        part_tube(world, body, &gone);
+        cut_surface(world, body, &gone);
+        split_tube(world, body, &gone);
     }
     found.len()
 }
@@ -75,7 +75,7 @@ fn crossing(ray: Ray3d, a: Vec3, b: Vec3) -> (f32, f32) {
 }
 
 /// Removes the triangles that contain a cut thread: they are no longer drawn, and bodies pass through.
-fn part_surface(world: &mut World, body: Entity, gone: &[[Entity; 2]]) {
+fn cut_surface(world: &mut World, body: Entity, gone: &[[Entity; 2]]) {
     let Some(surface) = world.get::<WindSurface>(body) else { return };
     let sorted = |[a, b]: [Entity; 2]| [a.min(b), a.max(b)];
     let gone: BTreeSet<[Entity; 2]> = gone.iter().copied().map(sorted).collect();
@@ -102,7 +102,7 @@ fn part_surface(world: &mut World, body: Entity, gone: &[[Entity; 2]]) {
 }
 
 /// Splits the tube mesh of a rope: each further piece is drawn by an entity of its own. A rod of one segment is despawned.
-fn part_tube(world: &mut World, body: Entity, gone: &[[Entity; 2]]) {
+fn split_tube(world: &mut World, body: Entity, gone: &[[Entity; 2]]) {
     let mut tubes = world.query::<(Entity, &TubeMesh)>();
     // Pieces of a rope that was cut before are entities of their own.
     let drawn: Vec<(Entity, TubeMesh)> =

@@ -21,7 +21,7 @@ pub(super) fn save(world: &mut World) -> String {
         fs::write(&path, text).map_err(|fault| fault.to_string()).map(|()| size)
     });
     match saved {
-        Ok(size) => format!("Saved {} ({} kB).", told(&path), size.div_ceil(1000)),
+        Ok(size) => format!("Saved {} ({} kB).", display_path(&path), size.div_ceil(1000)),
         Err(fault) => format!("Not saved: {fault}."),
     }
 }
@@ -54,11 +54,11 @@ pub(super) fn load(world: &mut World) -> String {
     world.resource_mut::<MouseDrag>().grabbed = None;
     world.resource_mut::<Recording>().clear();
     world.resource_mut::<Selection>().clear();
-    format!("Loaded {}.", told(&path))
+    format!("Loaded {}.", display_path(&path))
 }
 
 /// The file name first, because a long line is truncated.
-fn told(path: &Path) -> String {
+fn display_path(path: &Path) -> String {
     let name = path.file_name().map(|name| name.to_string_lossy());
     let folder = path.parent().unwrap_or(Path::new("."));
     format!("{} in {}", name.unwrap_or_default(), folder.display())

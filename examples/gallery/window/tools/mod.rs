@@ -31,7 +31,7 @@ use sinew_scenes::{OnStage, Toy};
 
 pub(super) use bar::bar;
 
-use aim::Spot;
+use aim::PickedPoint;
 use work::Hook;
 
 /// The scene that has the tools.
@@ -93,28 +93,26 @@ impl Tool {
     fn hint(self) -> &'static str {
         match self {
             Self::Spawn(_) => {
-                "A new one where the pointer is; in front of the camera if it is nowhere."
+                "Spawns one at the pointer, or in front of the camera if nothing is there."
             }
-            Self::Pin => "Holds a point of a body where it is. On a pin: lets it go.",
-            Self::Rod => "A rod from one point to another: two presses.",
-            Self::Rope => "A rope from one point to another: two presses.",
-            Self::Cut => {
-                "Cuts threads, ropes and rods that the pointer passes while it is pressed."
-            }
-            Self::Shoot => "A ball of 4 kg from the camera.",
-            Self::Remove => "Takes away the body, or the pin, under the pointer.",
-            Self::Save => "Writes everything to the file.",
-            Self::Load => "Reads everything from the file. A broken one changes nothing.",
+            Self::Pin => "Pins a point of a body. On a pin: removes it.",
+            Self::Rod => "Connects two points by a rod: click both.",
+            Self::Rope => "Connects two points by a rope: click both.",
+            Self::Cut => "Cuts cloth, ropes and rods under the pointer while it is pressed.",
+            Self::Shoot => "Shoots a ball of 4 kg from the camera.",
+            Self::Remove => "Removes the body or the pin under the pointer.",
+            Self::Save => "Saves everything to the file.",
+            Self::Load => "Loads everything from the file. An invalid file changes nothing.",
         }
     }
 
     /// Whether it repeats while the key or the button is down.
-    fn goes_on(self) -> bool {
+    fn repeats(self) -> bool {
         self == Self::Cut
     }
 
     /// Whether it needs no place and acts as soon as its button is clicked.
-    fn is_done_at_once(self) -> bool {
+    fn is_immediate(self) -> bool {
         matches!(self, Self::Save | Self::Load)
     }
 }
@@ -125,17 +123,17 @@ pub(super) struct Tools {
     /// The tool that a press in the view uses, instead of dragging.
     armed: Option<Tool>,
     /// Actions to carry out in this frame, and their rays.
-    asked: Vec<(Tool, Ray3d)>,
+    actions: Vec<(Tool, Ray3d)>,
     /// The tool that was clicked in the bar and needs no place.
     clicked: Option<Tool>,
     /// The first end of a rod or a rope, and the marker at it.
-    first: Option<(Spot, Entity)>,
+    first: Option<(PickedPoint, Entity)>,
     /// Number of bodies spawned so far: it selects the colour of the next.
     spawned: usize,
     /// Path of the file to save to and load from.
     pub(super) path: PathBuf,
     /// Message about the last action.
-    said: String,
+    message: String,
 }
 
 impl Default for Tools {
@@ -144,12 +142,12 @@ impl Default for Tools {
         let folder = program.parent().map(PathBuf::from).unwrap_or_default();
         Self {
             armed: None,
-            asked: Vec::new(),
+            actions: Vec::new(),
             clicked: None,
             first: None,
             spawned: 0,
             path: folder.join("playground.ron"),
-            said: String::new(),
+            message: String::new(),
         }
     }
 }
@@ -213,17 +211,17 @@ fn listen(
             _ => {}
         }
     }
-    let armed = tools.armed.filter(|tool| pressed || (*down && tool.goes_on()));
+    let armed = tools.armed.filter(|tool| pressed || (*down && tool.repeats()));
     if let Some((tool, ray)) = armed.zip(pointed) {
-        tools.asked.push((tool, ray));
+        tools.actions.push((tool, ray));
     }
     if let Some(tool) = tools.clicked.take() {
-        tools.asked.push((tool, ray));
+        tools.actions.push((tool, ray));
     }
     if let Some(keys) = keys.filter(|_| !no_keys) {
         for (tool, key) in TOOLS {
-            if keys.just_pressed(key) || (tool.goes_on() && keys.pressed(key)) {
-                tools.asked.push((tool, ray));
+            if keys.just_pressed(key) || (tool.repeats() && keys.pressed(key)) {
+                tools.actions.push((tool, ray));
             }
         }
         if keys.just_pressed(KeyCode::Escape) {
@@ -245,6 +243,6 @@ fn put_away(commands: &mut Commands, tools: &mut Tools, drag: &mut MouseDrag) {
     if let Some((_, mark)) = tools.first.take() {
         commands.entity(mark).try_despawn();
     }
-    tools.asked.clear();
+    tools.actions.clear();
     tools.clicked = None;
 }

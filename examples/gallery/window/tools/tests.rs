@@ -74,8 +74,8 @@ fn place(app: &App, entity: Entity) -> Vec3 {
     app.world().get::<Transform>(entity).unwrap().translation
 }
 
-fn said(app: &App) -> &str {
-    &app.world().resource::<Tools>().said
+fn message(app: &App) -> &str {
+    &app.world().resource::<Tools>().message
 }
 
 /// A crate of 1 m with this name, centred at a point in the plane z = 0.
@@ -116,14 +116,14 @@ fn a_pin_holds_a_crate_by_the_point_that_was_pressed_and_the_same_lets_it_go() {
     let mut app = app();
     let body = crate_at(&mut app, "crate", 0.0, 0.0);
     key(&mut app, KeyCode::KeyP, 0.3, 0.2);
-    assert!(said(&app).starts_with("Pinned"), "{}", said(&app));
+    assert!(message(&app).starts_with("Pinned"), "{}", message(&app));
     app.insert_resource(bevy_sinew::Gravity::default());
     run(&mut app, 90);
     let pinned = Vec3::new(0.3, 0.2, 0.5);
     let local = app.world().get::<Transform>(body).unwrap().transform_point(pinned);
     assert!(local.distance(pinned) < 0.01, "{local}");
     key(&mut app, KeyCode::KeyP, 0.3, 0.2);
-    assert_eq!(said(&app), "Let go.");
+    assert_eq!(message(&app), "Unpinned.");
     run(&mut app, 60);
     assert!(place(&app, body).y < -3.0, "{}", place(&app, body));
     assert!(named(&mut app, "pin").is_empty());
@@ -134,9 +134,9 @@ fn a_rod_keeps_two_crates_apart_and_together_and_a_rope_holds_one_at_a_wall() {
     let mut app = app();
     let (a, b) = (crate_at(&mut app, "a", -1.5, 0.0), crate_at(&mut app, "b", 1.5, 0.0));
     key(&mut app, KeyCode::KeyT, -1.5, 0.0);
-    assert_eq!(said(&app), "And the other end?");
+    assert_eq!(message(&app), "First end set; now the second.");
     key(&mut app, KeyCode::KeyT, 1.5, 0.0);
-    assert!(said(&app).starts_with("A rod of 3.00"), "{}", said(&app));
+    assert!(message(&app).starts_with("Added a rod of 3.00"), "{}", message(&app));
     assert_eq!(named(&mut app, "rod").len(), 1);
     run(&mut app, 3);
     app.world_mut().get_mut::<LinearVelocity>(b).unwrap().0 = Vec3::new(1.0, 2.0, 0.0);
@@ -152,7 +152,7 @@ fn a_rod_keeps_two_crates_apart_and_together_and_a_rope_holds_one_at_a_wall() {
     let at = place(&app, a);
     key(&mut app, KeyCode::KeyY, at.x, at.y);
     key(&mut app, KeyCode::KeyY, at.x + 0.1, at.y);
-    assert_eq!(said(&app), "Both ends are on the same thing.");
+    assert_eq!(message(&app), "Both ends are on the same body.");
 
     let hung = crate_at(&mut app, "hung", 4.0, 4.0);
     let wall = (Collider::cuboid(Vec3::ONE), Transform::from_xyz(4.0, 6.0, 0.0));
@@ -160,7 +160,7 @@ fn a_rod_keeps_two_crates_apart_and_together_and_a_rope_holds_one_at_a_wall() {
     run(&mut app, 2);
     key(&mut app, KeyCode::KeyY, 4.0, 6.0);
     key(&mut app, KeyCode::KeyY, 4.0, 4.0);
-    assert!(said(&app).starts_with("A rope of 2.00"), "{}", said(&app));
+    assert!(message(&app).starts_with("Added a rope of 2.00"), "{}", message(&app));
     app.insert_resource(bevy_sinew::Gravity::default());
     run(&mut app, 120);
     let low = place(&app, hung).y;
@@ -200,7 +200,7 @@ fn a_rope_that_is_cut_is_two_and_a_rod_that_is_cut_is_none() {
     run(&mut app, 3);
     assert_eq!(named(&mut app, "rod").len(), 1);
     key(&mut app, KeyCode::KeyX, 0.2, 3.0);
-    assert_eq!(said(&app), "Cut one.");
+    assert_eq!(message(&app), "Cut 1 thread.");
     assert!(named(&mut app, "rod").is_empty());
     // A crate is rigid and cannot be cut.
     let before = rods(&mut app);
@@ -251,10 +251,10 @@ fn a_shot_hits_what_the_pointer_is_over_and_a_body_is_taken_away() {
     assert!(named(&mut app, "shot").len() <= 24);
     let at = place(&app, body);
     key(&mut app, KeyCode::Delete, at.x, at.y);
-    assert_eq!(said(&app), "Removed.");
+    assert_eq!(message(&app), "Removed.");
     assert!(app.world().get_entity(body).is_err());
     key(&mut app, KeyCode::Delete, 20.0, 20.0);
-    assert_eq!(said(&app), "No body there.");
+    assert_eq!(message(&app), "No body there.");
 }
 
 /// The number of meshes, and how many of them have a look.
@@ -276,17 +276,17 @@ fn all_of_it_is_saved_and_comes_back_in_another_run_as_it_was_and_looks_as_it_di
         key(&mut first, bound, -3.0 + i as f32, 4.0);
     }
     key(&mut first, KeyCode::KeyP, -2.1, 2.0);
-    assert!(said(&first).starts_with("Pinned"), "{}", said(&first));
+    assert!(message(&first).starts_with("Pinned"), "{}", message(&first));
     run(&mut first, 5);
     let hash = |app: &App| SinewSnapshot::capture(app.world()).hash();
     key(&mut first, KeyCode::F5, 0.0, 0.0);
-    assert!(said(&first).starts_with("Saved"), "{}", said(&first));
+    assert!(message(&first).starts_with("Saved"), "{}", message(&first));
     // Two frames have passed since it was written: one for pressing the key, one for releasing it.
     let mut second = app();
     second.world_mut().resource_mut::<Tools>().path.clone_from(&path);
     second.world_mut().resource_mut::<SinewControl>().paused = true;
     press(&mut second, KeyCode::F9, ButtonState::Pressed);
-    assert!(said(&second).starts_with("Loaded"), "{}", said(&second));
+    assert!(message(&second).starts_with("Loaded"), "{}", message(&second));
     let text = std::fs::read_to_string(&path).unwrap();
     let saved = SinewSnapshot::from_ron(&text, second.world()).unwrap();
     assert_eq!(hash(&second), saved.hash());
@@ -302,7 +302,7 @@ fn all_of_it_is_saved_and_comes_back_in_another_run_as_it_was_and_looks_as_it_di
     run(&mut second, 2);
     let before = hash(&second);
     key(&mut second, KeyCode::F9, 0.0, 0.0);
-    assert!(said(&second).starts_with("Not loaded"), "{}", said(&second));
+    assert!(message(&second).starts_with("Not loaded"), "{}", message(&second));
     assert_eq!(hash(&second), before);
     std::fs::remove_file(&path).unwrap();
     sinew_scenes::load(second.world_mut(), sinew_scenes::find("square").unwrap());

@@ -5,7 +5,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{AttachmentOf, CreationOrder, MouseDrag};
 use sinew_scenes::{InScene, Look, Skin, SkinShape, Toy};
 
-use super::aim::{self, Spot};
+use super::aim::{self, PickedPoint};
 use super::{Tool, Tools, cut, file};
 
 /// A static hook that a body is pinned to. It is part of the state, so that it can be removed after loading.
@@ -31,9 +31,9 @@ const PIECES: u32 = 60;
 
 /// Carries out the actions of this frame.
 pub(super) fn work(world: &mut World) {
-    let asked = core::mem::take(&mut world.resource_mut::<Tools>().asked);
-    for (tool, ray) in asked {
-        let said = match tool {
+    let actions = core::mem::take(&mut world.resource_mut::<Tools>().actions);
+    for (tool, ray) in actions {
+        let message = match tool {
             Tool::Spawn(toy) => spawn(world, toy, ray),
             Tool::Pin => pin(world, ray),
             Tool::Rod => tie(world, ray, true),
@@ -41,7 +41,7 @@ pub(super) fn work(world: &mut World) {
             // It repeats while the key is down: the last message stays until something is cut.
             Tool::Cut => match cut::cut(world, ray) {
                 0 => continue,
-                1 => "Cut one.".into(),
+                1 => "Cut 1 thread.".into(),
                 threads => format!("Cut {threads} threads."),
             },
             Tool::Shoot => shoot(world, ray),
@@ -49,7 +49,7 @@ pub(super) fn work(world: &mut World) {
             Tool::Save => file::save(world),
             Tool::Load => file::load(world),
         };
-        world.resource_mut::<Tools>().said = said;
+        world.resource_mut::<Tools>().message = message;
     }
 }
 
@@ -59,7 +59,7 @@ fn spawn(world: &mut World, toy: Toy, ray: Ray3d) -> String {
     let number = tools.spawned;
     tools.spawned += 1;
     toy.spawn(world, place, number);
-    format!("A {}.", toy.name().to_lowercase())
+    format!("Spawned a {}.", toy.name().to_lowercase())
 }
 
 /// Spawns a static hook to tie a body to.
@@ -98,7 +98,7 @@ fn unhook(world: &mut World, hook: Entity) {
 fn pin(world: &mut World, ray: Ray3d) -> String {
     if let Some(hook) = hook_under(world, ray) {
         unhook(world, hook);
-        return "Let go.".into();
+        return "Unpinned.".into();
     }
     let Some(spot) = aim::spot(world, ray).filter(|spot| spot.body.is_some()) else {
         return "Nothing to pin there.".into();
@@ -106,7 +106,7 @@ fn pin(world: &mut World, ray: Ray3d) -> String {
     let hook = hook(world, spot.point, 0xd1495b);
     let tie = AttachTo::new(hook).part(spot.anchor);
     world.spawn((tie, AttachmentOf(spot.entity)));
-    "Pinned. The same on the pin lets go.".into()
+    "Pinned. Use the tool on the pin to remove it.".into()
 }
 
 /// Stores the first end; with the second one, spawns a rod or a rope between them.
@@ -116,16 +116,16 @@ fn tie(world: &mut World, ray: Ray3d, rigid: bool) -> String {
         let mark = Skin::new(SkinShape::Ball { radius: 1.2 * HOOK }, Look::color(0xf2d544));
         let mark = world.spawn((InScene, mark, Transform::from_translation(spot.point))).id();
         world.resource_mut::<Tools>().first = Some((spot, mark));
-        return "And the other end?".into();
+        return "First end set; now the second.".into();
     };
     // An end may have been despawned meanwhile.
-    let there = |spot: &Spot| world.get_entity(spot.entity).is_ok();
+    let there = |spot: &PickedPoint| world.get_entity(spot.entity).is_ok();
     if !there(&first) || !there(&spot) {
-        return "The first end is gone.".into();
+        return "The first end was removed.".into();
     }
     let rigid_body = matches!(spot.anchor, Anchor::Point(_));
     if first.entity == spot.entity && (rigid_body || first.point.distance(spot.point) < 1e-3) {
-        return "Both ends are on the same thing.".into();
+        return "Both ends are on the same body.".into();
     }
     if first.body.is_none() && spot.body.is_none() {
         return "Neither end is on a body.".into();
@@ -148,18 +148,18 @@ fn tie(world: &mut World, ray: Ray3d, rigid: bool) -> String {
         ("rope", Look::color(0xc9a66b).roughness(0.9))
     };
     world.spawn((InScene, Name::new(name), rope, Skin::own(look), Interpolate));
-    format!("A {name} of {length:.2} m.")
+    format!("Added a {name} of {length:.2} m.")
 }
 
 /// Takes the first end of a tie, and despawns its marker.
-pub(super) fn take_first(world: &mut World) -> Option<Spot> {
+pub(super) fn take_first(world: &mut World) -> Option<PickedPoint> {
     let (spot, mark) = world.resource_mut::<Tools>().first.take()?;
     world.try_despawn(mark).ok();
     Some(spot)
 }
 
 /// Current position of a spot: its body may have moved since.
-fn now(world: &World, spot: &Spot) -> Vec3 {
+fn now(world: &World, spot: &PickedPoint) -> Vec3 {
     let particle = world.get::<Particle>(spot.entity).map(|particle| particle.position);
     match (&spot.anchor, world.get::<Transform>(spot.entity)) {
         (Anchor::Point(local), Some(frame)) => frame.transform_point(*local),
@@ -187,7 +187,7 @@ fn shoot(world: &mut World, ray: Ray3d) -> String {
 fn remove(world: &mut World, ray: Ray3d) -> String {
     if let Some(hook) = hook_under(world, ray) {
         unhook(world, hook);
-        return "Let go.".into();
+        return "Unpinned.".into();
     }
     let Some(body) = aim::spot(world, ray).and_then(|spot| spot.body) else {
         return "No body there.".into();
