@@ -40,10 +40,10 @@ impl PanelKeys {
     /// One line for the screen that lists the keys of the Time section; empty if all are disabled.
     pub(crate) fn line(&self) -> String {
         let keys = [
-            (self.pause, "pauses"),
-            (self.back, "goes back"),
-            (self.step, "steps"),
-            (self.half_step, "by a phase"),
+            (self.pause, "pause"),
+            (self.back, "back"),
+            (self.step, "step"),
+            (self.half_step, "half-step"),
         ];
         let said =
             keys.into_iter().filter_map(|(key, what)| Some(format!("{} {what}", name(key?))));
@@ -59,7 +59,7 @@ pub(crate) fn name(key: KeyCode) -> String {
 }
 
 /// Applies the key bindings.
-pub(crate) fn press(
+pub(crate) fn apply(
     keys: Option<Res<ButtonInput<KeyCode>>>,
     egui: Option<Res<EguiWantsInput>>,
     state: Res<PanelState>,

@@ -216,19 +216,22 @@ impl Plugin for SinewPanelPlugin {
         app.add_systems(FixedLast, follow())
             .add_systems(
                 Last,
-                (recording::travel.run_if(simulated).run_if(recording::is_wanted), follow())
+                (
+                    recording::restore_requested.run_if(simulated).run_if(recording::is_requested),
+                    follow(),
+                )
                     .chain(),
             )
             .add_systems(
                 Update,
                 (
-                    (keys::press, selection::select, selection::watch).chain().run_if(simulated),
-                    panel::forget_who_looked,
+                    (keys::apply, selection::select, selection::watch).chain().run_if(simulated),
+                    panel::reset_shown,
                 )
                     .chain(),
             );
         if !add_egui(app) {
-            info!("no window or no renderer: the panel is not drawn");
+            info!("no window or renderer: the panel is not drawn");
             return;
         }
         if let PanelMode::Docked(panel) = self.mode {
@@ -286,7 +289,7 @@ fn draw(
     let Ok(ctx) = contexts.ctx_mut() else { return };
     let looks = looks.get_or_insert_with(|| {
         let mut looks = egui::Style::clone(&ctx.global_style());
-        style::dress(&mut looks);
+        style::apply_style(&mut looks);
         Arc::new(looks)
     });
     dock::dock_styled(ctx, panel.side, Some(looks.clone()), |ui| {

@@ -54,7 +54,7 @@ pub(crate) fn sample(
 }
 
 /// Resets the flags of what is shown, which [`show`] sets in each frame, and switches the measuring of phases on while they are plotted.
-pub(crate) fn forget_who_looked(mut state: ResMut<PanelState>, took: Option<ResMut<TickTime>>) {
+pub(crate) fn reset_shown(mut state: ResMut<PanelState>, took: Option<ResMut<TickTime>>) {
     let by_phase = state.plots && state.by_phase && state.plot == Plotted::Time;
     if by_phase != state.measured
         && let Some(mut took) = took

@@ -76,13 +76,13 @@ pub enum SettingsFault {
     #[error("{0}")]
     File(String),
     /// It is not a settings file of this panel.
-    #[error("it is not a file of the panel's settings")]
+    #[error("it is not a settings file of the panel")]
     Foreign,
     /// It has another version of the format.
-    #[error("it is of format {0}, and this is format {VERSION}")]
+    #[error("its format version is {0}, not {VERSION}")]
     Version(u32),
     /// It is truncated or malformed, or has an unknown field.
-    #[error("it is broken: {0}")]
+    #[error("it is malformed: {0}")]
     Broken(String),
     /// This number is out of its range or not finite.
     #[error("its {0} is out of range")]

@@ -48,11 +48,11 @@ const WEAK: Color32 = Color32::from_rgb(118, 126, 139);
 /// is.
 pub fn style(ctx: &egui::Context) {
     ctx.set_theme(egui::Theme::Dark);
-    ctx.style_mut_of(egui::Theme::Dark, dress);
+    ctx.style_mut_of(egui::Theme::Dark, apply_style);
 }
 
 /// Changes a style to the panel's.
-pub(crate) fn dress(style: &mut egui::Style) {
+pub(crate) fn apply_style(style: &mut egui::Style) {
     style.text_styles = [
         (TextStyle::Small, FontId::new(11.0, FontFamily::Proportional)),
         (TextStyle::Body, FontId::new(13.0, FontFamily::Proportional)),

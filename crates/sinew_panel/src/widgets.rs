@@ -106,7 +106,7 @@ fn reset(ui: &mut Ui, differs: bool, to: &str) -> bool {
         return false;
     }
     let button = egui::Button::new("⟲").min_size(size).small().frame(false);
-    ui.add_sized(size, button).on_hover_text(format!("Back to {to}.")).clicked()
+    ui.add_sized(size, button).on_hover_text(format!("Reset to {to}.")).clicked()
 }
 
 /// A row with one draggable number for each axis, and a button that resets them to their defaults. Returns whether the user changed one.

@@ -91,9 +91,9 @@ pub struct Recording {
     snapshots: VecDeque<Recorded>,
     bytes: usize,
     /// By how much recording has exceeded its time up to now; ticks are skipped until it is zero.
-    overtime: Duration,
+    time_debt: Duration,
     at: Option<RecordedTick>,
-    wanted: Option<u64>,
+    requested: Option<u64>,
     replay: Replay,
     problem: Option<String>,
 }
@@ -158,9 +158,9 @@ impl Recording {
     pub fn go_to(&mut self, tick: u64) {
         let place = self.first_from(tick.saturating_add(1)).saturating_sub(1);
         let here = self.at.map(|at| at.tick);
-        self.wanted = self.snapshots.get(place).map(|one| one.at.tick);
-        if self.wanted == here {
-            self.wanted = None;
+        self.requested = self.snapshots.get(place).map(|one| one.at.tick);
+        if self.requested == here {
+            self.requested = None;
         }
     }
 
@@ -203,7 +203,7 @@ impl Recording {
         self.problem = (bytes > config.max_bytes).then(|| {
             let megabytes = |bytes: usize| bytes as f64 * 1e-6;
             let (one, most) = (megabytes(bytes), megabytes(config.max_bytes));
-            format!("one tick takes {one:.0} MB, and the recording may take {most:.0} MB")
+            format!("a snapshot takes {one:.0} MB, but the limit is {most:.0} MB")
         });
         let too_many = |own: &Self| own.snapshots.len() > config.max_ticks.max(1);
         while too_many(self) || self.bytes > config.max_bytes {
@@ -223,8 +223,8 @@ pub(crate) fn is_on(config: Res<RecordingConfig>, state: Res<PanelState>) -> boo
 }
 
 /// Whether going to a tick was requested.
-pub(crate) fn is_wanted(recording: Res<Recording>) -> bool {
-    recording.wanted.is_some()
+pub(crate) fn is_requested(recording: Res<Recording>) -> bool {
+    recording.requested.is_some()
 }
 
 /// Records the last tick, once.
@@ -248,9 +248,9 @@ pub(crate) fn record(world: &mut World) {
             return;
         }
         let allowed = Duration::from_micros(config.max_microseconds.into());
-        recording.overtime = match config.max_microseconds {
+        recording.time_debt = match config.max_microseconds {
             u32::MAX => Duration::ZERO,
-            _ => recording.overtime.saturating_sub(allowed),
+            _ => recording.time_debt.saturating_sub(allowed),
         };
         let begun = Instant::now();
         let place = recording.first_from(tick);
@@ -268,13 +268,13 @@ pub(crate) fn record(world: &mut World) {
                     recording.push(now, snapshot, &config);
                 }
             }
-            None if recording.overtime.is_zero() || world.resource::<SinewControl>().paused => {
+            None if recording.time_debt.is_zero() || world.resource::<SinewControl>().paused => {
                 let snapshot = capture(world);
                 recording.push(now, snapshot, &config);
             }
             None => (),
         }
-        recording.overtime += begun.elapsed();
+        recording.time_debt += begun.elapsed();
     });
 }
 
@@ -290,10 +290,10 @@ fn capture(world: &mut World) -> SinewSnapshot {
 }
 
 /// Goes to the requested tick, and pauses.
-pub(crate) fn travel(world: &mut World) {
+pub(crate) fn restore_requested(world: &mut World) {
     let went = world.resource_scope(|world, mut recording: Mut<Recording>| {
-        let wanted = recording.wanted.take()?;
-        let place = recording.first_from(wanted);
+        let requested = recording.requested.take()?;
+        let place = recording.first_from(requested);
         let one = recording.snapshots.get(place)?;
         let (to, snapshot) = (one.at, one.snapshot.clone());
         let speed = world.resource::<SinewControl>().relative_speed;

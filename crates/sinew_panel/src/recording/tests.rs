@@ -207,7 +207,7 @@ fn it_is_bounded_by_count_and_by_bytes() {
     app.world_mut().resource_mut::<RecordingConfig>().max_bytes = one / 2;
     hashes(&mut app, 1);
     assert_eq!((recording(&app).len(), recording(&app).bytes()), (0, 0));
-    assert!(recording(&app).problem().is_some_and(|said| said.contains("one tick takes")));
+    assert!(recording(&app).problem().is_some_and(|said| said.contains("a snapshot takes")));
     app.world_mut().resource_mut::<Recording>().go_to(last);
     app.update();
     assert!(!app.world().resource::<SinewControl>().paused, "there is nowhere to go");
@@ -293,7 +293,7 @@ fn the_button_the_slider_and_the_key_go_back() {
     assert_eq!(tick(&app), at);
     assert_eq!(recording(&app).replay(), Replay::Same(1));
     let (output, _) = draw_with(&mut app, &ctx, PanelSide::Right, Vec::new());
-    assert!(find_text(&output, "the same bits").is_some());
+    assert!(find_text(&output, "ticks: identical").is_some());
 
     // The slider's rail begins to the right of its label.
     let label = find_text(&output, "Go to tick").expect("the slider is there");
@@ -301,8 +301,8 @@ fn the_button_the_slider_and_the_key_go_back() {
     let there = tick(&app);
     assert!(there < before - 20, "{there} of {before}");
     let (output, _) = draw_with(&mut app, &ctx, PanelSide::Right, Vec::new());
-    assert!(find_text(&output, "The game's own state did not go back").is_some());
-    assert!(find_text(&output, "F3 goes back").is_some());
+    assert!(find_text(&output, "Other state of the game was not restored").is_some());
+    assert!(find_text(&output, "F3 back").is_some());
 
     let mut keys = ButtonInput::<KeyCode>::default();
     keys.press(KeyCode::F3);

@@ -27,7 +27,7 @@ pub(crate) fn files(ui: &mut Ui, panel: &mut PanelParams) {
             });
         }
         let load = Button::new("Load settings").min_size(size);
-        let hint = "Reads the file. One that is broken or something else changes nothing.";
+        let hint = "Reads the file. A malformed or foreign file changes nothing.";
         if ui.add(load).on_hover_text(hint).clicked() {
             let path = panel.state.settings_path.clone();
             panel.state.settings_said = Some(match PanelSettings::load(Path::new(&path)) {

@@ -15,15 +15,15 @@ const POINTS: usize = 300;
 /// The buttons that choose what is plotted, with label and hint, in [`COLUMNS`] columns.
 const CHOICES: [(Plotted, &str, &str); 6] = [
     (Plotted::Energy, "Energy", "Energies by kind, and their sum."),
-    (Plotted::Momentum, "Momentum", "Momentum of all that is free, along x, y and z."),
+    (Plotted::Momentum, "Momentum", "Momentum of all free particles along x, y and z."),
     (
         Plotted::AngularMomentum,
         "Ang. mom.",
-        "Angular momentum of all that is free about the world's origin, along x, y and z.",
+        "Angular momentum of all free particles about the world's origin, along x, y and z.",
     ),
-    (Plotted::Error, "Error, mm", "Largest error that the solver leaves in a hard constraint."),
-    (Plotted::Strain, "Strain, %", "Largest error in a hard distance, as a share of its length."),
-    (Plotted::Time, "Tick, ms", "How long a tick takes on this machine, by parts or by phases."),
+    (Plotted::Error, "Error, mm", "Largest residual of a hard constraint."),
+    (Plotted::Strain, "Strain, %", "Largest residual of a hard distance, relative to its length."),
+    (Plotted::Time, "Tick, ms", "Time of a tick on this machine, by parts or by phases."),
 ];
 const COLUMNS: usize = 3;
 
@@ -68,7 +68,7 @@ pub(crate) fn plots(ui: &mut Ui, panel: &mut PanelParams) {
     });
     let by_phase = panel.state.by_phase;
     if chosen == Plotted::Time {
-        let hint = "Measures each phase of the substeps. They are taken one by one then, to the same bits, and take longer.";
+        let hint = "Measures each phase of the substeps. They then run separately, with the same bits, but slower.";
         row(ui, "Phases", hint, |ui| {
             ui.checkbox(&mut panel.state.by_phase, "Measured").on_hover_text(hint);
         });
@@ -99,13 +99,16 @@ fn curves(plot: Plotted, by_phase: bool, history: &PlotHistory) -> Vec<Curve> {
     match plot {
         Plotted::Energy => {
             let mut all = vec![
-                curve("Kinetic", KINETIC, "Energy of motion: ½mv² of every particle.", |s| {
-                    s.kinetic
-                }),
+                curve(
+                    "Kinetic",
+                    KINETIC,
+                    "Kinetic energy: sum of ½mv² over all particles.",
+                    |s| s.kinetic,
+                ),
                 curve(
                     "Gravitational",
                     GRAVITATIONAL,
-                    "Energy of height, zero at the world's origin.",
+                    "Gravitational potential energy, zero at the world's origin.",
                     |s| s.gravitational,
                 ),
             ];
@@ -113,12 +116,12 @@ fn curves(plot: Plotted, by_phase: bool, history: &PlotHistory) -> Vec<Curve> {
                 let hint = "Energy in springs and between charges.";
                 all.push(curve("Stored", STORED, hint, |s| s.stored));
             }
-            let hint = "Sum of them: what drag, friction and pins take, and winds give.";
+            let hint = "Sum of all kinds. Drag, friction and pins reduce it, winds increase it.";
             all.push(curve("Total", TOTAL, hint, PlotSample::total));
             all
         }
         Plotted::Momentum => {
-            let hint = "Σ m v: what stays where only forces within act.";
+            let hint = "Σ m v; conserved if only internal forces act.";
             vec![
                 curve("p along x", AXES[0], hint, |s| s.momentum.x),
                 curve("p along y", AXES[1], hint, |s| s.momentum.y),
@@ -129,7 +132,7 @@ fn curves(plot: Plotted, by_phase: bool, history: &PlotHistory) -> Vec<Curve> {
             ]
         }
         Plotted::AngularMomentum => {
-            let hint = "Σ m x × v about the origin: what stays where only forces within act.";
+            let hint = "Σ m x × v about the origin; conserved if only internal forces act.";
             vec![
                 curve("L about x", AXES[0], hint, |s| s.angular_momentum.x),
                 curve("L about y", AXES[1], hint, |s| s.angular_momentum.y),
@@ -140,18 +143,25 @@ fn curves(plot: Plotted, by_phase: bool, history: &PlotHistory) -> Vec<Curve> {
             ]
         }
         Plotted::Error => {
-            let hint = "Largest error left in any hard constraint at the end of the tick.";
+            let hint = "Largest residual of a hard constraint at the end of the tick.";
             vec![curve("Largest error", WARN, hint, |s| f64::from(s.error) * 1e3)]
         }
         Plotted::Strain => {
-            let hint = "Largest error left in a hard distance, as a share of its length.";
+            let hint = "Largest residual of a hard distance, relative to its length.";
             vec![curve("Largest strain", WARN, hint, |s| f64::from(s.strain) * 1e2)]
         }
         Plotted::Time if by_phase => {
             let phase = |i: usize, name, hint, read| curve(name, SERIES[i], hint, read);
             vec![
-                phase(0, "Forces", "Gravity, springs, and what a game adds.", |s| ms(s.phases[0])),
-                phase(1, "Wind", "Pressure of winds, and air.", |s| ms(s.phases[1])),
+                phase(
+                    0,
+                    "Forces",
+                    "Gravity, springs, and forces of the game.",
+                    |s| ms(s.phases[0]),
+                ),
+                phase(1, "Wind", "Wind pressure, and drag and lift of air flows.", |s| {
+                    ms(s.phases[1])
+                }),
                 phase(2, "Buoyancy", "Fluids.", |s| ms(s.phases[2])),
                 phase(3, "Electric", "Charges and fields.", |s| ms(s.phases[3])),
                 phase(4, "Integrate", "Prediction of the next positions.", |s| ms(s.phases[4])),
@@ -159,13 +169,16 @@ fn curves(plot: Plotted, by_phase: bool, history: &PlotHistory) -> Vec<Curve> {
             ]
         }
         Plotted::Time => {
-            let hint = "Building bodies, and copying components into the solver's columns.";
+            let hint = "Building bodies, and copying components into the solver.";
             vec![
                 curve("Gather", SERIES[0], hint, |s| ms(s.parts[0])),
                 curve("Substeps", SERIES[5], "All phases of all substeps.", |s| ms(s.parts[1])),
-                curve("Scatter", SERIES[4], "Copying back, and reading poses off.", |s| {
-                    ms(s.parts[2])
-                }),
+                curve(
+                    "Scatter",
+                    SERIES[4],
+                    "Copying results back into components, and computing poses.",
+                    |s| ms(s.parts[2]),
+                ),
                 curve("Tick", TOTAL, "Sum of the three.", |s| ms(s.parts.iter().sum())),
             ]
         }

@@ -17,38 +17,38 @@ pub(crate) fn report(ui: &mut Ui, panel: &PanelParams) {
     let count = |n: usize| grouped(n as u64);
 
     let number = count(panel.world.particles().len());
-    value(ui, "Particles", "Particles that the solver works on.", &number, "");
+    value(ui, "Particles", "Particles in the solver.", &number, "");
     let number = count(simulation.distances().len());
-    value(ui, "Distances", "Distance constraints that the solver holds.", &number, "");
+    value(ui, "Distances", "Distance constraints in the solver.", &number, "");
     let number = count(simulation.constraints().len());
-    let hint = "All other constraints: angles, volumes, shapes and a game's own.";
-    value(ui, "Other laws", hint, &number, "");
+    let hint = "All other constraints: angles, volumes, shapes and those of the game.";
+    value(ui, "Others", hint, &number, "");
     let number = count(simulation.colours());
-    let hint = "Groups of constraints that share no particle: each is solved side by side.";
+    let hint = "Groups of constraints without common particles (graph colouring); each group is solved in parallel.";
     value(ui, "Colours", hint, &number, "");
-    value(ui, "Substeps", "Parts of the last tick.", &grouped(report.substeps.into()), "");
-    let hint = "Rounds over all constraints, summed over the substeps.";
+    value(ui, "Substeps", "Substeps of the last tick.", &grouped(report.substeps.into()), "");
+    let hint = "Sweeps over all constraints, summed over the substeps.";
     value(ui, "Sweeps", hint, &grouped(report.sweeps.into()), "");
     let number = grouped(report.most_sweeps.into());
-    value(ui, "Most in a substep", "The most rounds that one substep took.", &number, "");
+    value(ui, "Most in a substep", "Largest number of sweeps in one substep.", &number, "");
     let (answer, color) = if report.converged { ("yes", GOOD) } else { ("no", WARN) };
-    let hint = "Whether every substep met the tolerance before its sweeps were spent.";
+    let hint = "Whether every substep reached the tolerance within its maximum number of sweeps.";
     colored_value(ui, None, "Converged", hint, answer, "", Some(color));
     let number = format!("{:.3}", report.error * 1e3);
-    value(ui, "Largest error", "Largest error left in any hard constraint.", &number, "mm");
+    value(ui, "Largest error", "Largest residual of any hard constraint.", &number, "mm");
     let number = format!("{:.3}", report.strain * 1e2);
-    let hint = "Largest error left in a hard distance, as a share of its length.";
+    let hint = "Largest residual of a hard distance, relative to its length.";
     value(ui, "Strain", hint, &number, "%");
     let number = format!("{:.3}", panel.state.milliseconds);
-    let hint = "Time that the substeps of a tick take on this machine, smoothed.";
+    let hint = "Time of a tick's substeps on this machine, smoothed.";
     value(ui, "Tick time", hint, &number, "ms");
     let frozen = report.frozen.len();
     let color = (frozen > 0).then_some(WARN);
-    let hint = "Particles that turned non-finite in the last tick and were put back.";
+    let hint = "Particles whose state became non-finite in the last tick and was reset.";
     colored_value(ui, None, "Frozen", hint, &count(frozen), "", color);
     let too_fast = report.too_fast.len();
     let color = (too_fast > 0).then_some(WARN);
-    let hint = "Particles that were slowed down to the most speed in the last tick.";
+    let hint = "Particles that were limited to the maximum speed in the last tick.";
     colored_value(ui, None, "Too fast", hint, &count(too_fast), "", color);
 }
 
@@ -84,28 +84,29 @@ pub(crate) fn lines(ui: &mut Ui, panel: &mut PanelParams) {
 /// One checkbox for each layer, in two columns.
 fn checkboxes(ui: &mut Ui, layers: &mut SinewGizmoConfigGroup) {
     let ahead = SinewGizmoConfigGroup::VELOCITY_SECONDS;
-    let velocities = format!("The way of each particle in the next {ahead} s.");
+    let velocities =
+        format!("Displacement of each particle in the next {ahead} s at its velocity.");
     let long = SinewGizmoConfigGroup::METRES_PER_IMPULSE;
     let contacts =
         format!("Contacts along their normals, {long} m for each N·s; slows the solver a little.");
     let strong = SinewGizmoConfigGroup::METRES_PER_ACCELERATION;
     let forces = format!(
-        "What accelerates each particle, by kinds, {strong} m for each m/s²: gravity; springs, attractors and the game's own; wind and air; fluids; charges and fields. After a half-step their sum. Slows the solver."
+        "Accelerations of each particle by kind, {strong} m for each m/s²: gravity; springs, attractors and forces of the game; wind and air; fluids; charges and fields. After a half-step only their sum. Slows the solver."
     );
     let all: [(&mut bool, &str, &str); 14] = [
         (&mut layers.particles, "Particles", "Balls of their radius, orange if pinned."),
-        (&mut layers.strain, "Strain", "Distances: green where they hold, red from 2 % on."),
+        (&mut layers.strain, "Strain", "Distances: green without strain, red from 2 % on."),
         (&mut layers.springs, "Springs", "Springs, yellow."),
-        (&mut layers.colliders, "Colliders", "Outlines: sensors green, set aside red."),
-        (&mut layers.previous, "Last tick", "From where each particle was a tick ago."),
+        (&mut layers.colliders, "Colliders", "Outlines: sensors green, refused ones red."),
+        (&mut layers.previous, "Last tick", "Lines from the positions of the last tick."),
         (&mut layers.velocities, "Velocities", &velocities),
         (&mut layers.contacts, "Contacts", &contacts),
         (&mut layers.forces, "Forces", &forces),
         (&mut layers.angles, "Angles", "Angles, hinges, cones and bends, magenta."),
-        (&mut layers.volumes, "Volumes", "What keeps its area or its volume, teal."),
-        (&mut layers.batches, "Batches", "Distances: a colour for what is solved side by side."),
-        (&mut layers.islands, "Islands", "A colour for what is solved together."),
-        (&mut layers.sleepers, "Sleepers", "Violet boxes around what sleeps."),
+        (&mut layers.volumes, "Volumes", "Area and volume constraints, teal."),
+        (&mut layers.batches, "Batches", "Distances, coloured by batch (solved in parallel)."),
+        (&mut layers.islands, "Islands", "Bodies, coloured by island."),
+        (&mut layers.sleepers, "Sleepers", "Violet boxes around sleeping bodies."),
         (&mut layers.bounds, "Bounds", "Boxes around bodies, and their centres of mass."),
     ];
     Grid::new("sinew_layers").num_columns(2).min_col_width(ui.available_width() * 0.45).show(

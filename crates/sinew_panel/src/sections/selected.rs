@@ -24,17 +24,17 @@ pub(crate) fn selected(ui: &mut Ui, panel: &mut PanelParams) {
     };
     let title = RichText::new(panel.selected.title(body)).strong();
     let said = panel.keys.deselect.map_or(String::new(), |key| {
-        format!("{} or a click into the void deselects.", keys::name(key))
+        format!("{} or a click on empty space clears the selection.", keys::name(key))
     });
     ui.add(Label::new(title).truncate()).on_hover_text(said);
     let Some(readout) = panel.selected.readout(&panel.world, body) else {
-        let text = "It is gone. Going back in time brings it back.";
+        let text = "It was despawned. Going back in time restores it.";
         ui.add(Label::new(RichText::new(text).weak().small()).wrap());
         return;
     };
 
     let number = format!("{:.4}", readout.mass);
-    value(ui, "Mass", "Mass of all its particles.", &number, "kg");
+    value(ui, "Mass", "Sum of the masses of its particles.", &number, "kg");
     vector_value(ui, "Centre", "m", "Centre of mass, x y z in the world.", readout.centre);
     let hint = "Velocity of the centre of mass, x y z.";
     vector_value(ui, "Velocity", "m/s", hint, readout.velocity);
@@ -53,16 +53,16 @@ pub(crate) fn selected(ui: &mut Ui, panel: &mut PanelParams) {
         );
         vector_value(ui, "Inertia", "kg·m²", &hint, diagonal);
     }
-    energy(ui, "Kinetic", "Energy of motion: ½mv² of every particle.", readout.kinetic);
+    energy(ui, "Kinetic", "Kinetic energy: sum of ½mv² over all particles.", readout.kinetic);
     if readout.particles > 1 {
-        let hint = "Part of it that is of the centre of mass: ½Mv².";
-        energy(ui, "  of the centre", hint, readout.of_centre);
-        energy(ui, "  of the spin", "Part of it that is of the spin: ½ω·Iω.", readout.of_spin);
+        let hint = "Kinetic energy of the translation: ½Mv².";
+        energy(ui, "  translation", hint, readout.of_centre);
+        energy(ui, "  rotation", "Kinetic energy of the rotation: ½ω·Iω.", readout.of_spin);
         let inner = readout.kinetic - readout.of_centre - readout.of_spin;
-        let hint = "What is left: particles that move against each other.";
+        let hint = "The rest: particles that move relative to each other.";
         energy(
             ui,
-            "  within",
+            "  internal",
             hint,
             if inner.abs() < 1e-6 * readout.kinetic { 0.0 } else { inner },
         );
@@ -74,10 +74,10 @@ pub(crate) fn selected(ui: &mut Ui, panel: &mut PanelParams) {
         represented(ui, panel, body, now);
     }
     let number = grouped(readout.particles as u64);
-    value(ui, "Particles", "Particles that it is made of.", &number, "");
+    value(ui, "Particles", "Particles of the body.", &number, "");
     if readout.constraints > 0 {
         let number = grouped(readout.constraints as u64);
-        value(ui, "Constraints", "Springs and constraints that hold them.", &number, "");
+        value(ui, "Constraints", "Springs and constraints of the body.", &number, "");
         cut(ui, panel);
     }
 }
@@ -96,12 +96,12 @@ fn solved(ui: &mut Ui, panel: &PanelParams, body: Entity) {
     };
     let color = Some(if report.converged { GOOD } else { WARN });
     let number = format!("{:.4}", report.error * 1e3);
-    let hint = "Largest error left in a hard constraint of it and of what it is tied to; green if it met its tolerance.";
+    let hint = "Largest residual of a hard constraint of the body and of all bodies connected to it (its island); green if within the tolerance.";
     colored_value(ui, None, "Error", hint, &number, "mm", color);
     let number = format!("{:.3}", report.strain * 1e2);
-    let hint = "Largest error left in a hard distance, as a share of its length.";
+    let hint = "Largest residual of a hard distance, relative to its length.";
     value(ui, "Strain", hint, &number, "%");
-    let hint = "Rounds over its constraints, summed over the substeps of the tick.";
+    let hint = "Sweeps over its constraints, summed over the substeps of the tick.";
     value(ui, "Sweeps", hint, &grouped(report.sweeps.into()), "");
 }
 
@@ -110,10 +110,10 @@ fn touching(ui: &mut Ui, panel: &PanelParams, body: Entity) {
     let mut all: Vec<_> = contacts(&panel.world, body).collect();
     all.sort_by(|a, b| b.1.impulse.total_cmp(&a.1.impulse));
     let hint =
-        "Bodies, particles and colliders that it touched in the last tick; none of what sleeps.";
+        "Contacts with bodies, particles and colliders in the last tick. A sleeping body has none.";
     value(ui, "Contacts", hint, &grouped(all.len() as u64), "");
     for (other, impact) in all.iter().take(LISTED) {
-        let name = other.map_or("gone".into(), |other| panel.selected.title(other));
+        let name = other.map_or("despawned".into(), |other| panel.selected.title(other));
         let number = format!("{:.4}", impact.impulse);
         let hint = format!(
             "Impulse along the normal in the last tick. At {} {} {} m, with {name}.",
@@ -131,11 +131,11 @@ fn sleep(ui: &mut Ui, panel: &mut PanelParams, body: Entity) {
     let (answer, color, asleep) = match panel.selected.sleep(body) {
         None => ("awake, never sleeps".into(), None, false),
         Some(sleep) if sleep.asleep => ("asleep".into(), Some(GOOD), true),
-        Some(sleep) => (format!("awake, still for {:.2} s", sleep.still), None, false),
+        Some(sleep) => (format!("awake, at rest for {:.2} s", sleep.still), None, false),
     };
-    let hint = "A body with the component Sleep is left out of the simulation once it has been still for half a second.";
+    let hint = "A body with the component Sleep is not simulated once it has been at rest for half a second.";
     colored_value(ui, None, "Sleep", hint, &answer, "", color);
-    if asleep && ui.button("Wake").on_hover_text("Wakes it.").clicked() {
+    if asleep && ui.button("Wake").on_hover_text("Wakes the body.").clicked() {
         panel.commands.entity(body).entry::<Sleep>().and_modify(|mut one| one.wake());
     }
 }
@@ -149,8 +149,8 @@ fn represented(ui: &mut Ui, panel: &mut PanelParams, body: Entity, now: Represen
         (Representation::Rigid(RigidIntegrator::Verlet), "Rigid, Verlet"),
         (Representation::Rigid(RigidIntegrator::Euler), "Rigid, Euler"),
     ];
-    let hint = "How it moves. Position, rotation and momenta stay when it is changed.";
-    if choice(ui, "Moves as", hint, &mut chosen, &names) {
+    let hint = "How the body is simulated. Changing it keeps position, rotation and momenta.";
+    if choice(ui, "Simulated as", hint, &mut chosen, &names) {
         panel.commands.entity(body).insert(chosen);
     }
 }
@@ -163,7 +163,7 @@ fn cut(ui: &mut Ui, panel: &mut PanelParams) {
     let text = format!("Cut the nearest {what}: {} m", short(a.distance(b).into()));
     let size = vec2(ui.available_width(), 22.0);
     let hint = format!(
-        "Despawns the {what} nearest to where you clicked, which is stretched by {:.2} %. The game is not told that it broke.",
+        "Despawns the {what} nearest to the clicked point, stretched by {:.2} %. No break message is sent.",
         nearest.strain * 100.0
     );
     if ui.add_sized(size, Button::new(text)).on_hover_text(hint).clicked() {

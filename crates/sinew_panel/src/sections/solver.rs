@@ -13,19 +13,18 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
 
     let default = SolverConfig::default();
 
-    let hint =
-        "Parts that a tick is cut into: more make bodies stiffer, and cost time in proportion.";
+    let hint = "Substeps of a tick. More make bodies stiffer, and cost time in proportion.";
     let mut changed =
         number(ui, "Substeps", hint, &mut config.substeps, default.substeps, |value| {
             Slider::new(value, 1..=64)
         });
-    let hint = "The most rounds over all constraints in a substep.";
+    let hint = "Maximum number of sweeps over all constraints in a substep.";
     changed |=
         number(ui, "Max sweeps", hint, &mut config.max_sweeps, default.max_sweeps, |value| {
             Slider::new(value, 1..=100).logarithmic(true)
         });
     let mut millimetres = config.tolerance * 1e3;
-    let hint = "Error at which a substep stops sweeping early.";
+    let hint = "Residual below which a substep stops sweeping early.";
     if number(ui, "Tolerance", hint, &mut millimetres, default.tolerance * 1e3, |value| {
         Slider::new(value, 0.0..=10.0)
             .logarithmic(true)
@@ -37,7 +36,7 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
         changed = true;
     }
 
-    let hint = "How a step through time is made. Verlet keeps energy; explicit Euler is there to be compared with.";
+    let hint = "Time integration. Verlet conserves energy; explicit Euler is for comparison only.";
     let integrators = [
         (Integrator::Verlet, "Verlet"),
         (Integrator::Leapfrog, "Leapfrog"),
@@ -45,42 +44,55 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
         (Integrator::ExplicitEuler, "Explicit Euler"),
     ];
     changed |= choice(ui, "Integrator", hint, &mut config.integrator, &integrators);
-    let hint = "Along which gradients rods are corrected. Bodies such as boxes ask for their own.";
+    let hint = "Positions at which the gradients of hard distances are evaluated. Bodies such as boxes override it.";
     let gradients =
         [(GradientAt::Current, "Current positions"), (GradientAt::StepStart, "Start of the step")];
     changed |= choice(ui, "Gradient at", hint, &mut config.gradient_at, &gradients);
-    let hint = "In which order constraints are enforced.";
+    let hint = "Order in which constraints are solved.";
     let orders = [
         (Order::GaussSeidel, "Gauss–Seidel"),
         (Order::MostViolatedFirst, "Most violated first"),
         (Order::Jacobi, "Jacobi"),
     ];
     changed |= choice(ui, "Order", hint, &mut config.order, &orders);
-    let hint = "What nothing holds keeps its angular momentum, though corrections to the nearest point lose it.";
+    let hint = "Restores the angular momentum that free bodies lose by corrections along current gradients.";
     changed |= row(ui, "Keep spin", hint, |ui| ui.checkbox(&mut config.keep_spin, "").changed());
-    let hint = "Holds hard distances over many of them at once: what hangs to its pins, large grid cloth within, and ropes as chains. They do not stretch.";
+    let hint = "Solves hard distances over long ranges as well: tethers to pins, spans within large grid cloth, a direct solver for ropes. Cloth and ropes then do not stretch.";
     changed |= row(ui, "Long range", hint, |ui| ui.checkbox(&mut config.long_range, "").changed());
-    let hint = "Large cloth takes its sweeps as smaller substeps of its own: as taut, at half of the work.";
+    let hint =
+        "Large cloth replaces its sweeps by smaller substeps: equally stiff at half the work.";
     changed |= row(ui, "Microsteps", hint, |ui| ui.checkbox(&mut config.microsteps, "").changed());
-    let hint = "Forgets velocities, so that everything walks to rest.";
+    let hint =
+        "Discards velocities in every substep, so that everything converges to static equilibrium.";
     changed |= row(ui, "Statics", hint, |ui| ui.checkbox(&mut config.statics, "").changed());
-    let hint = "Other threads help. They change how long it takes, and nothing else.";
+    let hint = "Solves on several threads. The results do not change.";
     changed |= row(ui, "Threads", hint, |ui| ui.checkbox(&mut config.threads, "").changed());
 
     let tuned = config != SolverConfig::default();
     let size = vec2(ui.available_width(), 22.0);
     let reset = ui.add_enabled_ui(tuned, |ui| ui.add_sized(size, Button::new("Reset to defaults")));
     let reset = reset.inner;
-    if reset
-        .on_hover_text("10 substeps, 4 sweeps, 0.1 mm, Verlet, nearest point, cascade, threads.")
-        .clicked()
-    {
+    let hint = format!(
+        "{} substeps, {} sweeps, {} mm, {}, gradients at: {}, {}.",
+        default.substeps,
+        default.max_sweeps,
+        default.tolerance * 1e3,
+        name_of(&default.integrator, &integrators),
+        name_of(&default.gradient_at, &gradients).to_lowercase(),
+        name_of(&default.order, &orders),
+    );
+    if reset.on_hover_text(hint).clicked() {
         config = SolverConfig::default();
         changed = true;
     }
     if changed {
         panel.config.set_if_neq(config);
     }
+}
+
+/// The name of a value; empty if it has none.
+fn name_of<'a, T: PartialEq>(value: &T, names: &[(T, &'a str)]) -> &'a str {
+    names.iter().find(|(own, _)| own == value).map_or("", |(_, name)| name)
 }
 
 /// A drop-down of a few names. Returns whether the choice changed.
@@ -93,8 +105,7 @@ pub(super) fn choice<T: Copy + PartialEq>(
 ) -> bool {
     row(ui, label, hint, |ui| {
         let mut changed = false;
-        let name = names.iter().find(|(value, _)| value == chosen).map_or("", |(_, name)| name);
-        ComboBox::from_id_salt(label).selected_text(name).show_ui(ui, |ui| {
+        ComboBox::from_id_salt(label).selected_text(name_of(chosen, names)).show_ui(ui, |ui| {
             for &(value, name) in names {
                 changed |= ui.selectable_value(chosen, value, name).changed();
             }

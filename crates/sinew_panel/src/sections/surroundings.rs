@@ -15,7 +15,7 @@ pub(crate) fn surroundings(ui: &mut Ui, panel: &mut PanelParams) {
     gravity(ui, panel);
 
     let mut air = panel.air.0;
-    let hint = "Share of their velocity that all particles lose to the air per second.";
+    let hint = "Fraction of their velocity that all particles lose per second.";
     if number(ui, "Air drag", hint, &mut air, AirDrag::default().0, |value| {
         Slider::new(value, 0.0..=1.0).fixed_decimals(2).suffix(" /s")
     }) {
@@ -27,7 +27,7 @@ pub(crate) fn surroundings(ui: &mut Ui, panel: &mut PanelParams) {
     for (i, (entity, _, mut wind, name)) in winds.into_iter().enumerate() {
         let title = name.map_or_else(|| format!("Wind {}", i + 1), ToString::to_string);
         ui.push_id(entity.to_bits(), |ui| {
-            if let Some(changed) = blow(ui, &title, &wind) {
+            if let Some(changed) = wind_sliders(ui, &title, &wind) {
                 wind.set_if_neq(changed);
             }
         });
@@ -37,13 +37,13 @@ pub(crate) fn surroundings(ui: &mut Ui, panel: &mut PanelParams) {
     flows.sort_by_key(|(_, order, ..)| **order);
     for (i, (entity, _, mut flow, name)) in flows.into_iter().enumerate() {
         subtitle(ui, &name.map_or_else(|| format!("Air {}", i + 1), ToString::to_string));
-        ui.push_id(entity.to_bits(), |ui| _ = flow.set_if_neq(stream(ui, *flow)));
+        ui.push_id(entity.to_bits(), |ui| _ = flow.set_if_neq(air_flow_sliders(ui, *flow)));
     }
     let mut fluids: Vec<_> = panel.fluids.iter_mut().collect();
     fluids.sort_by_key(|(_, order, ..)| **order);
     for (i, (entity, _, mut fluid, name)) in fluids.into_iter().enumerate() {
         subtitle(ui, &name.map_or_else(|| format!("Fluid {}", i + 1), ToString::to_string));
-        ui.push_id(entity.to_bits(), |ui| _ = fluid.set_if_neq(pour(ui, *fluid)));
+        ui.push_id(entity.to_bits(), |ui| _ = fluid.set_if_neq(fluid_sliders(ui, *fluid)));
     }
 
     if !panel.charges.is_empty() {
@@ -69,7 +69,7 @@ pub(crate) fn surroundings(ui: &mut Ui, panel: &mut PanelParams) {
 }
 
 fn gravity(ui: &mut Ui, panel: &mut PanelParams) {
-    let hint = "Acceleration of everything with mass, m/s².";
+    let hint = "Gravitational acceleration, m/s².";
     let mut gravity = panel.gravity.0;
     let mut on = gravity != Vec3::ZERO;
     if row(ui, "Gravity", hint, |ui| {
@@ -96,43 +96,44 @@ fn subtitle(ui: &mut Ui, title: &str) {
 }
 
 /// The sliders of one wind. Returns the new wind if the user changed it.
-fn blow(ui: &mut Ui, title: &str, wind: &Wind) -> Option<Wind> {
+fn wind_sliders(ui: &mut Ui, title: &str, wind: &Wind) -> Option<Wind> {
     subtitle(ui, title);
     // A wind of zero pressure has no direction. The last one is remembered, so that the wind rises again in the direction it had.
     let memory = ui.id().with("sinew_wind");
-    let mut aim = Aim::of(wind.pressure);
-    if aim.strength > 0.0 {
-        ui.data_mut(|data| data.insert_temp(memory, (aim.heading, aim.tilt)));
+    let mut direction = WindDirection::of(wind.pressure);
+    if direction.strength > 0.0 {
+        ui.data_mut(|data| data.insert_temp(memory, (direction.heading, direction.tilt)));
     } else if let Some((heading, tilt)) = ui.data(|data| data.get_temp::<(f32, f32)>(memory)) {
-        aim = Aim { heading, tilt, ..aim };
+        direction = WindDirection { heading, tilt, ..direction };
     }
     let mut wind = *wind;
 
-    let speed = (2.0 * aim.strength / AIR).sqrt();
+    let speed = (2.0 * direction.strength / AIR).sqrt();
     let hint = format!("Dynamic pressure: ½ρv², now a breeze of {speed:.1} m/s.");
     let default = Wind::default();
-    let usual = Aim::of(default.pressure);
-    let mut aimed = number(ui, "Pressure", &hint, &mut aim.strength, usual.strength, |value| {
-        Slider::new(value, 0.0..=200.0)
-            .logarithmic(true)
-            .smallest_positive(0.1)
-            .custom_formatter(|x, _| format!("{x:.1}"))
-            .suffix(" Pa")
-    });
-    let hint = "Where it blows to, about the vertical: 0° along x, 90° along −z.";
-    aimed |= number(ui, "Heading", hint, &mut aim.heading, usual.heading, |value| {
+    let usual = WindDirection::of(default.pressure);
+    let mut aimed =
+        number(ui, "Pressure", &hint, &mut direction.strength, usual.strength, |value| {
+            Slider::new(value, 0.0..=200.0)
+                .logarithmic(true)
+                .smallest_positive(0.1)
+                .custom_formatter(|x, _| format!("{x:.1}"))
+                .suffix(" Pa")
+        });
+    let hint = "Direction in which the wind blows, about the vertical: 0° along x, 90° along −z.";
+    aimed |= number(ui, "Heading", hint, &mut direction.heading, usual.heading, |value| {
         Slider::new(value, -180.0..=180.0).fixed_decimals(0).suffix(" °")
     });
-    let hint = "How much it blows upwards.";
-    aimed |= number(ui, "Tilt", hint, &mut aim.tilt, usual.tilt, |value| {
+    let hint = "Angle of the wind above the horizontal.";
+    aimed |= number(ui, "Tilt", hint, &mut direction.tilt, usual.tilt, |value| {
         Slider::new(value, -90.0..=90.0).fixed_decimals(0).suffix(" °")
     });
     if aimed {
-        wind.pressure = aim.pressure();
-        ui.data_mut(|data| data.insert_temp(memory, (aim.heading, aim.tilt)));
+        wind.pressure = direction.pressure();
+        ui.data_mut(|data| data.insert_temp(memory, (direction.heading, direction.tilt)));
     }
 
-    let hint = "How much gusts add and take, as a share of the pressure.";
+    let hint = "Amplitude of gusts, relative to the pressure.";
     let gusty = number(ui, "Gusts", hint, &mut wind.gusts, default.gusts, |value| {
         Slider::new(value, 0.0..=1.0).fixed_decimals(2)
     });
@@ -140,12 +141,12 @@ fn blow(ui: &mut Ui, title: &str, wind: &Wind) -> Option<Wind> {
 }
 
 /// The sliders of a flow of air. Returns the flow as edited.
-fn stream(ui: &mut Ui, mut flow: AirFlow) -> AirFlow {
+fn air_flow_sliders(ui: &mut Ui, mut flow: AirFlow) -> AirFlow {
     let default = AirFlow::default();
     let Vec3 { x, y, z } = &mut flow.velocity;
     let hint = "Velocity of the air, m/s.";
     vector(ui, "Velocity", hint, [x, y, z], default.velocity.to_array(), 0.05);
-    let hint = "How much gusts add and take, as a share of the speed.";
+    let hint = "Amplitude of gusts, relative to the speed.";
     number(ui, "Gusts", hint, &mut flow.gusts, default.gusts, |value| {
         Slider::new(value, 0.0..=1.0).fixed_decimals(2)
     });
@@ -153,12 +154,12 @@ fn stream(ui: &mut Ui, mut flow: AirFlow) -> AirFlow {
 }
 
 /// The sliders of a fluid. Returns the fluid as edited.
-fn pour(ui: &mut Ui, mut fluid: Fluid) -> Fluid {
+fn fluid_sliders(ui: &mut Ui, mut fluid: Fluid) -> Fluid {
     let default = Fluid::default();
     let Vec3 { x, y, z } = &mut fluid.current;
     let hint = "Velocity of the fluid, m/s.";
     vector(ui, "Current", hint, [x, y, z], default.current.to_array(), 0.05);
-    let hint = "Share of its velocity that a submerged particle loses per second.";
+    let hint = "Fraction of its velocity that a submerged particle loses per second.";
     number(ui, "Drag", hint, &mut fluid.drag, default.drag, |value| {
         Slider::new(value, 0.0..=1.0).fixed_decimals(2).suffix(" /s")
     });
@@ -167,13 +168,13 @@ fn pour(ui: &mut Ui, mut fluid: Fluid) -> Fluid {
 
 /// A pressure as a magnitude, Pa, and a direction, degrees.
 #[derive(Clone, Copy, Debug)]
-struct Aim {
+struct WindDirection {
     strength: f32,
     heading: f32,
     tilt: f32,
 }
 
-impl Aim {
+impl WindDirection {
     fn of(pressure: Vec3) -> Self {
         let strength = pressure.length();
         let (mut heading, mut tilt) = (0.0, 0.0);
@@ -208,9 +209,9 @@ mod tests {
             Vec3::new(1.0, -2.0, 3.0),
             Vec3::ZERO,
         ] {
-            let back = Aim::of(pressure).pressure();
+            let back = WindDirection::of(pressure).pressure();
             assert!(back.distance(pressure) <= 1e-5 * (1.0 + pressure.length()), "{pressure}");
         }
-        assert_eq!(Aim::of(Vec3::NEG_Z).heading, 90.0);
+        assert_eq!(WindDirection::of(Vec3::NEG_Z).heading, 90.0);
     }
 }

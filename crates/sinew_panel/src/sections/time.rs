@@ -10,28 +10,28 @@ use crate::style::{GOOD, WARN};
 use crate::widgets::{grouped, number, row, slider, value};
 
 /// Width of the button for half-steps, points.
-const HALF: f32 = 34.0;
+const HALF_STEP_WIDTH: f32 = 34.0;
 
 /// Hint on what does not go back, for the controls that go back.
-const NOT_BACK: &str = "Bodies, settings and gravity go back. What the game keeps elsewhere stays as it is, unless it is registered (RegisterState), \
-    and keys and clicks are not repeated.";
+const NOT_RESTORED: &str = "Bodies, settings and gravity are restored. Other state of the game is not, unless it is registered (RegisterState). \
+    Input is not replayed.";
 
 /// Writes `SinewControl`, `PhaseSteps`, `Recording` and `RecordingConfig`.
 pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
     let paused = panel.control.paused;
     ui.horizontal(|ui| {
-        let width = (ui.available_width() - HALF - 3.0 * ui.spacing().item_spacing.x) / 3.0;
+        let width = (ui.available_width() - HALF_STEP_WIDTH - 3.0 * ui.spacing().item_spacing.x) / 3.0;
         let width = width.floor();
         let size = vec2(width, 24.0);
         let can = panel.recording.can_go_back();
         let back = ui.add_enabled(can, Button::new("⏮  Back").min_size(size));
-        let hint = format!("Goes back by one recorded tick and pauses. {NOT_BACK}");
+        let hint = format!("Goes back by one recorded tick and pauses. {NOT_RESTORED}");
         let back = back.on_hover_text(hint).on_disabled_hover_text("No earlier tick is recorded.");
         if back.clicked() {
             panel.recording.go_back();
         }
         let pause = Button::new(if paused { "▶  Run" } else { "⏸  Pause" }).min_size(size);
-        if ui.add(pause).on_hover_text("Stops and starts simulated time.").clicked() {
+        if ui.add(pause).on_hover_text("Pauses and resumes simulated time.").clicked() {
             panel.control.paused = !paused;
         }
         let step = ui.add_enabled(paused, Button::new("⏭  Step").min_size(size));
@@ -49,7 +49,7 @@ pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
         ui.add(Label::new(RichText::new(keys).weak().small()).truncate());
     }
     let mut speed = panel.control.relative_speed;
-    let hint = "Simulated seconds for each second of the game, whose own clock is left alone.";
+    let hint = "Simulated seconds for each second of the game. The game's clock is not changed.";
     if number(ui, "Speed", hint, &mut speed, 1.0, |value| {
         Slider::new(value, 0.05..=4.0)
             .logarithmic(true)
@@ -69,9 +69,9 @@ pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
 fn half_step(ui: &mut Ui, panel: &mut PanelParams) {
     let size = vec2(ui.available_width(), 24.0);
     let button = ui.add_enabled(panel.control.paused, Button::new("½").min_size(size));
-    let hint = "Half-step: goes on by one phase. Particles, meshes and lines are drawn as they are at its end. The tick is taken as a whole; what is saved is its end, and Step, Run and Back leave the phases.";
+    let hint = "Half-step: shows the state at the end of the next phase, with its particles, meshes and lines. The tick is simulated as a whole, and its end is what is saved. Step, Run and Back leave this mode.";
     let button = button.on_hover_text(hint);
-    if button.on_disabled_hover_text("Pause first, then go by phases.").clicked() {
+    if button.on_disabled_hover_text("Pause first, then step by phases.").clicked() {
         panel.phases.step(&mut panel.control);
     }
 }
@@ -81,7 +81,7 @@ fn shown(ui: &mut Ui, shown: PhaseStep) {
     let PhaseStep { substep, substeps, phase, next } = shown;
     let next = next.map_or("end of the tick", name_of);
     let text = format!("Substep {substep}/{substeps}: {}, next {next}", name_of(phase));
-    let hint = "What is seen is as of the end of this phase, and which the next half-step shows.";
+    let hint = "The view shows the state at the end of the first phase named; the next half-step shows the second.";
     note(ui, RichText::new(text).color(GOOD).small(), hint);
 }
 
@@ -100,7 +100,7 @@ fn name_of(phase: PhaseSystems) -> &'static str {
 /// The recording: whether it is on, its size, and the tick in it that the simulation is at.
 fn recorded(ui: &mut Ui, panel: &mut PanelParams) {
     let mut on = panel.recording_config.when != RecordWhen::Never;
-    let hint = "Keeps the state of the last ticks, to go back to: of a large scene every few ticks, as to keep it takes time and memory.";
+    let hint = "Records the state of the last ticks, to go back to. Of a large scene only every few ticks are recorded, to limit time and memory.";
     let ticks = grouped(panel.recording.len() as u64);
     let megabytes = panel.recording.bytes() as f64 * 1e-6;
     let size = RichText::new(format!("{ticks} ticks, {megabytes:.1} MB")).monospace();
@@ -117,21 +117,21 @@ fn recorded(ui: &mut Ui, panel: &mut PanelParams) {
     };
     let mut tick = panel.clock.tick;
     let rail = Slider::new(&mut tick, first.tick..=last.tick.max(first.tick + 1));
-    let hint = format!("Recorded ticks: pauses and goes there. {NOT_BACK}");
+    let hint = format!("Goes to a recorded tick and pauses. {NOT_RESTORED}");
     if slider(ui, "Go to tick", &hint, rail) {
         panel.recording.go_to(tick);
     }
     if panel.control.paused && panel.clock.tick < last.tick {
         let back = last.seconds - panel.clock.seconds;
         let text =
-            format!("{back:.3} s before the last tick. The game's own state did not go back.");
-        note(ui, RichText::new(text).weak().small(), NOT_BACK);
+            format!("{back:.3} s before the last tick. Other state of the game was not restored.");
+        note(ui, RichText::new(text).weak().small(), NOT_RESTORED);
     }
     match panel.recording.replay() {
         Replay::None => {}
         Replay::Same(ticks) => {
             let ticks = grouped(ticks);
-            let text = RichText::new(format!("Simulated again: {ticks} ticks, the same bits."));
+            let text = RichText::new(format!("Replayed {ticks} ticks: identical."));
             note(
                 ui,
                 text.color(GOOD).small(),
@@ -140,8 +140,10 @@ fn recorded(ui: &mut Ui, panel: &mut PanelParams) {
         }
         Replay::Differs(tick) => {
             let tick = grouped(tick);
-            let text = RichText::new(format!("Differs from tick {tick} on: later ones dropped."));
-            let hint = "Something was changed since: a setting, a body, or what the game does.";
+            let text = RichText::new(format!(
+                "Differs from tick {tick} on; later recorded ticks dropped."
+            ));
+            let hint = "Something changed since: a setting, a body, or the game's behaviour.";
             note(ui, text.color(WARN).small(), hint);
         }
     }

@@ -82,7 +82,7 @@ fn a_press_selects_and_a_click_into_the_void_or_the_key_does_not() {
     click_at(&mut app, &ctx, 0.3, 0.2, 0.0);
     app.world_mut().despawn(crate_);
     let output = frame(&mut app, &ctx);
-    assert!(find_text(&output, "It is gone").is_some());
+    assert!(find_text(&output, "It was despawned").is_some());
     app.world_mut().resource_mut::<Selection>().clear();
     aim(&mut app, 4.0, 0.2);
     act(&mut app, PointerAction::Press(PointerButton::Primary), Vec2::splat(50.0));
