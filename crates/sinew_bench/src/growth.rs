@@ -26,13 +26,13 @@ const ENOUGH: usize = 20_000_000;
 pub fn draw(effort: &Effort, path: &Path) -> Result<(), String> {
     let sides = if effort.quick { &SIDES[..5] } else { &SIDES };
     let grid = measured(effort, sides, "grid", cloth::sheet);
-    let mesh = measured(effort, sides, "rows shuffled", cloth::scattered);
+    let mesh = measured(effort, sides, "shuffled", cloth::scattered);
     let curves: Vec<Curve> = grid.into_iter().chain(mesh).collect();
     let highest = curves.iter().flat_map(|c| &c.points).map(|p| p[1]).fold(1.0, f64::max);
     let plot = Plot {
         name: "growth",
         title: "Cloth of 4 substeps × 1 sweep: whole step per projection, CPU time",
-        axes: ["constraints, as a power of ten", "ns per projection"],
+        axes: ["log₁₀ of the number of constraints", "ns per projection"],
         // With space for the legend.
         height: [0.0, 1.35 * highest],
         curves,

@@ -41,11 +41,11 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     if arguments.peers && !peers::THERE {
-        eprintln!("There is no rival in this build: add `--features peers`.");
+        eprintln!("This build has no other engine: add `--features peers`.");
         return ExitCode::FAILURE;
     }
     if arguments.threads && !cfg!(feature = "threads") {
-        eprintln!("An app has one thread in this build: add `--features threads`.");
+        eprintln!("This build of Bevy is single-threaded: add `--features threads`.");
         return ExitCode::FAILURE;
     }
     let Arguments { rounds, quick, peers, threads, .. } = arguments;
@@ -54,7 +54,7 @@ fn main() -> ExitCode {
     println!("{}", table::table(&rows));
     match write(&arguments, &effort, &rows) {
         Ok(()) if rows.is_empty() && arguments.plot.is_none() => {
-            eprintln!("There is no such scene in this build.");
+            eprintln!("This build has no such scene.");
             ExitCode::FAILURE
         }
         Ok(()) => ExitCode::SUCCESS,
@@ -87,7 +87,7 @@ fn write(arguments: &Arguments, effort: &Effort, rows: &[Row]) -> Result<(), Str
     }
     if let Some(path) = &arguments.plot {
         growth::draw(effort, path)?;
-        println!("drawn: {}", path.display());
+        println!("wrote {}", path.display());
     }
     Ok(())
 }

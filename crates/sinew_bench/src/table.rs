@@ -47,7 +47,7 @@ pub fn table(rows: &[Row]) -> String {
 /// The rows as a Markdown table, with their settings, without empty columns.
 pub fn markdown(rows: &[Row]) -> String {
     let heads = HEADS.map(|head| if head.is_empty() { "#" } else { head });
-    let heads = heads.into_iter().chain(["substeps × sweeps", "what else"]);
+    let heads = heads.into_iter().chain(["substeps × sweeps", "note"]);
     let mut lines: Vec<Vec<String>> = vec![heads.map(String::from).collect()];
     lines.extend(rows.iter().map(|row| {
         let swept = format!("{} × {}", row.substeps, row.sweeps);
@@ -205,7 +205,7 @@ mod tests {
         let rows = [row().sized(7, 10, 4), Row { naive: None, ..row().noted("it rests") }];
         let page = markdown(&rows);
         let lines: Vec<_> = page.lines().collect();
-        let heads = "| # | scene | unit | ours | naive | naive/ours | stretch, ours | substeps × sweeps | what else |";
+        let heads = "| # | scene | unit | ours | naive | naive/ours | stretch, ours | substeps × sweeps | note |";
         assert_eq!(lines[0], heads);
         assert_eq!(lines[1], "|---|---|---|---|---|---|---|---|---|");
         let first =

@@ -9,8 +9,8 @@ use crate::case::cases;
 use crate::measure::{Dice, G, TICK, empty, force, rotation, steps};
 
 cases! {
-    "F5" wind_presses_on_a_sheet_by_the_area_that_it_shows;
-    "F5" the_front_of_a_closed_body_feels_the_wind_on_its_silhouette;
+    "F5" wind_force_on_a_sheet_is_proportional_to_its_projected_area;
+    "F5" the_front_of_a_closed_body_gets_the_wind_force_of_its_silhouette;
     "F5" drag_and_lift_follow_the_angle_of_attack;
     "F5" a_falling_sheet_reaches_its_terminal_speed;
     "F5" a_storm_never_reverses_what_moves_in_it;
@@ -34,7 +34,7 @@ fn sheet(mass: f32, angle: f64) -> Simulation {
 }
 
 /// Tolerance: ten roundings of `f32` on the way to a force of about 20 N.
-fn wind_presses_on_a_sheet_by_the_area_that_it_shows() -> Vec<Row> {
+fn wind_force_on_a_sheet_is_proportional_to_its_projected_area() -> Vec<Row> {
     [0.0, 30.0, 60.0, 90.0]
         .map(|degrees: f64| {
             let angle = degrees * core::f64::consts::PI / 180.0;
@@ -48,7 +48,7 @@ fn wind_presses_on_a_sheet_by_the_area_that_it_shows() -> Vec<Row> {
 }
 
 /// The back has the same projected area as the front, so the front takes half of the force.
-fn the_front_of_a_closed_body_feels_the_wind_on_its_silhouette() -> Vec<Row> {
+fn the_front_of_a_closed_body_gets_the_wind_force_of_its_silhouette() -> Vec<Row> {
     let size = Vec3::new(1.0, 2.0, 3.0);
     let body = box_3d(&BoxSpec { size, ..BoxSpec::default() }).expect("a sound box");
     let mut dice = Dice(2);
@@ -125,7 +125,7 @@ fn a_storm_never_reverses_what_moves_in_it() -> Vec<Row> {
     vec![
         // One or two roundings at 40 m/s.
         Row::at_most(
-            "fastest of a sheet of 0.1 g in a storm of 40 m/s, 1/60 s",
+            "highest speed of a sheet of 0.1 g in a wind of 40 m/s, 1/60 s",
             "m/s",
             40.0 + 1e-5,
             most,

@@ -63,13 +63,19 @@ fn a_rigid_shape_keeps_its_spin_and_its_energy() -> Vec<Row> {
         let turned = (after.angular_momentum - before.angular_momentum).length();
         let kept = 100.0 * after.kinetic / before.kinetic;
         rows.push(Row::absolute(
-            format!("change of a {name}'s angular momentum in 10 s, 20 substeps, of itself"),
+            format!("relative change of a {name}'s angular momentum in 10 s, 20 substeps"),
             "",
             0.0,
             turned / before.angular_momentum.length(),
             0.005,
         ));
-        rows.push(Row::absolute("its spin energy, of that at first", "%", 100.0, kept, 1.0));
+        rows.push(Row::absolute(
+            "its rotational energy, relative to the initial one",
+            "%",
+            100.0,
+            kept,
+            1.0,
+        ));
     }
     rows
 }
@@ -169,7 +175,7 @@ fn a_compound_that_moves_as_a_rigid_body_flips_too() -> Vec<Row> {
     let turned = (after.angular_momentum - before.angular_momentum).length();
     let turned = turned / before.angular_momentum.length();
     rows.push(Row::absolute(
-        "change of its angular momentum in 20 s, of itself",
+        "relative change of its angular momentum in 20 s",
         "",
         0.0,
         turned,
@@ -212,42 +218,42 @@ fn a_swap_there_and_back_changes_nothing() -> Vec<Row> {
     let fastest = largest(before.iter().map(|s| f64::from(s.1.length())));
     vec![
         Row::absolute(
-            "momentum of the rigid body, against the particles', of it",
+            "relative difference of momentum between rigid body and particles",
             "",
             0.0,
             (p - ledger.momentum).length() / p.length(),
             1e-6,
         ),
         Row::absolute(
-            "angular momentum, likewise",
+            "the same for angular momentum",
             "",
             0.0,
             (l - ledger.angular_momentum).length() / l.length(),
             1e-6,
         ),
         Row::absolute(
-            "farthest that a particle is moved by the swap there and back",
+            "largest displacement of a particle by the swap to a rigid body and back",
             "m",
             0.0,
             moved(&before, &once),
             1e-5,
         ),
         Row::absolute(
-            "largest change of a velocity by it, of the fastest",
+            "largest change of a velocity by it, relative to the fastest",
             "",
             0.0,
             sped(&before, &once) / fastest,
             half_turn,
         ),
         Row::absolute(
-            "farthest that a particle is moved by a second one",
+            "largest displacement by a second swap",
             "m",
             0.0,
             moved(&once, &twice),
             1e-5,
         ),
         Row::absolute(
-            "largest change of a velocity by that, of the fastest",
+            "largest change of a velocity by it, relative to the fastest",
             "",
             0.0,
             sped(&once, &twice) / fastest,
@@ -274,14 +280,14 @@ fn a_body_swapped_in_mid_flight_keeps_its_momenta() -> Vec<Row> {
     vec![
         // 0.5 % of the spin in 10 s, the same as without swaps.
         Row::absolute(
-            "angular momentum after 10 s with 10 swaps, change of itself",
+            "relative change of angular momentum after 10 s with 10 swaps",
             "",
             0.0,
             turned / before.angular_momentum.length(),
             0.005,
         ),
         Row::relative(
-            "spin energy, of that at first",
+            "rotational energy, relative to the initial one",
             "",
             1.0,
             after.kinetic / before.kinetic,

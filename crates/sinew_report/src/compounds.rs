@@ -31,7 +31,7 @@ fn a_box_in_2d_falls_turns_and_keeps_its_spin() -> Vec<Row> {
     let flat = largest(rows.map(|i| at(&world, i).z.abs()));
     vec![
         Row::relative(
-            "fall of its centre in 10 s, as a loose particle's",
+            "fall of its centre in 10 s, compared with a free particle",
             "m",
             at(&world, loose as usize).y,
             f64::from(found.barycentre.y),
@@ -44,7 +44,7 @@ fn a_box_in_2d_falls_turns_and_keeps_its_spin() -> Vec<Row> {
             f64::from(found.angular_velocity.z),
             0.005,
         ),
-        Row::absolute("farthest out of its plane", "m", 0.0, flat, 0.0),
+        Row::absolute("largest distance from its plane", "m", 0.0, flat, 0.0),
     ]
 }
 
@@ -66,7 +66,7 @@ fn particles_at_a_third_root_have_the_inertia_of_the_solid_box() -> Vec<Row> {
         rows.push(Row::relative(what, "kg·m²", exact, f64::from(solid.col(axis)[axis]), 5e-7));
         let threefold = f64::from(corners.col(axis)[axis]) / exact;
         rows.push(Row::relative(
-            format!("corners overstate it about {name} by"),
+            format!("factor by which corners overstate it about {name}"),
             "",
             3.0,
             threefold,
@@ -137,7 +137,7 @@ pub(crate) fn rows_of(name: &str, times: &[f64]) -> Vec<Row> {
             mean,
             0.01,
         ),
-        Row::relative("the one farthest off", "s", FLIP, farthest, 0.01),
+        Row::relative("the one with the largest error", "s", FLIP, farthest, 0.01),
     ]
 }
 
@@ -150,14 +150,14 @@ fn a_box_of_particles_flips_about_its_middle_axis() -> Vec<Row> {
     let turned = (after.angular_momentum - before.angular_momentum).length();
     let turned = turned / before.angular_momentum.length();
     let kept = after.energy() / before.energy();
-    rows.push(Row::absolute(
-        "change of angular momentum in 20 s, of itself",
+    rows.push(Row::absolute("relative change of angular momentum in 20 s", "", 0.0, turned, 0.005));
+    rows.push(Row::relative(
+        "rotational energy after 20 s, relative to the initial one",
         "",
-        0.0,
-        turned,
+        1.0,
+        kept,
         0.005,
     ));
-    rows.push(Row::relative("spin energy after 20 s, of that at first", "", 1.0, kept, 0.005));
     rows
 }
 

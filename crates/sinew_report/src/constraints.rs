@@ -15,14 +15,14 @@ use crate::measure::{TICK, at, empty, largest, step, steps};
 
 cases! {
     "C1" two_particles_share_a_correction_by_their_masses;
-    "C1" coincident_particles_part_along_x;
+    "C1" coincident_particles_separate_along_x;
     "C2" ropes_only_pull_and_struts_only_push;
     "C3" a_pinned_particle_is_where_its_moving_target_is;
-    "C4" boundaries_lead_to_the_nearest_point;
+    "C4" boundaries_project_to_the_nearest_point;
     "C5" a_joint_stays_within_its_limits;
     "C5" limits_keep_momentum_and_angular_momentum;
-    "C10" a_particle_rests_on_a_plane_as_if_it_were_glued;
-    "C11" a_law_of_a_games_own_does_what_a_built_in_one_does;
+    "C10" a_particle_at_rest_on_a_plane_does_not_creep;
+    "C11" a_custom_constraint_gives_the_results_of_a_built_in_one;
 }
 
 /// A simulation of particles at rest without gravity, each with a position and a mass; one substep a step, with `sweeps` sweeps in it.
@@ -53,13 +53,13 @@ fn two_particles_share_a_correction_by_their_masses() -> Vec<Row> {
     let balance = (way[0] * 2.0 + way[1] * 3.0).length();
     vec![
         Row::absolute(
-            "way of 2 kg, 3 m too far from 3 kg: 3·m_b/(m_a+m_b)",
+            "displacement of 2 kg, 3 m too far from 3 kg: 3·m_b/(m_a+m_b)",
             "m",
             1.8,
             way[0].length(),
             1e-6,
         ),
-        Row::absolute("way of 3 kg", "m", 1.2, way[1].length(), 1e-6),
+        Row::absolute("displacement of 3 kg", "m", 1.2, way[1].length(), 1e-6),
         Row::absolute("Σ m d", "kg·m", 0.0, balance, 3e-6),
         Row::absolute(
             "their distance after one projection",
@@ -71,7 +71,7 @@ fn two_particles_share_a_correction_by_their_masses() -> Vec<Row> {
     ]
 }
 
-fn coincident_particles_part_along_x() -> Vec<Row> {
+fn coincident_particles_separate_along_x() -> Vec<Row> {
     let mut world = placed(&[(Vec3::Y, 1.0), (Vec3::Y, 1.0)], 1);
     world.distances_mut().push(Distance::new(0, 1, 1.0));
     step(&mut world, TICK);
@@ -109,7 +109,7 @@ fn a_pinned_particle_is_where_its_moving_target_is() -> Vec<Row> {
         off = largest([off, (at(&world, 0) - target.as_dvec3()).length()]);
     }
     vec![Row::absolute(
-        "farthest from a target that moves at 1.2 m/s, at the end of a tick",
+        "largest distance from a target that moves at 1.2 m/s, at the end of a tick",
         "m",
         0.0,
         off,
@@ -117,7 +117,7 @@ fn a_pinned_particle_is_where_its_moving_target_is() -> Vec<Row> {
     )]
 }
 
-fn boundaries_lead_to_the_nearest_point() -> Vec<Row> {
+fn boundaries_project_to_the_nearest_point() -> Vec<Row> {
     let normal = Vec3::new(1.0, 2.0, 2.0) / 3.0;
     // The particles leave the bounds within the step. One that starts outside would come back at a limited speed.
     let foot = Vec3::new(2.0, -1.0, 0.0);
@@ -179,11 +179,11 @@ fn a_joint_stays_within_its_limits() -> Vec<Row> {
         least("angle of 20°, allowed 60° to 150°", 60.0, bent(20.0, &angle(60.0, 150.0))),
         met("angle of 100°", 100.0, bent(100.0, &angle(60.0, 150.0))),
         most("angle of 175°", 150.0, bent(175.0, &angle(60.0, 150.0))),
-        met("angle of 20° that is kept at 60°", 60.0, bent(20.0, &angle(60.0, 60.0))),
+        met("angle of 20° fixed at 60°", 60.0, bent(20.0, &angle(60.0, 60.0))),
         least("elbow of 10°, allowed 30° to 180°", 30.0, bent(10.0, &elbow)),
         met("elbow of 120°", 120.0, bent(120.0, &elbow)),
         most("elbow bent backward by 20°", 180.0, bent(200.0, &elbow)),
-        met("hinge of 200° that is kept at 120°", 120.0, bent(200.0, &kept)),
+        met("hinge of 200° fixed at 120°", 120.0, bent(200.0, &kept)),
         met("bone at 20° in a cone of 35°", 20.0, coned(20.0)),
         most("bone at 80° in a cone of 35°", 35.0, coned(80.0)),
     ]
@@ -257,7 +257,7 @@ pub(crate) fn conserved(name: &str, mut world: Simulation) -> Vec<Row> {
     ]
 }
 
-fn a_particle_rests_on_a_plane_as_if_it_were_glued() -> Vec<Row> {
+fn a_particle_at_rest_on_a_plane_does_not_creep() -> Vec<Row> {
     let mut world = Simulation::default();
     world.boundaries.planes.push(Plane::ground(0.0));
     world.particles.push(ParticleSeed::at(Vec3::Y * 0.5)).expect("a sound particle");
@@ -287,7 +287,7 @@ impl Equation for Leash {
 }
 
 /// The same sums in another order over 1200 substeps: roundings of 6e-8 m that accumulate with time.
-fn a_law_of_a_games_own_does_what_a_built_in_one_does() -> Vec<Row> {
+fn a_custom_constraint_gives_the_results_of_a_built_in_one() -> Vec<Row> {
     let swing = |own: bool| {
         let mut world = Simulation::default();
         world.particles.push(ParticleSeed::at(Vec3::ZERO).pinned()).expect("a sound particle");
@@ -302,7 +302,7 @@ fn a_law_of_a_games_own_does_what_a_built_in_one_does() -> Vec<Row> {
     };
     let apart = (swing(true) - swing(false)).length();
     vec![Row::absolute(
-        "a pendulum on a law of its own, from one on a distance, after 2 s",
+        "distance between a pendulum on a custom constraint and one on a built-in distance, after 2 s",
         "m",
         0.0,
         apart,

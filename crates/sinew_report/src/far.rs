@@ -11,8 +11,8 @@ use crate::solver::pendulum;
 
 cases! {
     "Far" a_body_at_rest_five_kilometres_out_stays_at_rest;
-    "Far" a_body_falls_there_as_at_home;
-    "Far" a_pendulum_swings_there_as_at_home;
+    "Far" a_body_falls_there_as_near_the_origin;
+    "Far" a_pendulum_swings_there_as_near_the_origin;
     "Far" gravity_acts_on_a_body_that_hardly_moves;
 }
 
@@ -50,21 +50,21 @@ fn a_body_at_rest_five_kilometres_out_stays_at_rest() -> Vec<Row> {
             crept,
             1e-3,
         ),
-        Row::absolute("the same, against home", "m", 0.0, astray(0.0, true), 1e-3),
+        Row::absolute("the same, compared with the origin", "m", 0.0, astray(0.0, true), 1e-3),
     ]
 }
 
-fn a_body_falls_there_as_at_home() -> Vec<Row> {
+fn a_body_falls_there_as_near_the_origin() -> Vec<Row> {
     vec![
         Row::absolute(
-            "corner of a cube after a fall of 10 s, against home",
+            "corner of a cube after a fall of 10 s, compared with the origin",
             "m",
             0.0,
             astray(600.0, false),
             1e-3,
         ),
         Row::absolute(
-            "dropped from 2 m, after 10 s, against home",
+            "dropped from 2 m, after 10 s, compared with the origin",
             "m",
             0.0,
             astray(2.0, true),
@@ -73,7 +73,7 @@ fn a_body_falls_there_as_at_home() -> Vec<Row> {
     ]
 }
 
-fn a_pendulum_swings_there_as_at_home() -> Vec<Row> {
+fn a_pendulum_swings_there_as_near_the_origin() -> Vec<Row> {
     // Positions on a grid that f32 represents at that distance, so that both start identically.
     let offset = Vec3::new(5000.0, -3000.0, 4000.0);
     let end = |offset: Vec3| {
@@ -89,7 +89,7 @@ fn a_pendulum_swings_there_as_at_home() -> Vec<Row> {
     };
     let apart = f64::from(end(Vec3::ZERO).distance(end(offset)));
     vec![Row::absolute(
-        "bob of a pendulum after 10 s, moved by whole metres, against home",
+        "bob of a pendulum after 10 s, moved by whole metres, compared with the origin",
         "m",
         0.0,
         apart,

@@ -18,8 +18,8 @@ cases! {
     "F3" a_spring_swings_at_its_period_and_keeps_momentum;
     "F3" a_damped_spring_loses_its_swing_at_the_rate_of_its_damping;
     "F4" two_charges_circle_each_other_in_keplers_time;
-    "F4" like_charges_come_as_close_as_their_energy_allows;
-    "F4" softening_bounds_the_force_of_charges_that_meet;
+    "F4" like_charges_approach_to_the_distance_that_their_energy_gives;
+    "F4" softening_bounds_the_force_between_close_charges;
 }
 
 fn bodies_of_any_mass_fall_alike() -> Vec<Row> {
@@ -45,7 +45,7 @@ fn a_control_force_accelerates_by_f_over_m() -> Vec<Row> {
     steps(&mut world, 1.0 / 60.0, 120);
     let exact = 0.5 * 7.0 / 4.0 * 4.0;
     vec![Row::relative(
-        "way of 4 kg under 7 N in 2 s: F t²/2m",
+        "distance of 4 kg under 7 N in 2 s: F t²/2m",
         "m",
         exact,
         at(&world, 0).length(),
@@ -83,7 +83,7 @@ fn a_control_force_on_a_compound_acts_at_its_barycentre_or_at_a_point() -> Vec<R
             5e-7,
         ),
         Row::absolute(
-            "turn that they start",
+            "angular acceleration by it",
             "rad/s²",
             0.0,
             f64::from(centred.angular_velocity.length()),
@@ -97,7 +97,7 @@ fn a_control_force_on_a_compound_acts_at_its_barycentre_or_at_a_point() -> Vec<R
             5e-7,
         ),
         Row::relative(
-            "turn that they start: I⁻¹ r × F",
+            "angular acceleration by it: I⁻¹ r × F",
             "rad/s²",
             1.0,
             f64::from(aside.angular_velocity.x),
@@ -175,7 +175,7 @@ fn a_damped_spring_loses_its_swing_at_the_rate_of_its_damping() -> Vec<Row> {
             rate,
             1e-4,
         ),
-        Row::relative("the same against b/2μ", "1/s", exact, rate, 0.5 * beta * (1.0 + beta)),
+        Row::relative("the same compared with b/2μ", "1/s", exact, rate, 0.5 * beta * (1.0 + beta)),
         Row::absolute("length in the end", "m", 1.0, 1.0 + stretch(&world), 1e-6),
     ]
 }
@@ -205,11 +205,11 @@ fn two_charges_circle_each_other_in_keplers_time() -> Vec<Row> {
         Row::relative("period of a circle: 2π√(μr³/K|q₁q₂|)", "s", exact, period(&times), 1e-4),
         Row::relative("their distance after 5.5 turns", "m", f64::from(r), apart, 1e-4),
         // 6200 substeps of one rounding each, either sign.
-        Row::absolute("momentum of both, of one's", "", 0.0, momentum, 6e-8 * 80.0),
+        Row::absolute("total momentum, relative to that of one", "", 0.0, momentum, 6e-8 * 80.0),
     ]
 }
 
-fn like_charges_come_as_close_as_their_energy_allows() -> Vec<Row> {
+fn like_charges_approach_to_the_distance_that_their_energy_gives() -> Vec<Row> {
     let (charge, h) = (1e-6_f32, 1.0 / 9600.0);
     let mut world = empty(1);
     for side in [-1.0_f32, 1.0] {
@@ -234,7 +234,7 @@ fn like_charges_come_as_close_as_their_energy_allows() -> Vec<Row> {
     ]
 }
 
-fn softening_bounds_the_force_of_charges_that_meet() -> Vec<Row> {
+fn softening_bounds_the_force_between_close_charges() -> Vec<Row> {
     let force = |distance: f32| {
         let mut world = empty(1);
         world.forces.electric = Electric { softening: 0.1, ..Electric::default() };

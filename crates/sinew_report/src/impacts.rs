@@ -9,7 +9,7 @@ use crate::case::cases;
 use crate::measure::{Dice, TICK, empty, largest, step, vector};
 
 cases! {
-    "K5" two_balls_bounce_as_their_masses_and_their_restitution_have_it;
+    "K5" two_balls_bounce_by_their_masses_and_restitution;
     "K5" a_ball_into_two_that_touch_and_a_row_of_five_keep_their_energy;
     "K6" two_hundred_balls_in_a_box_keep_their_energy_for_a_minute;
 }
@@ -66,7 +66,7 @@ fn left(masses: [f64; 2], e: f64, aside: f64) -> f64 {
 }
 
 /// Momentum is accurate to 2e-5 at worst: rounding a position of a metre gives 2e-5 m/s at 2400 substeps a second.
-fn two_balls_bounce_as_their_masses_and_their_restitution_have_it() -> Vec<Row> {
+fn two_balls_bounce_by_their_masses_and_restitution() -> Vec<Row> {
     let mut rows = Vec::new();
     for e in [1.0_f64, 0.5] {
         for masses in [[1.0, 1.0], [1.0, 5.0], [5.0, 1.0]] {
@@ -90,12 +90,11 @@ fn two_balls_bounce_as_their_masses_and_their_restitution_have_it() -> Vec<Row> 
                 let way = if aside == 0.0 { "head-on" } else { "obliquely" };
                 // With e < 1 the direction of the normal matters, and a contact starts up to one substep's travel early: 8 mm at 4 substeps, for a ball of 1 m.
                 let share = if e == 1.0 { 1e-3 } else { 5e-3 };
-                let what = format!(
-                    "energy left of a ball of {a} kg that meets one of {b} kg {way}, e = {e}"
-                );
+                let what =
+                    format!("energy kept when a ball of {a} kg hits one of {b} kg {way}, e = {e}");
                 rows.push(Row::relative(what, "", expected, energy, share));
                 rows.push(Row::at_most("its change of momentum", "", 2.5e-5, rest[0]));
-                rows.push(Row::at_most("what a step gained", "", 5e-6, rest[1]));
+                rows.push(Row::at_most("largest gain of energy in a step", "", 5e-6, rest[1]));
             }
         }
     }
@@ -131,7 +130,7 @@ fn a_ball_into_two_that_touch_and_a_row_of_five_keep_their_energy() -> Vec<Row> 
             worst[0],
         ));
         rows.push(Row::at_most("its change of momentum", "", 2.5e-5, worst[1]));
-        rows.push(Row::at_most("what a step gained", "", 1e-5, worst[2]));
+        rows.push(Row::at_most("largest gain of energy in a step", "", 1e-5, worst[2]));
     }
     rows
 }
@@ -166,9 +165,9 @@ fn two_hundred_balls_in_a_box_keep_their_energy_for_a_minute() -> Vec<Row> {
             }
             let [energy, ..] = run(&mut world, 3600);
             let what =
-                format!("energy left of 200 balls that fill {share} of a box, {substeps} substeps");
+                format!("energy kept by 200 balls that fill {share} of a box, {substeps} substeps");
             rows.push(Row::at_least(what, "", least, energy));
-            rows.push(Row::at_most("and no more than it had", "", 1.001, energy));
+            rows.push(Row::at_most("and at most the initial energy", "", 1.001, energy));
         }
     }
     rows

@@ -11,14 +11,14 @@ cases! {
     "I1" a_thrown_particle_stays_on_the_parabola;
     "I1" a_long_fall_in_short_substeps_stays_on_the_parabola;
     "I1" the_naive_start_of_verlet_errs_by_half_a_h_t;
-    "I2" damping_takes_its_share_of_the_velocity_each_second_whatever_the_step;
+    "I2" damping_removes_its_fraction_of_the_velocity_each_second_at_any_step;
     "I2" a_falling_body_reaches_the_terminal_speed_of_its_drag;
     "I3" steps_may_change_at_random_under_constant_gravity;
     "I4" leapfrog_runs_along_the_trajectory_of_verlet;
     "I5" both_eulers_are_of_first_order_and_the_explicit_one_gains_energy;
     "I6" swapping_the_two_positions_runs_the_motion_backwards;
     "I7" an_impulse_changes_momentum_by_itself;
-    "I8" a_teleport_leaves_the_velocity_alone;
+    "I8" a_teleport_does_not_change_the_velocity;
     "I9" verlet_and_leapfrog_are_of_second_order;
     "I9" an_oscillator_swings_at_the_frequency_of_the_method;
     "I9" an_oscillator_neither_drifts_nor_leaves_its_bounds;
@@ -53,8 +53,8 @@ fn a_thrown_particle_stays_on_the_parabola() -> Vec<Row> {
     let scale = (x * x + y * y).sqrt();
     vec![
         Row::relative("height after 2 s at 1/60 s", "m", y, at(&world, 0).y, 1e-5),
-        Row::relative("way along the ground after 2 s", "m", x, at(&world, 0).x, 1e-5),
-        Row::absolute("farthest off the parabola in 2 s", "m", 0.0, worst, 1e-5 * scale),
+        Row::relative("horizontal distance after 2 s", "m", x, at(&world, 0).x, 1e-5),
+        Row::absolute("largest distance from the parabola in 2 s", "m", 0.0, worst, 1e-5 * scale),
     ]
 }
 
@@ -91,7 +91,7 @@ fn the_naive_start_of_verlet_errs_by_half_a_h_t() -> Vec<Row> {
     )]
 }
 
-fn damping_takes_its_share_of_the_velocity_each_second_whatever_the_step() -> Vec<Row> {
+fn damping_removes_its_fraction_of_the_velocity_each_second_at_any_step() -> Vec<Row> {
     let row = |(name, h): (&str, f32)| {
         let mut world = empty(1);
         let seed = ParticleSeed::at(Vec3::ZERO).with_velocity(Vec3::X * 10.0).with_drag(0.3);
@@ -124,7 +124,7 @@ fn a_falling_body_reaches_the_terminal_speed_of_its_drag() -> Vec<Row> {
     let own = G * f64::from(h) / -libm::expm1(-lambda_h);
     vec![
         Row::relative("terminal speed g·h/(1-c), drag 0.8, 1/240 s", "m/s", own, measured, 1e-5),
-        Row::relative("the same against g/λ", "m/s", fall, measured, 0.5 * lambda_h * 1.01),
+        Row::relative("the same compared with g/λ", "m/s", fall, measured, 0.5 * lambda_h * 1.01),
     ]
 }
 
@@ -174,7 +174,7 @@ fn leapfrog_runs_along_the_trajectory_of_verlet() -> Vec<Row> {
     let uneven = worst(|dice| [0.02, 0.05, 0.1][dice.roll(3) as usize]);
     vec![
         Row::absolute(
-            "farthest apart on an oscillator, 1000 steps of 0.05 s",
+            "largest difference on an oscillator, 1000 steps of 0.05 s",
             "m",
             0.0,
             even,
@@ -273,7 +273,7 @@ fn an_impulse_changes_momentum_by_itself() -> Vec<Row> {
     vec![row("x", -1.5, change.x), row("y", 0.25, change.y), row("z", 7.0, change.z)]
 }
 
-fn a_teleport_leaves_the_velocity_alone() -> Vec<Row> {
+fn a_teleport_does_not_change_the_velocity() -> Vec<Row> {
     let mut world = thrown(Integrator::Verlet);
     let seed = world.particles.seed(0);
     world.particles.push(seed).expect("a sound particle");
@@ -326,8 +326,14 @@ fn an_oscillator_neither_drifts_nor_leaves_its_bounds() -> Vec<Row> {
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     let drift = mean(&energies[19_000..]) / mean(&energies[..1000]) - 1.0;
     vec![
-        Row::absolute("least energy in 1600 periods, ωh = 0.5: 1-(ωh)²/4", "", 0.9375, least, 3e-5),
-        Row::absolute("most energy in 1600 periods", "", 1.0, largest(energies), 3e-5),
+        Row::absolute(
+            "smallest energy in 1600 periods, ωh = 0.5: 1-(ωh)²/4",
+            "",
+            0.9375,
+            least,
+            3e-5,
+        ),
+        Row::absolute("largest energy in 1600 periods", "", 1.0, largest(energies), 3e-5),
         // 1000 steps are about 80 periods and a fraction of one, which shifts the mean by up to 1 % of the amplitude of the energy.
         Row::absolute("drift of the mean energy", "", 0.0, drift, 3e-4),
     ]

@@ -49,10 +49,13 @@ pub const CHAPTERS: &[Chapter] = &[
     Chapter { title: "Positional constraints", groups: &[constraints::CASES, shapes::CASES] },
     Chapter { title: "The solver", groups: &[solver::CASES] },
     Chapter {
-        title: "Compounds and what is read back from them",
+        title: "Compounds and their poses",
         groups: &[compounds::CASES, readback::CASES, bodies::CASES],
     },
-    Chapter { title: "Contacts, proven", groups: &[rolling::CASES, impacts::CASES, loads::CASES] },
+    Chapter {
+        title: "Contacts, verified",
+        groups: &[rolling::CASES, impacts::CASES, loads::CASES],
+    },
     Chapter { title: "Far from the origin", groups: &[far::CASES] },
 ];
 

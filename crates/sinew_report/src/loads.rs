@@ -10,7 +10,7 @@ use crate::measure::{G, TICK, largest, step, steps};
 
 cases! {
     "K7" light_cubes_carry_heavy_ones;
-    "K8" what_lies_or_hangs_still_has_no_velocity_and_what_swings_has_its_own;
+    "K8" bodies_at_rest_have_no_velocity_and_a_pendulum_has_the_exact_one;
     "K10" what_lies_on_a_slope_slides_if_and_only_if_it_is_steeper_than_its_friction;
 }
 
@@ -51,14 +51,14 @@ fn light_cubes_carry_heavy_ones() -> Vec<Row> {
                 let low = (0..count).map(|k| 0.5 + k as f64 - height(&world, 8 * k..8 * k + 8));
                 sunk = largest(low.chain([sunk]));
             }
-            let what = format!("how far cubes of {masses:?} kg sink, {substeps} substeps");
+            let what = format!("sinking of cubes of {masses:?} kg, {substeps} substeps");
             rows.push(Row::at_most(what, "of their height", 0.01, sunk / count as f64));
             let (report, tolerance) = (world.report(), world.settings.tolerance);
             let deepest = (1..count)
                 .map(|k| height(&world, 8 * k - 8..8 * k) + 1.0 - height(&world, 8 * k..8 * k + 8));
             let deepest = largest(deepest);
             rows.push(Row::absolute(
-                "the error that is reported, less the overlap that there is",
+                "reported error minus actual overlap",
                 "m",
                 0.0,
                 f64::from(report.error) - deepest,
@@ -66,7 +66,7 @@ fn light_cubes_carry_heavy_ones() -> Vec<Row> {
             ));
             let honest = report.converged == (report.error <= tolerance);
             rows.push(Row::at_least(
-                "converged is that within the tolerance",
+                "converged is reported if and only if within the tolerance",
                 "",
                 1.0,
                 honest.into(),
@@ -77,7 +77,7 @@ fn light_cubes_carry_heavy_ones() -> Vec<Row> {
 }
 
 /// Speeds from the fifth second to the tenth. The pendulum starts level and is 1 m long.
-fn what_lies_or_hangs_still_has_no_velocity_and_what_swings_has_its_own() -> Vec<Row> {
+fn bodies_at_rest_have_no_velocity_and_a_pendulum_has_the_exact_one() -> Vec<Row> {
     let mut rows = Vec::new();
     for (substeps, most) in [(1, 1e-4), (4, 1e-4), (10, 1.2e-4), (40, 1e-3)] {
         let mut world = on_a_floor(substeps);
@@ -109,10 +109,10 @@ fn what_lies_or_hangs_still_has_no_velocity_and_what_swings_has_its_own() -> Vec
                 swung = largest([swung, (seen / speed - 1.0).abs()]);
             }
         }
-        let what = format!("speed of what lies or hangs still, {substeps} substeps");
+        let what = format!("largest speed of bodies at rest, {substeps} substeps");
         rows.push(Row::at_most(what, "m/s", most, still));
         if substeps > 1 {
-            rows.push(Row::at_most("how wrong the speed of a pendulum is", "", 1e-3, swung));
+            rows.push(Row::at_most("relative error of the speed of a pendulum", "", 1e-3, swung));
         }
     }
     rows
@@ -136,12 +136,13 @@ fn what_lies_on_a_slope_slides_if_and_only_if_it_is_steeper_than_its_friction() 
                     off = largest([off, (gone(0.9) / expected - 1.0).abs()]);
                 }
             }
-            let what = format!("how far a {name} slides down {degrees}° that its friction holds");
+            let what =
+                format!("distance that a {name} slides down {degrees}° with enough friction");
             rows.push(Row::at_most(what, "m", 1e-3, stuck));
             // A quarter of the exact distance in two seconds: with 40 substeps a rope of 40 g loses two thirds of so short a distance.
             let least = G * sin * 0.01;
-            rows.push(Row::at_least("and that it does not hold, by 2 %", "m", least, slid));
-            rows.push(Row::at_most("how wrong its way is at 0.9 of it", "", 0.02, off));
+            rows.push(Row::at_least("and with 2 % too little", "m", least, slid));
+            rows.push(Row::at_most("relative error of the distance with 0.9 of it", "", 0.02, off));
         }
     }
     rows

@@ -14,7 +14,7 @@ cases! {
     "F6" a_box_heaves_in_the_time_of_a_pendulum_as_long_as_its_draft;
     "F7" a_fluid_damps_by_the_submerged_share;
     "F8" a_block_slides_exactly_if_the_slope_is_steeper_than_friction_holds;
-    "F8" a_sliding_block_stops_where_friction_has_eaten_its_speed;
+    "F8" a_sliding_block_stops_after_the_distance_that_friction_gives;
     "F8" a_drag_along_the_plane_takes_its_share_each_second;
     "F9" a_chain_hangs_as_its_catenary;
 }
@@ -140,7 +140,7 @@ fn slid(slope: f32) -> f64 {
 fn a_block_slides_exactly_if_the_slope_is_steeper_than_friction_holds() -> Vec<Row> {
     let exact = |slope: f64| G * (slope - 0.4) / libm::sqrt(1.0 + slope * slope) * 2.0;
     vec![
-        Row::absolute("way in 2 s, μ = 0.4, tan θ = 0.39", "m", 0.0, slid(0.39), 1e-4),
+        Row::absolute("distance in 2 s, μ = 0.4, tan θ = 0.39", "m", 0.0, slid(0.39), 1e-4),
         Row::relative("the same, tan θ = 0.41", "m", exact(0.41), slid(0.41), 5e-3),
         Row::relative("the same, tan θ = 0.5", "m", exact(0.5), slid(0.5), 5e-3),
     ]
@@ -167,7 +167,7 @@ fn a_drag_along_the_plane_takes_its_share_each_second() -> Vec<Row> {
         .into()
 }
 
-fn a_sliding_block_stops_where_friction_has_eaten_its_speed() -> Vec<Row> {
+fn a_sliding_block_stops_after_the_distance_that_friction_gives() -> Vec<Row> {
     let row = |(speed, friction): (f32, f32)| {
         let mut world = Simulation::default();
         world.boundaries.planes.push(Plane::ground(0.0).with_friction(friction));
@@ -175,7 +175,7 @@ fn a_sliding_block_stops_where_friction_has_eaten_its_speed() -> Vec<Row> {
         world.particles.push(seed).expect("a sound particle");
         steps(&mut world, TICK, 180);
         let exact = f64::from(speed * speed) / (2.0 * f64::from(friction) * G);
-        let what = format!("way of a block of {speed} m/s, μ = {friction}: v²/2μg");
+        let what = format!("stopping distance from {speed} m/s, μ = {friction}: v²/2μg");
         // The particle stops at the end of a substep, not within it: an error of less than v·h = μg·h².
         Row::relative(what, "m", exact, at(&world, 0).x, 1e-3)
     };

@@ -51,7 +51,7 @@ fn the_transform_is_exact_for_any_rotation_and_stretch() -> Vec<Row> {
     }
     vec![
         Row::absolute(
-            "1000 random bodies, turned at random, off by at most",
+            "1000 random bodies, turned at random, largest error",
             "rad",
             0.0,
             worst[0],
@@ -93,15 +93,21 @@ fn the_transform_survives_mirrors_lines_points_and_half_turns() -> Vec<Row> {
     }
     vec![
         Row::absolute(
-            "1000 mirrored bodies: length of the quaternion, off by",
+            "1000 mirrored bodies: error of the quaternion's length",
             "",
             0.0,
             mirrored,
             3e-7,
         ),
-        Row::absolute("1000 lines: where they point, off by", "", 0.0, aimed, 5e-7),
-        Row::absolute("1000 bodies in one point: turned from last time by", "rad", 0.0, kept, 5e-7),
-        Row::absolute("1000 half turns, off by", "rad", 0.0, half, 5e-7),
+        Row::absolute("1000 lines: error of the direction", "", 0.0, aimed, 5e-7),
+        Row::absolute(
+            "1000 bodies collapsed to a point: rotation from the previous one",
+            "rad",
+            0.0,
+            kept,
+            5e-7,
+        ),
+        Row::absolute("1000 half turns, largest error", "rad", 0.0, half, 5e-7),
     ]
 }
 
@@ -130,8 +136,8 @@ fn mass_barycentre_and_velocity_are_the_weighted_means() -> Vec<Row> {
     vec![
         Row::relative("mass of 8 particles", "kg", mass, f64::from(found.mass), 1e-7),
         // Summed in f64 and rounded once at the end.
-        Row::absolute("barycentre, off by", "m", 0.0, off, 1e-7),
-        Row::absolute("its velocity, off by", "m/s", 0.0, slow, 5e-7),
+        Row::absolute("error of the barycentre", "m", 0.0, off, 1e-7),
+        Row::absolute("error of its velocity", "m/s", 0.0, slow, 5e-7),
     ]
 }
 
@@ -156,9 +162,9 @@ fn inertia_and_spin_are_those_of_a_rigid_body() -> Vec<Row> {
     });
     let line = motion(rod.into_iter()).expect("a rod").angular_velocity.as_dvec3();
     vec![
-        Row::absolute("angular velocity, off by", "rad/s", 0.0, off, 1e-6),
+        Row::absolute("error of the angular velocity", "rad/s", 0.0, off, 1e-6),
         Row::relative(
-            "largest error of the inertia tensor, of it",
+            "largest relative error of the inertia tensor",
             "",
             1.0,
             1.0 + size(found.inertia) / exact.x_axis.x,

@@ -10,8 +10,8 @@ use crate::case::cases;
 use crate::measure::{G, TICK, largest, spin, steps};
 
 cases! {
-    "K1" what_is_round_rolls_down_a_slope_as_its_inertia_has_it;
-    "K2" where_friction_is_too_little_it_slips_and_turns_as_that_has_it;
+    "K1" round_shapes_roll_down_a_slope_by_their_inertia;
+    "K2" with_too_little_friction_they_slip_and_spin_by_coulombs_law;
     "K3" a_ball_rolls_on_over_the_level;
     "K3" a_ball_without_friction_keeps_its_spin;
 }
@@ -125,7 +125,7 @@ fn down(
 
 /// The worst of a plane, a box and a mesh, with 4, 10 and 40 substeps; with 1.2 times the friction that rolling requires, `tan θ k / (1 + k)`, where `k` is the
 /// moment of inertia divided by `m r²`.
-fn what_is_round_rolls_down_a_slope_as_its_inertia_has_it() -> Vec<Row> {
+fn round_shapes_roll_down_a_slope_by_their_inertia() -> Vec<Row> {
     let rows = round().into_iter().flat_map(|round| {
         [5.0, 20.0, 45.0].into_iter().flat_map(move |degrees: f64| {
             let k = round.inertia;
@@ -143,7 +143,7 @@ fn what_is_round_rolls_down_a_slope_as_its_inertia_has_it() -> Vec<Row> {
                     0.02,
                 ),
                 Row::relative(
-                    "how fast it turns after two seconds",
+                    "its angular speed after two seconds",
                     "rad/s",
                     expected[2],
                     spin,
@@ -157,7 +157,7 @@ fn what_is_round_rolls_down_a_slope_as_its_inertia_has_it() -> Vec<Row> {
 
 /// With 0.8 times that friction. From 20° on with 4 and 10 substeps only: at 40 the depth by which gravity presses the body in, 1.6e-6 m, is the rounding of a
 /// position five metres down.
-fn where_friction_is_too_little_it_slips_and_turns_as_that_has_it() -> Vec<Row> {
+fn with_too_little_friction_they_slip_and_spin_by_coulombs_law() -> Vec<Row> {
     let rows = round().into_iter().flat_map(|round| {
         [5.0, 20.0, 45.0].into_iter().flat_map(move |degrees: f64| {
             let (k, angle) = (round.inertia, degrees.to_radians());

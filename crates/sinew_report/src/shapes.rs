@@ -71,7 +71,7 @@ fn particles_go_to_the_plane_and_the_line_of_least_squares() -> Vec<Row> {
     // The remaining spread is the square of a rounding, 1e-14 m², at a total mass of 18 kg; Viète's formula resolves only the square root of that precision.
     vec![
         Row::relative(
-            "Σ m d² of six particles on their way to a plane",
+            "Σ m d² of projecting six particles onto a plane",
             "kg·m²",
             least,
             plane,
@@ -84,7 +84,7 @@ fn particles_go_to_the_plane_and_the_line_of_least_squares() -> Vec<Row> {
             left(&flat)[2],
             1e-11,
         ),
-        Row::relative("Σ m d² on their way to a line", "kg·m²", least + middle, line, 2e-6),
+        Row::relative("Σ m d² of projecting them onto a line", "kg·m²", least + middle, line, 2e-6),
         Row::absolute(
             "their spread across it, after one projection",
             "kg·m²",
@@ -137,7 +137,7 @@ fn volume(points: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
 fn a_mesh_gets_its_volume_back_and_the_gradient_costs_least() -> Vec<Row> {
     let mut rows = Vec::new();
     for (name, squeeze, least) in
-        [("sphere", DVec3::ONE, 1.0), ("pancake of 1:10", DVec3::new(1.0, 0.1, 1.0), 10.0)]
+        [("sphere", DVec3::ONE, 1.0), ("ellipsoid of 1:10", DVec3::new(1.0, 0.1, 1.0), 10.0)]
     {
         let (points, triangles) = sphere(3);
         let points: Vec<DVec3> = points.iter().map(|p| *p * squeeze).collect();
@@ -160,7 +160,7 @@ fn a_mesh_gets_its_volume_back_and_the_gradient_costs_least() -> Vec<Row> {
             costs.push(cost);
         }
         rows.push(Row::at_least(
-            format!("Σ m d² of scaling, of the gradient's, {name}"),
+            format!("Σ m d² of scaling relative to that of the gradient, {name}"),
             "",
             least,
             costs[0] / costs[1],

@@ -10,14 +10,14 @@ use crate::integrators::reverse;
 use crate::measure::{TICK, at, converge, empty, largest, period, rises, spin, step, steps, whole};
 
 cases! {
-    "Gradient" nearest_points_bleed_spin_by_the_law_and_step_starts_keep_it;
+    "Gradient" current_gradients_lose_spin_by_the_formula_and_step_start_gradients_keep_it;
     "Gradient" spin_is_kept_over_ten_seconds;
-    "Gradient" a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone;
-    "Gradient" constrained_motion_runs_backwards_along_step_starts_alone;
+    "Gradient" a_pendulum_from_the_level_loses_energy_with_current_gradients_only;
+    "Gradient" constrained_motion_is_reversible_with_step_start_gradients_only;
     "Loop" every_order_of_a_sweep_ends_at_the_same_lengths;
     "Substeps" at_equal_work_many_substeps_stretch_less_than_many_sweeps;
     "Softness" a_soft_distance_swings_alike_at_any_number_of_sweeps_and_substeps;
-    "Softness" a_share_is_taken_once_however_many_sweeps_take_it;
+    "Softness" a_share_is_applied_once_at_any_number_of_sweeps;
     "Ledger" an_isolated_world_keeps_its_momentum_for_ten_thousand_ticks;
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn bled(omega: f64, h: f64, t: f64) -> f64 {
 }
 
 /// The formula is of first order in `ωh`: the next term is of the order of `(ω0 h)²`, 0.7 % here.
-fn nearest_points_bleed_spin_by_the_law_and_step_starts_keep_it() -> Vec<Row> {
+fn current_gradients_lose_spin_by_the_formula_and_step_start_gradients_keep_it() -> Vec<Row> {
     let mut rows = Vec::new();
     let turn = 5.0 / 60.0;
     for sweeps in [4, 20] {
@@ -109,9 +109,9 @@ fn spin_is_kept_over_ten_seconds() -> Vec<Row> {
     steps(&mut world, TICK, 600);
     let after = world.ledger();
     let share = after.angular_momentum.length() / before.angular_momentum.length();
-    let what = "the same, 20 substeps, Current with the angular momentum put back";
+    let what = "the same, 20 substeps, Current with the angular momentum restored";
     rows.push(Row::relative(what, "", 1.0, share, 0.005));
-    let what = "energy kept by that (physics.md B2': 98.8–100 %)";
+    let what = "its energy kept (physics.md B2': 98.8–100 %)";
     rows.push(Row::relative(what, "", 1.0, after.kinetic / before.kinetic, 0.012));
     rows
 }
@@ -131,7 +131,7 @@ pub(crate) fn pendulum(angle: f64, gradient_at: GradientAt) -> Simulation {
 /// The values of physics.md, to the digits given there. With the velocity taken as the chord of a step, the energy of a constrained particle oscillates by
 /// `(ωh)²` of it; means over one swing (142 steps) remove that. The height that the bob returns to requires no velocity: at most half a step from the top of
 /// the swing it has fallen by `½ g (h/2)²` = 0.3 mm, which is 0.0033 J/kg.
-fn a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone() -> Vec<Row> {
+fn a_pendulum_from_the_level_loses_energy_with_current_gradients_only() -> Vec<Row> {
     let start = |gradient_at| pendulum(core::f64::consts::FRAC_PI_2, gradient_at);
     let mut world = start(GradientAt::Current);
     let before = world.ledger().energy();
@@ -152,7 +152,7 @@ fn a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone() -> Vec<R
         top = top.max(at(&world, 1).y);
     }
     vec![
-        Row::absolute("lost of 9.81 J in 10 s at 1/60 s, Current", "J", 8.78, bled, 0.005),
+        Row::absolute("energy lost of 9.81 J in 10 s at 1/60 s, Current", "J", 8.78, bled, 0.005),
         Row::absolute("the same, StepStart, means over a swing", "J", 0.0, lost, 0.0105),
         Row::absolute(
             "its highest point in the swing after, StepStart",
@@ -167,7 +167,7 @@ fn a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone() -> Vec<R
 /// With gradients at the current positions the bob misses its start by 5 to 12 cm after a second or two (physics.md). With those at the start of the step only
 /// round-off is left: 1e-9 m in the `f64` of that measurement, and `2⁻²⁴/2⁻⁵³` = 5e8 times more here but for a few steps: a rounding of 6e-8 m in each of 240
 /// steps, growing with time.
-fn constrained_motion_runs_backwards_along_step_starts_alone() -> Vec<Row> {
+fn constrained_motion_is_reversible_with_step_start_gradients_only() -> Vec<Row> {
     let missed = |gradient_at| {
         let mut world = pendulum(core::f64::consts::FRAC_PI_2, gradient_at);
         let start = at(&world, 1);
@@ -214,7 +214,7 @@ fn every_order_of_a_sweep_ends_at_the_same_lengths() -> Vec<Row> {
             worst,
             1.1e-5,
         ));
-        rows.push(Row::absolute("the error that the report says", "m", worst, said, 2e-7));
+        rows.push(Row::absolute("the reported error", "m", worst, said, 2e-7));
     }
     rows
 }
@@ -285,7 +285,7 @@ fn a_soft_distance_swings_alike_at_any_number_of_sweeps_and_substeps() -> Vec<Ro
     rows
 }
 
-fn a_share_is_taken_once_however_many_sweeps_take_it() -> Vec<Row> {
+fn a_share_is_applied_once_at_any_number_of_sweeps() -> Vec<Row> {
     [1, 4, 16]
         .map(|sweeps| {
             let mut world = empty(1);
@@ -300,7 +300,7 @@ fn a_share_is_taken_once_however_many_sweeps_take_it() -> Vec<Row> {
             step(&mut world, TICK);
             let left = f64::from(world.particles.separation(1, 0).x) - 1.0;
             Row::absolute(
-                format!("left of 1 m at a share of 0.7, {sweeps} sweeps"),
+                format!("remaining error of 1 m with Softness::Share(0.7), {sweeps} sweeps"),
                 "m",
                 0.3,
                 left,
@@ -350,7 +350,12 @@ fn an_isolated_world_keeps_its_momentum_for_ten_thousand_ticks() -> Vec<Row> {
     let after = world.ledger();
     let moved = (after.momentum - before.momentum).length() / before.momentum.length();
     vec![
-        Row::absolute("change of momentum, of itself", "", 0.0, moved, 1e-4),
-        Row::at_most("most energy, of that at first", "", 1.01, most / before.energy()),
+        Row::absolute("relative change of momentum", "", 0.0, moved, 1e-4),
+        Row::at_most(
+            "largest energy, relative to the initial one",
+            "",
+            1.01,
+            most / before.energy(),
+        ),
     ]
 }

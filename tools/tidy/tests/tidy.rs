@@ -74,24 +74,24 @@ const ALLOWED: [(&str, &str, &str); 6] = [
     (
         "crates/bevy_sinew/src/rows.rs",
         "EntityHashMap",
-        "entities are looked up in it; what goes over it (`retain`) does so in an order that nobody sees",
+        "only looked up by entity; the order in which `retain` iterates has no effect",
     ),
     (
         "crates/bevy_sinew/src/show/ease.rs",
         "slerp",
-        "what is drawn between two ticks is made of it, and nothing reads that back",
+        "used only for drawing between ticks, which is never read back",
     ),
-    ("crates/bevy_sinew/src/state/values.rs", "EntityHashMap", "entities are looked up in it"),
-    ("crates/bevy_sinew/src/state/snapshot.rs", "EntityHashMap", "entities are looked up in it"),
+    ("crates/bevy_sinew/src/state/values.rs", "EntityHashMap", "only looked up by entity"),
+    ("crates/bevy_sinew/src/state/snapshot.rs", "EntityHashMap", "only looked up by entity"),
     (
         "crates/bevy_sinew/src/state/restore.rs",
         "EntityHashMap",
-        "entities are looked up in it; it is what Bevy's own maps of entities are",
+        "only looked up by entity; Bevy's own maps of entities have this type",
     ),
     (
         "crates/bevy_sinew/src/state/rollback.rs",
         "EntityHashMap",
-        "what goes over it makes another one of it, in which entities are looked up",
+        "iterated only to build another map, which is looked up by entity",
     ),
 ];
 
@@ -204,7 +204,7 @@ fn every_file_opens_with_why_it_is_there() {
     let silent = repository().into_iter().filter(|f| f.is_rust() && !f.text.starts_with("//! "));
     assert_none(
         &silent
-            .map(|f| format!("{}:1: open the file with `//! ` and what it is for", f.path))
+            .map(|f| format!("{}:1: start the file with `//! ` and its purpose", f.path))
             .collect::<Vec<_>>(),
     );
 }
@@ -217,7 +217,10 @@ fn no_file_is_too_long() {
     assert_none(
         &long
             .map(|(n, f)| {
-                format!("{}:{MOST_LINES}: {n} lines; split it by what it is about, at most {MOST_LINES}", f.path)
+                format!(
+                    "{}:{MOST_LINES}: {n} lines; split it by topic, at most {MOST_LINES}",
+                    f.path
+                )
             })
             .collect::<Vec<_>>(),
     );
@@ -274,14 +277,14 @@ fn results_do_not_depend_on_the_platforms_maths() {
     let advice = "differs from one machine to the next; use `libm::` (or plain + - × ÷ √)";
     assert_none(&state_without(&PLATFORM_MATHS, calls, advice));
     let fused = ["fmadd", "fmsub", "fnmadd", "vfma", "rsqrt", "rcp_ps", "rcp14"];
-    let advice = "rounds differently from its scalar twin; use + - × ÷ √";
+    let advice = "rounds differently from the scalar operation; use + - × ÷ √";
     assert_none(&state_without(&fused, |line, word| line.contains(word), advice));
 }
 
 #[test]
 fn results_do_not_depend_on_the_order_of_a_hash() {
     let named = |line: &str, name: &str| words(line).any(|word| word == name);
-    let advice = "iterates in an order of chance; use a `Vec`, a `BTreeMap`, or sort, or add it to ALLOWED \
+    let advice = "has no fixed iteration order; use a `Vec`, a `BTreeMap`, or sort, or add it to ALLOWED \
                   with a reason if nothing iterates over it";
     assert_none(&state_without(&UNORDERED, named, advice));
 }
@@ -300,7 +303,7 @@ fn modules_of_a_crate_know_each_other_one_way() {
                     .windows(2)
                     .map(|pair| format!("{} (in {})", pair[1], arrows[pair[0]][pair[1]]));
                 offences.push(format!(
-                    "crates/{package}: `{from}` needs itself: {from} > {}; move what both need below them",
+                    "crates/{package}: `{from}` depends on itself: {from} > {}; move what both use into a module below them",
                     steps.collect::<Vec<_>>().join(" > ")
                 ));
             }
@@ -445,7 +448,7 @@ fn every_package_follows_the_workspace() {
             let literal = line.contains("version = \"") || line.contains(" = \"");
             if section.ends_with("dependencies]") && literal && !line.starts_with('#') {
                 say(&format!(
-                    "`{line}`: versions stand in the root's Cargo.toml alone; use `workspace = true`"
+                    "`{line}`: versions belong in the root's Cargo.toml; use `workspace = true`"
                 ));
             }
         }

@@ -80,7 +80,7 @@ pub(super) fn come_and_go(effort: &Effort) -> Vec<Row> {
 }
 
 /// Note of rows that compare a frame with a spawn or despawn to one without.
-const LESS: &str = "a frame with it less a frame without";
+const LESS: &str = "difference between a frame with and one without it";
 
 /// The same for a box beside eight such cloths, and for a constraint of one of them, at the default substeps and sweeps.
 fn beside_others(effort: &Effort) -> Vec<Row> {
@@ -182,7 +182,7 @@ pub(super) fn mesh_out(effort: &Effort) -> Vec<Row> {
     let scene = format!("mesh out: {DRAWN}×{DRAWN} vertices and normals");
     let ours = Some(1e9 * (median(drawn) - median(idle)) / count);
     let row = Row { ours, ..Row::new("P12", scene, Unit::Vertex) };
-    vec![row.noted("a frame that draws less a frame that does not; no tick in either")]
+    vec![row.noted("difference between a frame that updates the mesh and one that does not, both without a tick")]
 }
 
 /// P13 for an app.
@@ -191,7 +191,7 @@ pub(super) fn allocations(_: &Effort) -> Vec<Row> {
     app.add_plugins(SinewPlugin::default());
     let bare = allocations::row("an app without the plugin", &mut Frames(ready(plain())));
     let empty = allocations::row("an app with an empty world", &mut Frames(ready(app)));
-    let cloth = allocations::row("an app with a cloth, mesh and all", &mut Frames(hung(32)));
+    let cloth = allocations::row("an app with a cloth and its mesh", &mut Frames(hung(32)));
     vec![bare.noted("what Bevy itself allocates in a frame"), empty, cloth]
 }
 

@@ -20,8 +20,7 @@ const SUBSTEPS: u32 = 10;
 const STIFFNESS: f32 = 1e-4;
 
 /// Why the naive reference stretches more: without bending it stretches as much in this order, and in the order of P2's mesh as little as Sinew.
-const NOTE: &str =
-    "naive sweeps along the rows, which makes a sheet with one diagonal a cell flutter";
+const NOTE: &str = "the naive reference sweeps along the rows, which makes a sheet with one diagonal a cell flutter";
 
 /// The kind of bending constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

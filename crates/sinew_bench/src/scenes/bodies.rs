@@ -37,7 +37,7 @@ pub fn side_by_side(effort: &Effort) -> Vec<Row> {
     );
     let row = race.run(effort, 1, sized);
     let note = "default settings of each: 10 substeps of at most 8 sweeps, rapier 4 substeps, sleeping off";
-    let equal = "as many substeps for both; sleeping off";
+    let equal = "the same number of substeps for both; sleeping off";
     let heaped = |ours, theirs, note| heaped(effort, [ours, theirs], note);
     vec![
         row.noted(note),
@@ -74,9 +74,9 @@ fn heaped(effort: &Effort, [substeps, theirs]: [u32; 2], note: &str) -> Row {
 
 /// P6.
 pub fn ragdolls(effort: &Effort) -> Vec<Row> {
-    let floor = "default settings of each; a naive ragdoll would be all of the cones and hinges again; limbs touch the floor by their joints";
-    let stairs = "default settings of each; bones collide with the stairs, with other ragdolls, and with bones that no joint ties them to";
-    let equal = "as many substeps for both; stretch of rapier's: how far joints gape, as a share of the bone";
+    let floor = "default settings of each; no naive reference; limbs touch the floor with their joint particles only";
+    let stairs = "default settings of each; bones collide with the stairs, with other ragdolls, and with bones not connected by a joint";
+    let equal = "the same number of substeps for both; rapier's stretch is the opening of joints relative to the bone";
     let on_stairs = |ours, theirs, note: &str| {
         let (mut world, sweeps) = dolls_on_stairs(DOLLS);
         world.settings.substeps = ours;

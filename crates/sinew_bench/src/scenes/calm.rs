@@ -29,9 +29,8 @@ pub(super) fn heaps(effort: &Effort, (mut world, edge): (Simulation, u32), subst
     };
     let (ours, depth) = later(&mut Ours(world));
     let peer = peers::heap(effort, edge, substeps).map(|mut peer| later(peer.as_mut()));
-    let theirs = peer.map(|(_, depth)| format!(", rapier's by {depth:.2} mm")).unwrap_or_default();
-    let note =
-        format!("the deepest corner is in another box, or in the floor, by {depth:.2} mm{theirs}");
+    let theirs = peer.map(|(_, depth)| format!(", rapier {depth:.2} mm")).unwrap_or_default();
+    let note = format!("deepest penetration {depth:.2} mm{theirs}");
     Row { ours: Some(ours), peer: peer.map(|(speed, _)| speed), ..row }.noted(note)
 }
 

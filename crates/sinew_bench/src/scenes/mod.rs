@@ -82,5 +82,6 @@ pub const SCENES: &[Scene] = &[
     scene("U10", user::u10),
     #[cfg(feature = "plugin")]
     scene("U11", user::u11),
+    #[cfg(feature = "plugin")]
     scene("U12", user::u12),
 ];

@@ -31,9 +31,8 @@ pub fn run(effort: &Effort) -> Vec<Row> {
         ..Default::default()
     };
     let long = cloth::world(&rope(&spec).expect("the rope is sound"), SUBSTEPS, 1);
-    let note =
-        "one sweep a substep carries a pull by few pieces: long ropes stretch, whoever solves them";
-    let held = "tethers hold each particle to its pin, once a substep, as by default; the naive way has none";
+    let note = "one sweep a substep propagates a pull by a few segments only, so long ropes stretch in every solver";
+    let held = "with long-range tethers to the pins, once a substep, as by default; the naive reference has none";
     vec![
         race(effort, format!("1 rope of {LONG}"), long).noted(note),
         race(effort, format!("{MANY} ropes of {SHORT}"), many(MANY, SUBSTEPS, 1)).noted(held),

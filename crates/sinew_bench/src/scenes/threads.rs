@@ -21,8 +21,8 @@ const SHORT: usize = 20;
 /// Number of small cloths, and particles along a side of each.
 const SMALL: (u32, u32) = (64, 32);
 
-/// Note of a row for which there is no world with two threads.
-const NOT_YET: &str = "2 threads: not yet";
+/// Note of a row that compares two threads with one.
+const AGAINST_ONE: &str = "\"naive\" is Sinew with 1 thread";
 
 /// P7.
 pub(super) fn million(effort: &Effort) -> Vec<Row> {
@@ -39,15 +39,9 @@ pub(super) fn million(effort: &Effort) -> Vec<Row> {
     let tick =
         Row { ours: whole(each.ours), naive: whole(each.naive), ..row("1 thread", Unit::Tick) };
     let two = row("2 threads", Unit::WallTick);
-    let two = match stepped_by(world, 2) {
-        Some(world) => {
-            let race = Race { ours: Some(world), naive: None, peer: None, most: SHORT };
-            Row { naive: tick.ours, ..race.run(effort, 1, two) }
-                .noted("\"naive\" is Sinew with 1 thread")
-        }
-        None => two.noted(NOT_YET),
-    };
-    vec![each, tick, two]
+    let race = Race { ours: Some(stepped_by(world, 2)), naive: None, peer: None, most: SHORT };
+    let two = Row { naive: tick.ours, ..race.run(effort, 1, two) };
+    vec![each, tick, two.noted(AGAINST_ONE)]
 }
 
 /// P8.
@@ -55,10 +49,9 @@ pub(super) fn many(effort: &Effort) -> Vec<Row> {
     let world = small();
     let scene = format!("{} cloths of {}×{}, 2 threads against 1", SMALL.0, SMALL.1, SMALL.1);
     let row = Row::new("P8", scene, Unit::WallTick).sized(world.distances().len(), 10, 1);
-    let two = stepped_by(world.clone(), 2);
-    let note = if two.is_some() { "\"naive\" is Sinew with 1 thread" } else { NOT_YET };
-    let race = Race { ours: two, naive: stepped_by(world, 1), peer: None, most: usize::MAX };
-    vec![race.run(effort, 1, row).noted(note)]
+    let [two, one] = [2, 1].map(|threads| Some(stepped_by(world.clone(), threads)));
+    let race = Race { ours: two, naive: one, peer: None, most: usize::MAX };
+    vec![race.run(effort, 1, row).noted(AGAINST_ONE)]
 }
 
 fn small() -> Simulation {

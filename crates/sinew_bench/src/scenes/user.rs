@@ -149,7 +149,7 @@ const FAR: Extra = ("a far collider", |world| {
 const A_WIND: Extra = ("a wind", |world| {
     world.spawn(Wind::default());
 });
-const OWN_SYSTEM: Extra = ("an own system", |world| {
+const OWN_SYSTEM: Extra = ("a system of the game", |world| {
     let own = nothing.in_set(PhaseSystems::Integrate);
     world.resource_mut::<Schedules>().add_systems(SubstepSchedule, own);
 });

@@ -105,7 +105,7 @@ fn energy() -> Plot {
     Plot {
         name: "energy",
         title: "Energy of an oscillator of 1 rad/s at h = 0.3 s",
-        axes: ["time / s", "energy / energy at first"],
+        axes: ["time / s", "energy / initial energy"],
         height: [0.75, 1.55],
         curves,
     }
@@ -130,14 +130,14 @@ fn spin() -> Plot {
             [t, bled(10.0, h, t)]
         });
         let plural = if substeps == 1 { "" } else { "s" };
-        let name = format!("Current, {substeps} substep{plural}, with ω0/√(1+2ω0²ht) beneath");
+        let name = format!("Current, {substeps} substep{plural}, over ω0/√(1+2ω0²ht)");
         // The formula has no legend entry of its own: it is the broad line under the measured one.
         curves.push(Curve { name: String::new(), stroke: Stroke::Band, points: law.collect() });
         curves.push(line(name, measured(GradientAt::Current, substeps)));
     }
     Plot {
         name: "spin",
-        title: "Spin of a cube of 28 rods in the void, 1/60 s",
+        title: "Spin of a free cube of 28 rods, 1/60 s",
         axes: ["time / s", "spin / (rad/s)"],
         height: [0.0, 13.5],
         curves,
@@ -197,7 +197,7 @@ fn catenary() -> Plot {
     });
     Plot {
         name: "catenary",
-        title: "A chain of 1.5 m between two points 1 m apart, by statics",
+        title: "A chain of 1.5 m between two points 1 m apart, static equilibrium",
         axes: ["x / m", "y / m"],
         height: [-0.56, 0.14],
         curves: vec![
