@@ -193,7 +193,8 @@ fn on_remove(mut world: DeferredWorld, context: HookContext) {
 }
 
 fn joints_of(world: &World, attachment: Entity) -> Vec<Entity> {
-    world.get::<AttachmentJoints>(attachment).into_iter().flat_map(|all| all.iter()).collect()
+    let joints = world.get::<AttachmentJoints>(attachment).into_iter();
+    joints.flat_map(RelationshipTarget::iter).collect()
 }
 
 /// Removes what an attachment created: its constraints and its pins.
