@@ -121,6 +121,8 @@ pub mod rigid;
 pub(crate) mod settings;
 pub mod simulation;
 pub mod solve;
+#[cfg(test)]
+pub(crate) mod test_random;
 pub(crate) mod threads;
 mod tracked;
 pub(crate) mod union_find;

@@ -5,6 +5,7 @@ use glam::{Vec3, Vec4};
 use super::correction::GradientAt;
 use super::equation::{Equation, Points, error as equation_error, project as project_equation};
 use super::softness::SubstepContext;
+pub(crate) use crate::test_random::Random;
 
 /// A substep of 1/60 s with eight sweeps.
 const CONTEXT: SubstepContext = SubstepContext { h: 1.0 / 60.0, sweeps: 8 };
@@ -275,40 +276,6 @@ impl Equation for Restless {
 pub(crate) fn extent(positions: &[Vec3]) -> f32 {
     let middle = positions.iter().sum::<Vec3>() / positions.len() as f32;
     positions.iter().map(|p| p.distance(middle)).fold(0.0, f32::max)
-}
-
-/// A generator with the same numbers on every run: a 64-bit linear congruential generator (Knuth's constants), of which the upper bits are used.
-#[derive(Clone, Debug)]
-pub(crate) struct Random(u64);
-
-impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        let mut random = Self(seed ^ 0x9e37_79b9_7f4a_7c15);
-        random.number();
-        random
-    }
-
-    /// A number in -1..1.
-    pub(crate) fn number(&mut self) -> f32 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u64 << 23) as f32 - 1.0
-    }
-
-    /// A vector in the cube from -1 to 1.
-    pub(crate) fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.number(), self.number(), self.number())
-    }
-
-    /// `count` points in that cube.
-    pub(crate) fn positions(&mut self, count: usize) -> Vec<Vec3> {
-        (0..count).map(|_| self.vector()).collect()
-    }
-
-    /// `count` masses from 0.25 to 4 kg, uniform in their logarithm.
-    pub(crate) fn masses(&mut self, count: usize) -> Vec<f32> {
-        (0..count).map(|_| libm::exp2f(2.0 * self.number())).collect()
-    }
 }
 
 /// Tests that the checks themselves can fail.

@@ -1,22 +1,7 @@
 //! A hull is closed and convex and contains all points, whatever the points are.
 
 use super::*;
-
-/// A small generator of reproducible cases (a linear congruential generator, Knuth's constants).
-struct Random(u64);
-
-impl Random {
-    /// Uniform in -1..1.
-    fn next(&mut self) -> f32 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1 << 23) as f32 - 1.0
-    }
-
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next())
-    }
-}
+use crate::test_random::Random;
 
 /// Checks that the hull is closed, of genus 0 and convex, and contains all points; returns its number of corners.
 fn assert_hull(points: &[Vec3]) -> usize {
@@ -52,7 +37,7 @@ fn assert_hull(points: &[Vec3]) -> usize {
 
 #[test]
 fn hulls_of_random_points_are_closed_and_convex_and_contain_all() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for round in 0..60 {
         let count = 4 + round * 5;
         let shift = random.vector() * 100.0 * (round % 3) as f32;
@@ -64,7 +49,7 @@ fn hulls_of_random_points_are_closed_and_convex_and_contain_all() {
 
 #[test]
 fn all_points_of_a_sphere_are_corners() {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let points: Vec<Vec3> = (0..1000).map(|_| random.vector().normalize()).collect();
     let begin = std::time::Instant::now();
     let corners = assert_hull(&points);
@@ -78,11 +63,11 @@ fn points_in_rows_and_planes_and_in_the_same_place_do_no_harm() {
         .map(|i| Vec3::new((i % 6) as f32, (i / 6 % 6) as f32, (i / 36) as f32) * 0.1)
         .collect();
     assert_hull(&grid);
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for _ in 0..50 {
         let mut mixed = grid.clone();
         for i in (1..mixed.len()).rev() {
-            mixed.swap(i, (random.next().abs() * (i + 1) as f32) as usize % (i + 1));
+            mixed.swap(i, (random.number().abs() * (i + 1) as f32) as usize % (i + 1));
         }
         mixed.extend_from_within(..50);
         assert_hull(&mixed);
@@ -99,7 +84,7 @@ fn points_in_rows_and_planes_and_in_the_same_place_do_no_harm() {
 
 #[test]
 fn a_cube_is_a_cube_whatever_is_inside_of_it() {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let corner =
         |i: u8| Vec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into()) * 2.0 - 1.0;
     let mut points: Vec<Vec3> = (0..500).map(|_| random.vector()).collect();

@@ -140,14 +140,12 @@ fn in_range<L: Lanes>(x: L) -> L {
 mod tests {
     use super::*;
     use crate::particles::ParticleSeed;
+    use crate::test_random::Random;
 
     /// A few hundred random springs, some of them faulty, some of zero length, between particles with various origins.
     fn tangle() -> (Particles, Vec<Spring>) {
-        let mut state = 3_u32;
-        let mut next = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 24) as f32
-        };
+        let mut random = Random::new(3);
+        let mut next = || random.fraction();
         let mut particles = Particles::default();
         for i in 0..60 {
             let place = Vec3::new(next(), next(), next()) * if i < 20 { 0.3 } else { 9.0 };

@@ -167,6 +167,7 @@ mod tests {
     use super::*;
     use crate::lanes::InstructionSet;
     use crate::particles::{ParticleSeed, drag_of_rate, rate_of_drag};
+    use crate::test_random::Random;
 
     const MACHINE: ExecutionContext =
         ExecutionContext { instructions: InstructionSet::Simd128, workers: None };
@@ -238,10 +239,9 @@ mod tests {
         let v0 = Vec3::new(3.0, 4.0, 0.0);
         let steps = [1.0 / 30.0, 1.0 / 60.0, 1.0 / 144.0];
         let mut particles = thrown(v0, 0.0);
-        let (mut t, mut seed) = (0.0_f64, 7_u32);
+        let (mut t, mut random) = (0.0_f64, Random::new(7));
         while t < 2.0 {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let h = steps[(seed >> 16) as usize % 3];
+            let h = steps[random.below(3)];
             advance(&mut particles, h, G);
             t += f64::from(h);
         }

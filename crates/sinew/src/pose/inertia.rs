@@ -191,8 +191,8 @@ pub(crate) fn spin(inertia: [[f64; 3]; 3], angular_momentum: DVec3) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::Random;
     use super::*;
+    use crate::test_random::Random;
 
     fn spinning(
         points: &[(Vec3, f32)],
@@ -210,15 +210,15 @@ mod tests {
 
     #[test]
     fn a_rigid_spin_and_drift_are_read_back() {
-        let mut random = Random(7);
+        let mut random = Random::new(7);
         for round in 0..1000 {
             let points: Vec<_> = (0..8 + round % 200)
-                .map(|_| (random.vector() * 2.0, random.next() + 1.5))
+                .map(|_| (random.direction() * 2.0, random.number() + 1.5))
                 .collect();
             let mass: f64 = points.iter().map(|&(_, m)| f64::from(m)).sum();
             let about = points.iter().map(|&(p, m)| p.as_dvec3() * f64::from(m)).sum::<DVec3>();
             let (mass, about) = (mass as f32, (about / mass).as_vec3());
-            let (velocity, w) = (random.vector(), random.vector() * 10.0);
+            let (velocity, w) = (random.direction(), random.direction() * 10.0);
             let found = read(&spinning(&points, about, velocity, w)).unwrap();
             assert!((found.mass - mass).abs() < 1e-6 * mass);
             assert!((found.barycentre - about).length() < 1e-6);
@@ -280,10 +280,10 @@ mod tests {
 
     #[test]
     fn a_plate_spins_about_any_axis_and_a_rod_about_any_but_its_own() {
-        let mut random = Random(11);
+        let mut random = Random::new(11);
         for _ in 0..1000 {
-            let (along, w) = (random.vector(), random.vector() * 10.0);
-            let across = along.cross(random.vector());
+            let (along, w) = (random.direction(), random.direction() * 10.0);
+            let across = along.cross(random.direction());
             let plate = [along + across, along - across, -along - across, -along + across]
                 .map(|p| (p, 1.0));
             let found = read(&spinning(&plate, Vec3::ZERO, Vec3::ONE, w)).unwrap();

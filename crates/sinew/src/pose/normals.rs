@@ -65,6 +65,7 @@ fn cross(a: Vec4, b: Vec4) -> Vec4 {
 mod tests {
     use super::*;
     use crate::lanes::InstructionSet;
+    use crate::test_random::Random;
 
     const SETS: [InstructionSet; 3] =
         [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2];
@@ -79,12 +80,9 @@ mod tests {
         core::mem::take(&mut found[0])
     }
 
-    fn random(seed: u32) -> impl FnMut() -> f32 {
-        let mut state = seed;
-        move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 24) as f32 - 0.5
-        }
+    fn random(seed: u64) -> impl FnMut() -> f32 {
+        let mut random = Random::new(seed);
+        move || 0.5 * random.number()
     }
 
     #[test]

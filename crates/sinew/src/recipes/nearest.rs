@@ -87,15 +87,14 @@ pub(super) fn bounds(points: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_random::Random;
 
     #[test]
     fn the_tree_finds_what_looking_at_all_points_finds() {
-        let mut state = 7_u32;
-        let mut random = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 27) as f32 // 32 values an axis, so that many points tie
-        };
-        let mut point = || Vec3::new(random(), random(), 0.25 * random());
+        let mut random = Random::new(7);
+        // 32 values an axis, so that many points tie.
+        let mut value = || random.below(32) as f32;
+        let mut point = || Vec3::new(value(), value(), 0.25 * value());
         let points: Vec<Vec3> = (0..500).map(|_| point()).collect();
         let tree = NearestSearch::new(&points);
         for _ in 0..500 {

@@ -4,25 +4,12 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::*;
 use crate::pose::{Motion, motion};
+use crate::test_random::Random;
 use crate::{Distance, ParticleSeed, Simulation};
 
-/// A small generator of reproducible cases (a linear congruential generator, Knuth's constants).
-struct Random(u64);
-
 impl Random {
-    /// Uniform in -1..1.
-    fn next(&mut self) -> f32 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1 << 23) as f32 - 1.0
-    }
-
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next())
-    }
-
-    fn rotation(&mut self) -> Quat {
-        let q = [self.next(), self.next(), self.next(), self.next() + 0.1];
+    fn any_rotation(&mut self) -> Quat {
+        let q = [self.number(), self.number(), self.number(), self.number() + 0.1];
         let length = q.iter().map(|x| x * x).sum::<f32>().sqrt();
         Quat::from_array(q.map(|x| x / length))
     }
@@ -37,14 +24,14 @@ struct Compound {
 
 /// 4 to 20 particles of random masses, anywhere in the rest frame, scaled by `shape`, turned, moved and spinning.
 fn random(random: &mut Random, shape: Vec3) -> Compound {
-    let count = 4 + (random.next().abs() * 17.0) as usize;
-    let (aside, tilt) = (random.vector() * 2.0, random.rotation());
+    let count = 4 + (random.number().abs() * 17.0) as usize;
+    let (aside, tilt) = (random.vector() * 2.0, random.any_rotation());
     let rest: Vec<Vec3> = (0..count).map(|_| turn(tilt, random.vector() * shape) + aside).collect();
-    let (rotation, place) = (random.rotation(), random.vector());
+    let (rotation, place) = (random.any_rotation(), random.vector());
     let (velocity, spin) = (random.vector() * 5.0, random.vector() * 8.0);
     let point = |r: &Vec3| {
         let p = turn(rotation, *r) + place;
-        (p, velocity + spin.cross(p), 0.1 + random.next().abs() * 3.0)
+        (p, velocity + spin.cross(p), 0.1 + random.number().abs() * 3.0)
     };
     let now = rest.iter().map(point).collect();
     Compound { rest, now, rotation }
@@ -105,7 +92,7 @@ fn there_and_back(compound: &Compound) -> [f64; 4] {
 #[test]
 fn random_compounds_are_the_same_after_a_swap_there_and_back() {
     for (shape, name) in [(Vec3::ONE, "solid"), (Vec3::new(1.0, 1.0, 0.0), "flat")] {
-        let (mut source, mut worst) = (Random(3), [0.0_f64; 4]);
+        let (mut source, mut worst) = (Random::new(3), [0.0_f64; 4]);
         for _ in 0..500 {
             let off = there_and_back(&random(&mut source, shape));
             worst = std::array::from_fn(|i| worst[i].max(off[i]));
@@ -117,7 +104,7 @@ fn random_compounds_are_the_same_after_a_swap_there_and_back() {
 
 #[test]
 fn collinear_compounds_keep_all_but_a_spin_about_their_line_which_particles_cannot_have() {
-    let (mut source, mut worst) = (Random(5), [0.0_f64; 4]);
+    let (mut source, mut worst) = (Random::new(5), [0.0_f64; 4]);
     for _ in 0..500 {
         let off = there_and_back(&random(&mut source, Vec3::X));
         worst = std::array::from_fn(|i| worst[i].max(off[i]));
@@ -148,7 +135,7 @@ fn a_single_particle_keeps_its_momentum_and_the_rotation_that_it_had() {
 
 #[test]
 fn the_body_moves_as_the_particles_say_and_its_frame_is_theirs() {
-    let mut source = Random(11);
+    let mut source = Random::new(11);
     for _ in 0..200 {
         let compound = random(&mut source, Vec3::ONE);
         let body = body(&compound, Quat::IDENTITY);
@@ -181,7 +168,7 @@ fn corners_of_a_box_become_a_body_three_times_as_hard_to_turn_as_the_solid() {
 
 #[test]
 fn a_hundred_swaps_in_a_row_drift_no_more_than_round_off() {
-    let mut source = Random(17);
+    let mut source = Random::new(17);
     for shape in [Vec3::ONE, Vec3::new(1.0, 1.0, 0.0), Vec3::X] {
         let (mut positions, mut p_drift, mut l_drift) = (0.0_f32, 0.0_f64, 0.0_f64);
         for _ in 0..50 {

@@ -5,17 +5,14 @@ use glam::{DVec3, Vec3, Vec4};
 use super::*;
 use crate::particles::ParticleSeed;
 use crate::simulation::Simulation;
+use crate::test_random::Random;
 
 const ALL_PAIRS: u32 = u32::MAX;
 
-/// Charges of about a microcoulomb in a box, from Knuth's linear congruential generator; `sign` is the share of positive ones.
+/// Charges of about a microcoulomb in a box; `sign` is the share of positive ones.
 fn cloud(count: usize, sign: f32, at: Vec3) -> Particles {
-    let mut state = 1_u64;
-    let mut random = || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1 << 24) as f32
-    };
+    let mut numbers = Random::new(1);
+    let mut random = || numbers.fraction();
     let mut particles = Particles::default();
     for _ in 0..count {
         let place = Vec3::new(random(), random(), random()) * Vec3::new(4.0, 2.0, 3.0);

@@ -8,6 +8,7 @@ use crate::forces::Region;
 use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
 use crate::simulation::Simulation;
+use crate::test_random::Random;
 
 const H: f32 = 1.0 / 60.0;
 
@@ -166,11 +167,8 @@ fn a_feather_in_a_storm_is_carried_along_and_never_thrown_about() {
 #[test]
 fn a_crumpled_cloth_of_light_particles_never_gains_energy_from_still_air() {
     // Corners that share up to six triangles, masses from 1 mg to 1 g, all moving in different directions.
-    let mut seed = 3_u32;
-    let mut next = move || {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (seed >> 8) as f32 / (1 << 24) as f32 - 0.5
-    };
+    let mut random = Random::new(3);
+    let mut next = || 0.5 * random.number();
     let (mut particles, mut surfaces, n) = (Particles::default(), Vec::new(), 12_u32);
     for i in 0..n * n {
         let at = Vec3::new((i % n) as f32, (i / n) as f32, 2.0 * next());
@@ -254,11 +252,8 @@ fn broken_air_and_broken_triangles_are_left_out() {
 /// A crumpled, moving sheet of `n` by `n` particles, some pinned, some with origins of their own, and with triangles that have no area, have missing rows, or
 /// are not finite.
 fn crumpled(n: usize) -> (Particles, Vec<[u32; 3]>) {
-    let mut state = 11_u32;
-    let mut next = move || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / (1 << 24) as f32 - 0.5
-    };
+    let mut random = Random::new(11);
+    let mut next = || 0.5 * random.number();
     let (mut particles, mut surfaces) = (Particles::default(), vec![]);
     for i in 0..n * n {
         let grid = Vec3::new((i % n) as f32, (i / n) as f32, 0.0) * 0.3;

@@ -140,6 +140,7 @@ impl<F: VectorField> Work for OnePlace<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_random::Random;
 
     impl VectorField for CurlNoise {
         #[inline(always)]
@@ -163,14 +164,8 @@ mod tests {
 
     /// Positions over a few hundred metres, and times over an hour.
     fn places(n: u32) -> impl Iterator<Item = (Vec3, f64)> {
-        let mut seed = 5_u32;
-        let mut next = move || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (seed >> 8) as f32 / (1 << 24) as f32
-        };
-        (0..n).map(move |_| {
-            (Vec3::new(next(), next(), next()) * 400.0 - 200.0, f64::from(next()) * 3600.0)
-        })
+        let mut random = Random::new(5);
+        (0..n).map(move |_| (random.vector() * 200.0, f64::from(random.fraction()) * 3600.0))
     }
 
     fn noise(time: f64) -> CurlNoise {

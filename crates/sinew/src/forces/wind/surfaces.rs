@@ -381,6 +381,7 @@ mod tests {
     use super::*;
     use crate::lanes::InstructionSet;
     use crate::particles::ParticleSeed;
+    use crate::test_random::Random;
 
     /// A force that depends on every input: along the area's normal or against it, whichever points up, with the index of the triangle and the motion of its
     /// corners.
@@ -422,11 +423,8 @@ mod tests {
     /// second triangle's the other way.
     fn grid(columns: u32, rows: u32, turned: usize) -> (Particles, Vec<[u32; 3]>) {
         let mut particles = Particles::default();
-        let mut random = 7_u32;
-        let mut any = || {
-            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (random >> 8) as f32 / (1 << 24) as f32 - 0.5
-        };
+        let mut random = Random::new(7);
+        let mut any = || 0.5 * random.number();
         for place in 0..columns * rows {
             let at =
                 Vec3::new((place % columns) as f32 + 0.5 * any(), any(), (place / columns) as f32);

@@ -3,16 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::*;
-
-/// Deterministic pseudo-random numbers.
-struct Noise(u32);
-
-impl Noise {
-    fn below(&mut self, end: u32) -> u32 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (self.0 >> 8) % end
-    }
-}
+use crate::test_random::Random;
 
 /// A cube of 1 m as a render mesh: 4 vertices a face, 24 in all.
 fn drawn_cube() -> (Vec<Vec3>, Vec<u32>) {
@@ -69,11 +60,11 @@ fn shuffled_vertices_change_nothing_but_the_numbers() {
     };
     let straight = weld(&positions, &indices, 1e-5).unwrap();
     assert_eq!(straight, weld(&positions, &indices, 1e-5).unwrap());
-    let mut noise = Noise(3);
+    let mut random = Random::new(3);
     for _ in 0..20 {
         let mut order: Vec<u32> = (0..24).collect();
         for i in (1..24).rev() {
-            order.swap(i as usize, noise.below(i + 1) as usize);
+            order.swap(i, random.below(i + 1));
         }
         let mut shuffled = vec![Vec3::ZERO; 24];
         for (v, &to) in order.iter().enumerate() {
@@ -150,23 +141,23 @@ fn each_fault_is_told_apart() {
 #[test]
 fn noise_is_welded_or_refused_but_never_worse() {
     use super::super::{ClothMaterial, cloth_from_mesh};
-    let mut noise = Noise(11);
+    let mut random = Random::new(11);
     let mut built = 0;
     for _ in 0..1000 {
-        let scale = [1e-30, 1e-3, 1.0, 1e30][noise.below(4) as usize];
-        let grid = 1 + noise.below(8);
+        let scale = [1e-30, 1e-3, 1.0, 1e30][random.below(4)];
+        let grid = 1 + random.below(8);
         let odd = [f32::NAN, f32::INFINITY, f32::MAX, -f32::MAX, f32::MIN_POSITIVE, -0.0];
-        let mut coordinate = || match noise.below(400) {
-            0 => odd[noise.below(6) as usize],
-            _ => noise.below(grid) as f32 * scale,
+        let mut coordinate = || match random.below(400) {
+            0 => odd[random.below(6)],
+            _ => random.below(grid) as f32 * scale,
         };
         let positions: Vec<Vec3> =
             (0..12).map(|_| Vec3::new(coordinate(), coordinate(), coordinate())).collect();
-        let positions = &positions[..noise.below(13) as usize];
-        let count = 3 * noise.below(20) + u32::from(noise.below(50) == 0);
-        let end = positions.len() as u32 + u32::from(noise.below(50) == 0);
-        let indices: Vec<u32> = (0..count).map(|_| noise.below(end.max(1))).collect();
-        let tolerance = [0.0, 1e-5, 0.5, 1e20][noise.below(4) as usize];
+        let positions = &positions[..random.below(13)];
+        let count = 3 * random.below(20) + usize::from(random.below(50) == 0);
+        let end = positions.len() + usize::from(random.below(50) == 0);
+        let indices: Vec<u32> = (0..count).map(|_| random.below(end.max(1)) as u32).collect();
+        let tolerance = [0.0, 1e-5, 0.5, 1e20][random.below(4)];
         if let Ok(weld) = weld(positions, &indices, tolerance) {
             let particles = weld.positions.len() as u32;
             assert_eq!(weld.vertices.len(), positions.len());

@@ -1,9 +1,10 @@
 //! The figure is at rest, symmetrical, and has the requested mass and height.
 
 use super::*;
-use crate::constraints::checks::{Random, evaluate};
+use crate::constraints::checks::evaluate;
 use crate::recipes::blueprint::checks::assert_at_rest;
 use crate::recipes::blueprint::rest_length;
+use crate::test_random::Random;
 use crate::{Plane, Simulation};
 
 fn adult() -> Blueprint {

@@ -6,6 +6,7 @@ use super::super::{BoxLayout, BoxSpec, ConvexHullFault, MassFault, box_3d};
 use super::*;
 use crate::particles::ParticleSeed;
 use crate::pose::{Motion, motion};
+use crate::test_random::Random;
 use glam::DVec3;
 
 const LAYOUTS: [SolidLayout; 2] = [SolidLayout::Eight, SolidLayout::Four];
@@ -27,12 +28,8 @@ fn measured(body: &Blueprint) -> Motion {
 /// The shapes that `mass.rs` compares with closed forms, and others.
 fn shapes() -> Vec<SolidShape> {
     let (vertices, triangles) = mass::tests::letter();
-    let mut seed = 9_u32;
-    let mut random = || {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (seed >> 8) as f32 / (1 << 24) as f32
-    };
-    let mut cloud = || Vec3::new(random() * 3.0, random() - 4.0, random() * 0.5);
+    let mut random = Random::new(9);
+    let mut cloud = || random.vector() * Vec3::new(1.5, 0.5, 0.25);
     vec![
         SolidShape::Mesh { vertices, triangles },
         SolidShape::Hull((0..60).map(|_| cloud()).collect()),

@@ -6,6 +6,7 @@ use super::*;
 use crate::collide::{Collider, ContactParticipant};
 use crate::constraints::{InsideBox, Plane};
 use crate::recipes::{BoxSpec, ClothSpec, box_3d, cloth_grid};
+use crate::test_random::Random;
 
 const SKIN: f32 = 0.01;
 
@@ -228,16 +229,12 @@ fn nothing_leaves_a_room_at_any_speed() {
     solids.push((Shape::hull(&cone).unwrap(), Frame::at(Vec3::new(2.0, -5.0, -3.0))));
     solids.push(turned((Shape::cylinder(0.6, 4.0).unwrap(), Frame::at(Vec3::Z * -2.0)), 70.0));
     let world = world(&solids);
-    let mut seed = 12345_u32;
-    let mut random = move || {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (seed >> 8) as f32 / 8_388_608.0 - 1.0
-    };
+    let mut random = Random::new(12345);
     for (name, shape) in shapes() {
         let mut at = Vec3::new(-1.0, 2.0, 2.0);
         for tick in 0..1500 {
-            let speed = libm::powf(10.0, 1.5 + 3.5 * random());
-            let velocity = Vec3::new(random(), random(), random()) * speed;
+            let speed = libm::powf(10.0, 1.5 + 3.5 * random.number());
+            let velocity = random.vector() * speed;
             let dt = [1.0 / 60.0, 1.0 / 240.0, 0.1][tick % 3];
             let out = go(&world, &shape, at, velocity, dt);
             let way = (out.translation - at).length();

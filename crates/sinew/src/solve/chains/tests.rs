@@ -9,6 +9,7 @@ use crate::lanes::InstructionSet;
 use crate::particles::ParticleSeed;
 use crate::recipes::{BoxSpec, RopeSpec, box_3d, rope};
 use crate::simulation::Simulation;
+use crate::test_random::Random;
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -276,11 +277,8 @@ fn a_box_on_a_rope_stretches_it_little_though_boxes_have_more_rods_than_particle
 
 #[test]
 fn cut_into_segments_a_chain_is_solved_as_one_rod_after_the_other() {
-    let mut seed = 1_u32;
-    let mut random = || {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (seed >> 8) as f32 / (1 << 24) as f32
-    };
+    let mut numbers = Random::new(1);
+    let mut random = || numbers.fraction();
     for (rods, pins) in
         [(65, [true, false]), (100, [false, false]), (163, [true, true]), (999, [true, false])]
     {

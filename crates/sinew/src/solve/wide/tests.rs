@@ -8,13 +8,13 @@ use glam::{Vec3, Vec4};
 
 use super::super::constraint_ref::{Local, SolveMode, project_constraint, project_distance};
 use super::{BatchRange, ConstraintBatches};
-use crate::constraints::checks::Random;
 use crate::constraints::{
     Angle, Area, Bend, Bound, Cone, Constraint, ConstraintKind, Distance, GradientAt, Hinge,
     Softness, SubstepContext, Tetrahedron,
 };
 use crate::lanes::InstructionSet;
 use crate::particles::Places;
+use crate::test_random::Random;
 
 const SETS: [InstructionSet; 3] =
     [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2];

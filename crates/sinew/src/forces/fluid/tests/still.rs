@@ -1,19 +1,14 @@
 //! Forces on hulls that do not move, compared with sums over small cells and closed forms; and invalid input.
 
 use super::*;
-
-/// Knuth's linear congruential generator, 0 to 1.
-fn random(state: &mut u64) -> f32 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 40) as f32 / (1 << 24) as f32
-}
+use crate::test_random::Random;
 
 #[test]
 fn the_force_on_a_box_is_that_of_its_submerged_volume_at_its_centroid_at_any_angle() {
     const N: i32 = 80;
-    let (size, mut state) = (Vec3::new(2.0, 1.0, 3.0), 1);
+    let (size, mut random) = (Vec3::new(2.0, 1.0, 3.0), Random::new(1));
     for _ in 0..10 {
-        let mut draw = || random(&mut state) - 0.5;
+        let mut draw = || 0.5 * random.number();
         let axis = Vec3::new(draw(), draw(), draw() + 0.01);
         let (rotation, at) = (turned(6.0 * draw(), axis), Vec3::new(draw(), draw(), draw()));
         // The submerged cells of the box, and their mean position.

@@ -68,11 +68,11 @@ impl Drawn {
     }
 
     /// The same with vertices and triangles in another order, and triangles rotated.
-    fn shuffled(&self, noise: &mut Noise) -> Self {
+    fn shuffled(&self, random: &mut Random) -> Self {
         let count = self.positions.len() as u32;
         let mut order: Vec<u32> = (0..count).collect();
-        for i in (1..count).rev() {
-            order.swap(i as usize, noise.below(i + 1) as usize);
+        for i in (1..order.len()).rev() {
+            order.swap(i, random.below(i + 1));
         }
         let mut positions = vec![Vec3::ZERO; count as usize];
         for (p, &to) in self.positions.iter().zip(&order) {
@@ -81,8 +81,8 @@ impl Drawn {
         let mut triangles: Vec<[u32; 3]> =
             self.triangles.iter().map(|t| t.map(|i| order[i as usize])).collect();
         for i in (1..triangles.len()).rev() {
-            triangles.swap(i, noise.below(i as u32 + 1) as usize);
-            triangles[i].rotate_left(noise.below(3) as usize);
+            triangles.swap(i, random.below(i + 1));
+            triangles[i].rotate_left(random.below(3));
         }
         Self { positions, triangles }
     }
@@ -123,7 +123,7 @@ fn ties(drawn: &Drawn) -> usize {
 
 #[test]
 fn grids_of_any_size_and_any_diagonals_are_numbered_row_by_row() {
-    let mut noise = Noise(5);
+    let mut random = Random::new(5);
     for (w, h) in [(2, 2), (3, 2), (3, 3), (5, 2), (7, 3), (8, 8), (13, 9), (40, 40), (64, 17)] {
         for diagonal in DIAGONALS {
             for drawn in [Drawn::grid(w, h, diagonal), Drawn::grid(h, w, diagonal)] {
@@ -132,7 +132,7 @@ fn grids_of_any_size_and_any_diagonals_are_numbered_row_by_row() {
                 assert_at_rest(&cloth);
                 assert_eq!(cloth.distances.len(), ties(&drawn), "{w} x {h}");
                 for _ in 0..4 {
-                    assert_rows(&drawn.shuffled(&mut noise).weld(), w, h);
+                    assert_rows(&drawn.shuffled(&mut random).weld(), w, h);
                 }
             }
         }
@@ -141,13 +141,13 @@ fn grids_of_any_size_and_any_diagonals_are_numbered_row_by_row() {
 
 #[test]
 fn a_shuffled_grid_becomes_the_same_cloth_to_the_bit() {
-    let mut noise = Noise(6);
+    let mut random = Random::new(6);
     for (w, h) in [(3, 3), (24, 24), (31, 12), (12, 31)] {
         for diagonal in DIAGONALS {
             let drawn = Drawn::grid(w, h, diagonal);
             let straight = drawn.cloth();
             for _ in 0..5 {
-                let shuffled = drawn.shuffled(&mut noise);
+                let shuffled = drawn.shuffled(&mut random);
                 let mut cloth = shuffled.cloth();
                 for (vertex, p) in cloth.vertices.iter().zip(&shuffled.positions) {
                     assert_eq!(cloth.particles[*vertex as usize].position, *p);
@@ -163,7 +163,7 @@ fn a_shuffled_grid_becomes_the_same_cloth_to_the_bit() {
 
 #[test]
 fn a_square_grid_is_numbered_as_the_recipe_of_a_rectangle_numbers_it() {
-    let drawn = Drawn::grid(20, 20, DIAGONALS[0]).shuffled(&mut Noise(1));
+    let drawn = Drawn::grid(20, 20, DIAGONALS[0]).shuffled(&mut Random::new(1));
     let welded = drawn.weld();
     for (i, p) in welded.positions.iter().enumerate() {
         let (column, row) = (i % 20, i / 20);
@@ -186,13 +186,13 @@ fn a_grid_is_one_however_it_is_bent_stretched_or_sheared() {
         },
         |p| p + 0.03 * Vec3::new(libm::sinf(91.0 * p.y), libm::sinf(77.0 * p.x), 0.0),
     ];
-    let mut noise = Noise(7);
+    let mut random = Random::new(7);
     for bend in bends {
         for diagonal in DIAGONALS {
             let drawn = Drawn::grid(21, 15, diagonal).bent(bend);
             let straight = drawn.weld();
             assert_rows(&straight, 21, 15);
-            let shuffled = drawn.shuffled(&mut noise).weld();
+            let shuffled = drawn.shuffled(&mut random).weld();
             assert_eq!(shuffled, Weld { vertices: shuffled.vertices.clone(), ..straight });
         }
     }
@@ -200,7 +200,7 @@ fn a_grid_is_one_however_it_is_bent_stretched_or_sheared() {
 
 #[test]
 fn the_distances_of_a_grid_run_in_step() {
-    let cloth = Drawn::grid(64, 64, DIAGONALS[0]).shuffled(&mut Noise(8)).cloth();
+    let cloth = Drawn::grid(64, 64, DIAGONALS[0]).shuffled(&mut Random::new(8)).cloth();
     let breaks = cloth.distances.windows(2).filter(|two| {
         let same = two[0].b - two[0].a == two[1].b - two[1].a;
         !same || two[1].a < two[0].a
@@ -213,7 +213,7 @@ fn the_distances_of_a_grid_run_in_step() {
 
 #[test]
 fn what_is_not_quite_a_grid_comes_in_an_order_of_short_ties() {
-    let mut noise = Noise(9);
+    let mut random = Random::new(9);
     let full = Drawn::grid(24, 24, DIAGONALS[0]);
     let without = |gone: &[usize]| Drawn {
         positions: full.positions.clone(),
@@ -224,7 +224,7 @@ fn what_is_not_quite_a_grid_comes_in_an_order_of_short_ties() {
             .collect(),
     };
     let cell = |x: usize, y: usize| [2 * (y * 23 + x), 2 * (y * 23 + x) + 1];
-    let mut seam = full.shuffled(&mut noise);
+    let mut seam = full.shuffled(&mut random);
     seam.positions = full.positions.clone();
     seam.triangles = full.triangles.clone();
     // A cylinder: the last column is identified with the first.
@@ -240,7 +240,7 @@ fn what_is_not_quite_a_grid_comes_in_an_order_of_short_ties() {
         ("a globe", Drawn::globe(24, 22), 40),
     ];
     for (name, drawn, most) in cases {
-        for shuffled in [drawn.shuffled(&mut noise), drawn.shuffled(&mut noise)] {
+        for shuffled in [drawn.shuffled(&mut random), drawn.shuffled(&mut random)] {
             let welded = shuffled.weld();
             assert_eq!(welded.pieces.len(), 1);
             assert_eq!(welded.pieces[0].columns, None, "{name}");
@@ -286,9 +286,9 @@ fn several_pieces_are_numbered_each_by_itself() {
         all.positions.extend(other.positions.iter().map(|p| *p + Vec3::Z * 10.0 * number as f32));
         all.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
     }
-    let mut noise = Noise(10);
+    let mut random = Random::new(10);
     for _ in 0..10 {
-        let welded = all.shuffled(&mut noise).weld();
+        let welded = all.shuffled(&mut random).weld();
         let mut sizes: Vec<_> =
             welded.pieces.iter().map(|p| (p.particles.len(), p.columns)).collect();
         sizes.sort_unstable();
@@ -316,7 +316,7 @@ fn fans_and_strips_take_no_longer_than_they_should() {
     let triangles = (0..corners).map(|i| [0, 1 + i, 1 + (i + 1) % corners]).collect();
     let fan = Drawn { positions, triangles };
     assert_eq!(fan.weld().pieces[0].columns, None);
-    assert_eq!(fan.shuffled(&mut Noise(2)).weld().edges.len(), 40_000);
-    let ribbon = Drawn::grid(10_000, 2, DIAGONALS[2]).shuffled(&mut Noise(3)).weld();
+    assert_eq!(fan.shuffled(&mut Random::new(2)).weld().edges.len(), 40_000);
+    let ribbon = Drawn::grid(10_000, 2, DIAGONALS[2]).shuffled(&mut Random::new(3)).weld();
     assert_rows(&ribbon, 10_000, 2);
 }

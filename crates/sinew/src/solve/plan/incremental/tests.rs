@@ -4,14 +4,7 @@ use super::super::Distance;
 use super::super::changes::{Change, MAX_CHANGES};
 use super::*;
 use crate::constraints::{Bend, Bound, Constraint, ConstraintKind, Softness};
-
-/// A pseudo-random number below `below`, the next one of a sequence (xorshift).
-fn below(state: &mut u64, below: usize) -> usize {
-    *state ^= *state << 13;
-    *state ^= *state >> 7;
-    *state ^= *state << 17;
-    (*state % below as u64) as usize
-}
+use crate::test_random::Random;
 
 /// The input lists of a world, and their changes since the last update.
 #[derive(Clone, Default)]
@@ -69,11 +62,11 @@ impl Lists {
 
     /// A mesh in no particular order: rods between random particles that are not far apart.
     fn tangle(particles: usize, rods: usize) -> Self {
-        let mut state = 0x9E37_79B9_7F4A_7C15;
+        let mut random = Random::new(1);
         let mut lists = Self { particles, ..Self::default() };
         for _ in 0..rods {
-            let a = below(&mut state, particles);
-            let b = (a + 1 + below(&mut state, 9)) % particles;
+            let a = random.below(particles);
+            let b = (a + 1 + random.below(9)) % particles;
             lists.distances.push(Distance::new(a as u32, b as u32, 1.0));
         }
         lists
@@ -112,30 +105,30 @@ impl Lists {
     }
 
     /// One random change.
-    fn change(&mut self, state: &mut u64) {
+    fn change(&mut self, random: &mut Random) {
         let distances = self.distances.len();
-        match below(state, 5) {
-            0 | 1 if distances > 0 => self.remove_distance(below(state, distances)),
+        match random.below(5) {
+            0 | 1 if distances > 0 => self.remove_distance(random.below(distances)),
             2 if !self.constraints.is_empty() => {
-                self.remove_constraint(below(state, self.constraints.len()));
+                self.remove_constraint(random.below(self.constraints.len()));
             }
             3 => {
-                let corner = below(state, self.particles - 8) as u32;
+                let corner = random.below(self.particles - 8) as u32;
                 let rows = [corner, corner + 1, corner + 2, corner + 7];
-                self.insert_constraint(below(state, self.constraints.len() + 1), bend(&rows));
+                self.insert_constraint(random.below(self.constraints.len() + 1), bend(&rows));
             }
             _ => {
-                let (a, far) = (below(state, self.particles - 12), 1 + below(state, 11));
-                let (bound, rest) = match below(state, 8) {
+                let (a, far) = (random.below(self.particles - 12), 1 + random.below(11));
+                let (bound, rest) = match random.below(8) {
                     0 => (Bound::AtMost, 1.0),
                     // An invalid one, which has an index and no key.
                     1 => (Bound::Equal, f32::NAN),
                     _ => (Bound::Equal, 2.0),
                 };
-                let compliance = if below(state, 4) == 0 { 1.0 } else { 0.0 };
+                let compliance = if random.below(4) == 0 { 1.0 } else { 0.0 };
                 let rod = Distance::new(a as u32, (a + far) as u32, rest);
                 let rod = rod.with_compliance(compliance);
-                self.insert_distance(below(state, distances + 1), Distance { bound, ..rod });
+                self.insert_distance(random.below(distances + 1), Distance { bound, ..rod });
             }
         }
     }
@@ -197,10 +190,10 @@ fn five_hundred_changes_one_after_the_other_leave_the_plan_of_what_is_left() {
     // No constraint of cloth reaches as far along a row as some of the random ones, whose removal can split an island.
     let all = [(Lists::grid(24), 50), (Lists::woven(24), 100), (Lists::tangle(600, 2400), 100)];
     let afresh = all.map(|(mut lists, most)| {
-        let (mut plan, mut state, mut afresh) = (lists.compiled(), 88_172_645_463_325_252, 0);
+        let (mut plan, mut random, mut afresh) = (lists.compiled(), Random::new(2), 0);
         for _ in 0..500 {
-            for _ in 0..=below(&mut state, 3) {
-                lists.change(&mut state);
+            for _ in 0..=random.below(3) {
+                lists.change(&mut random);
             }
             afresh += i32::from(!update(&mut plan, &mut lists));
         }

@@ -2,6 +2,7 @@
 
 use super::super::*;
 use crate::constraints::{Bend, ConstraintKind, Softness};
+use crate::test_random::Random;
 
 /// Bodies one after the other, and ties between them.
 #[derive(Clone, Default)]
@@ -76,27 +77,27 @@ impl Bodies {
         }
     }
 
-    fn change(&mut self, random: &mut impl FnMut(usize) -> usize) {
+    fn change(&mut self, random: &mut Random) {
         let count = self.sizes.len();
-        let body = |random: &mut dyn FnMut(usize) -> usize| match random(3) {
-            0 => Body::Cloth(6 + random(20) as u32),
-            _ => Body::Rope(1 + random(40) as u32),
+        let body = |random: &mut Random| match random.below(3) {
+            0 => Body::Cloth(6 + random.below(20) as u32),
+            _ => Body::Rope(1 + random.below(40) as u32),
         };
-        match random(8) {
+        match random.below(8) {
             0..3 => self.sizes.push(body(random)),
-            3 if count > 3 => self.remove(random(count)),
+            3 if count > 3 => self.remove(random.below(count)),
             4 if count > 3 => self.remove(count - 1),
-            5 => self.sizes[random(count)] = body(random),
+            5 => self.sizes[random.below(count)] = body(random),
             6 => {
                 let ends = [0, 1].map(|_| {
-                    let own = random(count);
-                    (own, random(self.sizes[own].particles() as usize) as u32)
+                    let own = random.below(count);
+                    (own, random.below(self.sizes[own].particles() as usize) as u32)
                 });
                 if ends[0] != ends[1] {
                     self.ties.push(ends);
                 }
             }
-            _ if !self.ties.is_empty() => drop(self.ties.remove(random(self.ties.len()))),
+            _ if !self.ties.is_empty() => drop(self.ties.remove(random.below(self.ties.len()))),
             _ => {}
         }
         let sizes = self.sizes.clone();
@@ -135,11 +136,7 @@ fn contents(plan: &Plan) -> [String; 13] {
 
 #[test]
 fn what_comes_and_goes_leaves_the_plan_of_what_is_there() {
-    let mut state = 88_172_645_463_325_252_u64;
-    let mut random = move |below: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        (state >> 33) as usize % below
-    };
+    let mut random = Random::new(1);
     let mut bodies = Bodies::default();
     bodies.sizes.extend([Body::Cloth(24), Body::Rope(9), Body::Cloth(18), Body::Rope(1)]);
     let (mut plan, mut before) = (Plan::default(), (Vec::new(), Vec::new(), 0));
