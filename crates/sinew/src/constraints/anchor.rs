@@ -12,7 +12,7 @@ use super::distance::direction;
 use super::equation::{Bound, Equation, Points};
 use super::fault::ConstraintFault;
 use super::softness::Softness;
-use crate::pose::{pseudo_solve, symmetric};
+use crate::pose::{PointMasses, pseudo_solve, symmetric};
 
 /// Keeps two anchors a distance apart: `C = ‖x_a - x_b‖ - L`. With `L = 0` it is a ball joint.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,28 +78,14 @@ impl Anchor {
         }
         let start = points.gradient_at() == GradientAt::StepStart;
         let at = |i: usize| if start { points.start(i) } else { points.at(i) };
-        let mass = |i: usize| f64::from(points.inverse_mass(i)).recip();
-        let (mut all, mut sum) = (0.0, DVec3::ZERO);
-        for i in numbers.clone() {
-            all += mass(i);
-            sum += at(i).as_dvec3() * mass(i);
-        }
-        let centre = sum / all;
-        let mut inertia = [[0.0; 3]; 3];
-        for i in numbers.clone() {
-            let r = (at(i).as_dvec3() - centre).to_array();
-            let square: f64 = r.iter().map(|x| x * x).sum();
-            for (row, x) in inertia.iter_mut().zip(r) {
-                row.iter_mut().zip(r).for_each(|(to, y)| *to -= mass(i) * x * y);
-            }
-            (0..3).for_each(|k| inertia[k][k] += mass(i) * square);
-        }
+        let weighed =
+            numbers.map(|i| (at(i).as_dvec3(), f64::from(points.inverse_mass(i)).recip()));
+        let PointMasses { mass, barycentre, inertia } = PointMasses::of(weighed.clone());
         let n = n.as_dvec3();
-        let lever = self.at(first, at).as_dvec3() - centre;
+        let lever = self.at(first, at).as_dvec3() - barycentre;
         let turn = pseudo_solve(inertia, lever.cross(n));
-        for (i, gradient) in numbers.zip(gradients) {
-            let r = at(i).as_dvec3() - centre;
-            *gradient = ((n / all + turn.cross(r)) * mass(i)).as_vec3();
+        for ((p, m), gradient) in weighed.zip(gradients) {
+            *gradient = ((n / mass + turn.cross(p - barycentre)) * m).as_vec3();
         }
     }
 }

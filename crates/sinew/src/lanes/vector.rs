@@ -116,6 +116,20 @@ impl<D: Doubles> Vector<D> {
     }
 }
 
+impl From<DVec3> for Vector<f64> {
+    #[inline(always)]
+    fn from(v: DVec3) -> Self {
+        Self { x: v.x, y: v.y, z: v.z }
+    }
+}
+
+impl From<Vector<f64>> for DVec3 {
+    #[inline(always)]
+    fn from(v: Vector<f64>) -> Self {
+        Self::new(v.x, v.y, v.z)
+    }
+}
+
 impl From<Vector<f32>> for Vec3 {
     #[inline(always)]
     fn from(v: Vector<f32>) -> Self {

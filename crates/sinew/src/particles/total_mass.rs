@@ -16,18 +16,13 @@
 use glam::{DVec3, Vec3};
 
 use super::Particles;
-use crate::pose::pseudo_solve;
+use crate::pose::{PointMasses, pseudo_solve};
 
 /// Mass, barycentre and inertia of rows that are not pinned, in `f64` and relative to one of them, so that no precision is lost far from the origin.
 pub(crate) struct TotalMass {
-    /// The row that `centre` is relative to.
+    /// The row that positions are relative to.
     anchor: usize,
-    /// Total mass, kg.
-    mass: f64,
-    /// The barycentre, metres from the anchor.
-    centre: DVec3,
-    /// Inertia about the barycentre, kg·m².
-    inertia: [[f64; 3]; 3],
+    all: PointMasses,
 }
 
 impl TotalMass {
@@ -47,44 +42,29 @@ impl TotalMass {
             there.map(|i| (i, weight(i))).filter(|&(_, m)| m > 0.0)
         };
         let (anchor, _) = counted().next()?;
-        let (mut mass, mut first) = (0.0, DVec3::ZERO);
-        for (i, m) in counted() {
-            mass += m;
-            first += relative(particles, i, anchor) * m;
-        }
-        let centre = first / mass;
-        let mut inertia = [[0.0; 3]; 3];
-        for (i, m) in counted() {
-            let r = relative(particles, i, anchor) - centre;
-            let (rr, components) = (r.length_squared(), r.to_array());
-            for (row, a) in inertia.iter_mut().zip(components) {
-                for (entry, b) in row.iter_mut().zip(components) {
-                    *entry -= m * a * b;
-                }
-            }
-            (0..3).for_each(|axis| inertia[axis][axis] += m * rr);
-        }
-        let finite = mass.is_finite() && inertia.iter().flatten().all(|x| x.is_finite());
-        finite.then_some(Self { anchor, mass, centre, inertia })
+        let all = PointMasses::of(counted().map(|(i, m)| (relative(particles, i, anchor), m)));
+        let finite = all.mass.is_finite() && all.inertia.iter().flatten().all(|x| x.is_finite());
+        finite.then_some(Self { anchor, all })
     }
 
     /// Vector from the barycentre to row `i`, metres.
     pub(crate) fn arm(&self, particles: &Particles, i: usize) -> DVec3 {
-        relative(particles, i, self.anchor) - self.centre
+        relative(particles, i, self.anchor) - self.all.barycentre
     }
 
     /// Vector from the barycentre to a point of the world, metres.
     pub(crate) fn arm_of(&self, particles: &Particles, point: Vec3) -> DVec3 {
         let anchor = local(particles, self.anchor)
             + (particles.origin[self.anchor].as_dvec3() - point.as_dvec3());
-        -(anchor + self.centre)
+        -(anchor + self.all.barycentre)
     }
 
     /// Response to a force (N) at the barycentre and a torque (N·m): acceleration of the barycentre (m/s²) and angular acceleration (rad/s²). Or to an impulse
     /// and an angular impulse: the changes of velocity and angular velocity.
     pub(crate) fn response(&self, force: DVec3, torque: DVec3) -> PushShares {
-        let turn = if torque == DVec3::ZERO { torque } else { pseudo_solve(self.inertia, torque) };
-        PushShares { shift: force / self.mass, turn }
+        let turn =
+            if torque == DVec3::ZERO { torque } else { pseudo_solve(self.all.inertia, torque) };
+        PushShares { shift: force / self.all.mass, turn }
     }
 }
 

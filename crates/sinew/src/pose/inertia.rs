@@ -109,8 +109,7 @@ impl MassMoments {
     /// From sums of positions relative to one point, and of velocities relative to one velocity.
     pub(crate) fn about(position: DVec3, velocity: DVec3, sums: &MomentSums<f64>) -> Self {
         let [first, squares, products, momentum, angular] =
-            [sums.first, sums.squares, sums.products, sums.momentum, sums.angular]
-                .map(|v| DVec3::new(v.x, v.y, v.z));
+            [sums.first, sums.squares, sums.products, sums.momentum, sums.angular].map(DVec3::from);
         let share = 1.0 / sums.mass;
         let (mean, drift) = (first * share, momentum * share);
         Self {
@@ -171,6 +170,38 @@ kernel!(
         sums.add_lanes(&own);
     }
 );
+
+/// Mass, barycentre and inertia about it of points without velocities.
+pub(crate) struct PointMasses {
+    /// Kilograms.
+    pub(crate) mass: f64,
+    /// Metres, from the point that positions are measured from.
+    pub(crate) barycentre: DVec3,
+    /// kg·m².
+    pub(crate) inertia: [[f64; 3]; 3],
+}
+
+impl PointMasses {
+    /// Sums positions, metres, and masses, kg, in two passes.
+    pub(crate) fn of(points: impl Iterator<Item = (DVec3, f64)> + Clone) -> Self {
+        let (mut mass, mut first) = (0.0, DVec3::ZERO);
+        for (p, m) in points.clone() {
+            mass += m;
+            first += p * m;
+        }
+        let barycentre = first / mass;
+        let mut inertia = [[0.0; 3]; 3];
+        for (p, m) in points {
+            let r = p - barycentre;
+            let (square, r) = (r.length_squared(), r.to_array());
+            for (row, x) in inertia.iter_mut().zip(r) {
+                row.iter_mut().zip(r).for_each(|(entry, y)| *entry -= m * x * y);
+            }
+            (0..3).for_each(|axis| inertia[axis][axis] += m * square);
+        }
+        Self { mass, barycentre, inertia }
+    }
+}
 
 /// `ω` with `I ω = L`, and zero along the null space of `I`.
 pub(crate) fn spin(inertia: [[f64; 3]; 3], angular_momentum: DVec3) -> DVec3 {

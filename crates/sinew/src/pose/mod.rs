@@ -39,12 +39,11 @@ pub(crate) mod symmetric;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use inertia::MassMoments;
 pub(crate) use inertia::spin as pseudo_solve;
+pub(crate) use inertia::{MassMoments, PointMasses};
 pub use inertia::{Motion, motion};
 pub(crate) use moments::MomentSums;
 pub use normals::normals;
-pub(crate) use symmetric::MAX_CONDITION;
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
@@ -171,7 +170,7 @@ impl MatchedMoments {
 
 /// `a bᵀ`.
 #[inline]
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
+pub(crate) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 

@@ -1,6 +1,6 @@
 //! Sums over particles, eight at a time: masses, first and second moments about a point, momenta. The motion of the particles as a whole follows from them.
 
-use crate::lanes::{Doubles, LANES, Vector};
+use crate::lanes::{Arithmetic, Doubles, LANES, Vector};
 
 /// The sums, in eight lanes or as one number each.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub(crate) struct MomentSums<N> {
     pub(crate) angular: Vector<N>,
 }
 
-impl<N: Copy> MomentSums<N> {
+impl<N: Arithmetic> MomentSums<N> {
     /// All sums zero.
     #[inline(always)]
     const fn all(zero: N) -> Self {
@@ -33,17 +33,10 @@ impl<N: Copy> MomentSums<N> {
             angular: vector,
         }
     }
-}
 
-impl<D: Doubles> MomentSums<D> {
+    /// Adds a particle, or eight: masses, positions and velocities.
     #[inline(always)]
-    pub(crate) fn none() -> Self {
-        Self::all(D::splat(0.0))
-    }
-
-    /// Adds eight particles: masses, positions and velocities.
-    #[inline(always)]
-    pub(crate) fn add(&mut self, m: D, r: Vector<D>, v: Vector<D>) {
+    pub(crate) fn add(&mut self, m: N, r: Vector<N>, v: Vector<N>) {
         let (weighed, moved) = (r * m, v * m);
         self.mass = self.mass + m;
         self.first += weighed;
@@ -51,6 +44,29 @@ impl<D: Doubles> MomentSums<D> {
         self.products += weighed.times(Vector { x: r.y, y: r.z, z: r.x });
         self.momentum += moved;
         self.angular += r.cross(moved);
+    }
+
+    /// The barycentre and its velocity.
+    #[inline(always)]
+    pub(crate) fn means(&self) -> [Vector<N>; 2] {
+        [self.first / self.mass, self.momentum / self.mass]
+    }
+
+    /// Inertia and angular momentum about the barycentre.
+    #[inline(always)]
+    pub(crate) fn about(&self, barycentre: Vector<N>) -> ([[N; 3]; 3], Vector<N>) {
+        let (c, m) = (barycentre, self.mass);
+        let s = self.squares - c.times(c) * m;
+        let p = self.products - c.times(Vector { x: c.y, y: c.z, z: c.x }) * m;
+        let inertia = [[s.y + s.z, -p.x, -p.z], [-p.x, s.z + s.x, -p.y], [-p.z, -p.y, s.x + s.y]];
+        (inertia, self.angular - c.cross(self.momentum))
+    }
+}
+
+impl<D: Doubles> MomentSums<D> {
+    #[inline(always)]
+    pub(crate) fn none() -> Self {
+        Self::all(D::splat(0.0))
     }
 }
 

@@ -2,29 +2,48 @@
 
 use glam::DVec3;
 
+use crate::lanes::{Arithmetic, Vector};
+
 /// Condition bound above which [`solve`] gives up: compounds longer than about 1000 times their width.
 pub(crate) const MAX_CONDITION: f64 = 1e6;
 
 /// `x = K⁻¹ b` and a bound on the condition number of `K`, `tr(K) tr(K⁻¹)` (9 at best), if `K` is positive definite and well conditioned. By cofactors, which
 /// also decide that (Sylvester's criterion).
 pub(crate) fn solve(k: &[[f64; 3]; 3], b: DVec3) -> Option<(DVec3, f64)> {
+    let Cofactors { x, minors: [first, second, determinant], traces } = cofactors(k, b.into());
+    // Written so that NaN gives `None`. Products of tiny numbers may underflow to zero: that gives `None` as well.
+    if first > 0.0 && second > 0.0 && determinant > 0.0 && traces <= MAX_CONDITION * determinant {
+        let inverse = 1.0 / determinant;
+        Some((DVec3::from(x) * inverse, traces * inverse))
+    } else {
+        None
+    }
+}
+
+/// Solution of `K x = b` by cofactors, before the division by the determinant.
+pub(crate) struct Cofactors<N> {
+    /// `x det(K)`.
+    pub(crate) x: Vector<N>,
+    /// The leading principal minors, the determinant last. `K` is positive definite if all are positive.
+    pub(crate) minors: [N; 3],
+    /// `tr(K) tr(K⁻¹) det(K)`.
+    pub(crate) traces: N,
+}
+
+/// The solution for one matrix, or for eight.
+#[inline(always)]
+pub(crate) fn cofactors<N: Arithmetic>(k: &[[N; 3]; 3], b: Vector<N>) -> Cofactors<N> {
     let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = *k;
     let (cxx, cyy, czz) = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
     let (cxy, cxz, cyz) = (xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz);
     let determinant = xx * cxx + xy * cxy + xz * cxz;
     let traces = (xx + yy + zz) * (cxx + cyy + czz);
-    // Written so that NaN gives `None`. Products of tiny numbers may underflow to zero: that gives `None` as well.
-    if xx > 0.0 && czz > 0.0 && determinant > 0.0 && traces <= MAX_CONDITION * determinant {
-        let x = DVec3::new(
-            cxx * b.x + cxy * b.y + cxz * b.z,
-            cxy * b.x + cyy * b.y + cyz * b.z,
-            cxz * b.x + cyz * b.y + czz * b.z,
-        );
-        let inverse = 1.0 / determinant;
-        Some((x * inverse, traces * inverse))
-    } else {
-        None
-    }
+    let x = Vector {
+        x: cxx * b.x + cxy * b.y + cxz * b.z,
+        y: cxy * b.x + cyy * b.y + cyz * b.z,
+        z: cxz * b.x + cyz * b.y + czz * b.z,
+    };
+    Cofactors { x, minors: [xx, czz, determinant], traces }
 }
 
 /// Eigenvalues and unit eigenvectors (one per row) of a symmetric matrix, in no particular order, by Jacobi's method: rotates one off-diagonal element after

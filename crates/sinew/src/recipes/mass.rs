@@ -22,6 +22,7 @@ use super::nearest::bounds;
 use crate::coincident::first_coincident;
 use crate::collide::{Shape, ShapeKind};
 use crate::convex_hull::convex_hull;
+use crate::pose::{outer, symmetric};
 
 /// Volume, barycentre and second moments of the interior of a closed mesh, at uniform density.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,7 +121,7 @@ impl MassProperties {
             volume += v;
             all += v.abs();
             first += s * (v / 4.0);
-            second += (outer(a) + outer(b) + outer(c) + outer(s)) * (v / 20.0);
+            second += (outer(a, a) + outer(b, b) + outer(c, c) + outer(s, s)) * (v / 20.0);
         }
         if volume.abs() <= CANCELLED * all {
             return Err(MassFault::Flat);
@@ -129,7 +130,7 @@ impl MassProperties {
             return Err(MassFault::InsideOut);
         }
         let mean = first * (1.0 / volume);
-        let spread = second * (1.0 / volume) - outer(mean);
+        let spread = second * (1.0 / volume) - outer(mean, mean);
         let found = Self { volume, barycentre: middle + mean, spread };
         let (squares, _) = found.principal();
         if !(squares.min_element() > FLAT * squares.max_element() && squares.is_finite()) {
@@ -159,7 +160,7 @@ impl MassProperties {
                 }
             }
         }
-        let (squares, axes) = crate::pose::symmetric::eigen(rows);
+        let (squares, axes) = symmetric::eigen(rows);
         let order = nearest_order(&axes);
         let axis = |k: usize| {
             let axis = DVec3::from_array(axes[order[k]]);
@@ -172,11 +173,6 @@ impl MassProperties {
 
 /// A mean of `x y` below this share of the product of the root mean squares of `x` and `y` counts as zero: a few roundings of `f32`.
 const NEGLIGIBLE: f64 = 3e-7;
-
-/// `a aᵀ`.
-fn outer(a: DVec3) -> DMat3 {
-    DMat3::from_cols(a * a.x, a * a.y, a * a.z)
-}
 
 /// Index of the vector that is most along x, of the one of the other two that is most along y, and of the last one.
 fn nearest_order(axes: &[[f64; 3]; 3]) -> [usize; 3] {

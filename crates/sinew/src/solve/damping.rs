@@ -14,8 +14,8 @@ use core::ops::Range;
 
 use glam::DVec3;
 
-use super::momentum::MomentumSums;
 use crate::particles::Particles;
+use crate::pose::MomentSums;
 use crate::settings::BodySettings;
 
 /// Momentum sums of each body with internal friction. Scratch, never saved.
@@ -23,11 +23,11 @@ use crate::settings::BodySettings;
 pub(crate) struct Damping(Vec<Option<Body>>);
 
 /// The sums of one body.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct Body {
     /// Its first row, relative to which positions are measured.
     first: usize,
-    sums: MomentumSums,
+    sums: MomentSums<f64>,
     /// The equivalent rigid motion: barycentre, metres, its velocity, m/s, and the angular velocity, rad/s.
     rigid: [DVec3; 3],
     /// Share of the difference from the rigid motion that is removed.
@@ -57,17 +57,18 @@ impl Damping {
             }
             let mut free = rows.filter(|&row| position[row].w > 0.0).peekable();
             let Some(&first) = free.peek() else { continue };
-            let fresh = || Body { first, ..Body::default() };
+            let (sums, rigid) = (MomentSums::NONE, [DVec3::ZERO; 3]);
+            let fresh = || Body { first, sums, rigid, share: 0.0 };
             let Body { first, sums, .. } = damped[number].get_or_insert_with(fresh);
             for row in free {
-                let velocity = velocity[row].truncate().as_dvec3();
-                sums.add(1.0 / f64::from(position[row].w), separation(row, *first), velocity);
+                let (arm, v) = (separation(row, *first), velocity[row].truncate().as_dvec3());
+                sums.add(1.0 / f64::from(position[row].w), arm.into(), v.into());
             }
         }
         for (body, settings) in damped.iter_mut().zip(bodies) {
             let Some(Body { sums, rigid, share, .. }) = body else { continue };
-            if let Some((centre, shift, turn)) = sums.rigid_motion(true) {
-                *rigid = [centre, shift, turn];
+            if let Some(motion) = sums.rigid_motion(true) {
+                *rigid = motion;
                 *share = -libm::expm1(-f64::from(rate(settings)) * f64::from(dt));
             }
         }

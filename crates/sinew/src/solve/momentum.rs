@@ -16,7 +16,7 @@ use crate::integrate::Integrator;
 use crate::islands::Island;
 use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
 use crate::particles::Places;
-use crate::pose::pseudo_solve;
+use crate::pose::{MomentSums, pseudo_solve};
 
 /// The motion that the corrections of an island added in sum and that has to be removed.
 #[derive(Clone, Copy, Debug)]
@@ -70,13 +70,13 @@ impl MomentumDrift {
         gained: impl Fn(usize, usize) -> DVec3,
     ) -> Option<Self> {
         let anchor = places.start[places.at(*rows.first()?)].truncate().as_dvec3();
-        let mut sums = MomentumSums::default();
+        let mut sums = MomentSums::NONE;
         for (number, &row) in rows.iter().enumerate() {
             let i = places.at(row);
             let (w, start) = (places.position[i].w, places.start[i].truncate().as_dvec3());
-            sums.add(1.0 / f64::from(w), start - anchor, gained(number, i));
+            sums.add(1.0 / f64::from(w), (start - anchor).into(), gained(number, i).into());
         }
-        let (centre, shift, turn) = sums.rigid_motion(keeps_angular)?;
+        let [centre, shift, turn] = sums.rigid_motion(keeps_angular)?;
         Some(Self { anchor, centre, shift, turn })
     }
 
@@ -152,48 +152,19 @@ kernel!(
     }
 );
 
-/// Moments and momenta summed over an island or a body.
-#[derive(Clone, Debug, Default)]
-pub(super) struct MomentumSums {
-    mass: f64,
-    /// `Σ m r`.
-    first: DVec3,
-    /// `Σ m r rᵀ`: xx, yy, zz; xy, yz, zx.
-    squares: DVec3,
-    products: DVec3,
-    momentum: DVec3,
-    angular: DVec3,
-}
-
-impl MomentumSums {
-    /// Adds a mass, kg, at `r`, metres from the anchor, with a velocity or a gain in velocity, m/s.
-    #[inline]
-    pub(super) fn add(&mut self, m: f64, r: DVec3, change: DVec3) {
-        let (weighed, gained) = (r * m, change * m);
-        self.mass += m;
-        self.first += weighed;
-        self.squares += weighed * r;
-        self.products += weighed * DVec3::new(r.y, r.z, r.x);
-        self.momentum += gained;
-        self.angular += r.cross(gained);
-    }
-
+impl MomentSums<f64> {
     /// The barycentre relative to the anchor, metres, and the velocity and angular velocity that a rigid body with these sums would have.
-    pub(super) fn rigid_motion(&self, keeps_angular: bool) -> Option<(DVec3, DVec3, DVec3)> {
-        let centre = self.first / self.mass;
-        let shift = self.momentum / self.mass;
+    pub(super) fn rigid_motion(&self, keeps_angular: bool) -> Option<[DVec3; 3]> {
+        let means = self.means();
         let turn = if keeps_angular {
-            let (c, m) = (centre, self.mass);
-            let s = self.squares - c * c * m;
-            let p = self.products - c * DVec3::new(c.y, c.z, c.x) * m;
-            let inertia =
-                [[s.y + s.z, -p.x, -p.z], [-p.x, s.z + s.x, -p.y], [-p.z, -p.y, s.x + s.y]];
-            pseudo_solve(inertia, self.angular - c.cross(self.momentum))
+            let (inertia, angular) = self.about(means[0]);
+            pseudo_solve(inertia, angular.into())
         } else {
             DVec3::ZERO
         };
-        (centre.is_finite() && shift.is_finite() && turn.is_finite())
-            .then_some((centre, shift, turn))
+        let [centre, shift] = means.map(DVec3::from);
+        let motion = [centre, shift, turn];
+        motion.iter().all(|v| v.is_finite()).then_some(motion)
     }
 }
 

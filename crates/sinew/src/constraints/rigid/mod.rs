@@ -11,7 +11,7 @@ use super::equation::{Equation, Points};
 use super::fault::ConstraintFault;
 use super::softness::Softness;
 use super::towards::{Weights, towards};
-use crate::pose::rotation;
+use crate::pose::{outer, rotation};
 
 /// Keeps all particles at their places in a rigid shape, which may be moved and rotated in any way, but never mirrored.
 ///
@@ -149,12 +149,6 @@ impl Fit {
 fn frame(a: DVec3, b: DVec3) -> Option<DMat3> {
     let (x, z) = (a.try_normalize()?, a.cross(b).try_normalize()?);
     Some(DMat3::from_cols(x, z.cross(x), z))
-}
-
-/// `a bᵀ`.
-#[inline]
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 #[cfg(test)]

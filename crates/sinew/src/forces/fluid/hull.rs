@@ -22,7 +22,7 @@ use super::Fluid;
 use super::clip::{Wetting, wetting};
 use crate::forces::region::WorldPoint;
 use crate::particles::Particles;
-use crate::pose::{Pose, pose, pseudo_solve};
+use crate::pose::{PointMasses, Pose, pose, pseudo_solve};
 
 mod skin;
 
@@ -225,24 +225,10 @@ fn apply_forces(particles: &mut Particles, hull: &Hull, forces: &[DVec3], weight
 /// Accelerates the free carriers as a rigid body, by the total force and moment.
 fn push(particles: &mut Particles, hull: &Hull, load: &Load, weight: f64) {
     let first = hull.rows[0] as usize;
-    let (mut mass, mut first_moment) = (0.0, DVec3::ZERO);
-    for (i, m) in moving(particles, &hull.rows) {
-        mass += m;
-        first_moment += from(particles, i, first) * m;
-    }
+    let free = moving(particles, &hull.rows).map(|(i, m)| (from(particles, i, first), m));
+    let PointMasses { mass, barycentre, inertia } = PointMasses::of(free);
     if mass == 0.0 {
         return;
-    }
-    let barycentre = first_moment / mass;
-    let mut inertia = [[0.0; 3]; 3];
-    for (i, m) in moving(particles, &hull.rows) {
-        let r = from(particles, i, first) - barycentre;
-        let r2 = r.length_squared();
-        let r = r.to_array();
-        for (row, x) in inertia.iter_mut().zip(r) {
-            row.iter_mut().zip(r).for_each(|(entry, y)| *entry -= m * x * y);
-        }
-        (0..3).for_each(|k| inertia[k][k] += m * r2);
     }
     let linear = load.force * (weight / mass);
     let moment = (load.moment - barycentre.cross(load.force)) * weight;
@@ -256,7 +242,7 @@ fn push(particles: &mut Particles, hull: &Hull, load: &Load, weight: f64) {
 }
 
 /// The free carriers, with their masses.
-fn moving<'a>(particles: &'a Particles, rows: &'a [u32]) -> impl Iterator<Item = (u32, f64)> + 'a {
+fn moving(particles: &Particles, rows: &[u32]) -> impl Iterator<Item = (u32, f64)> + Clone {
     let of = |&i: &u32| (i, f64::from(particles.position[i as usize].w));
     rows.iter().map(of).filter(|&(_, w)| w > 0.0).map(|(i, w)| (i, 1.0 / w))
 }

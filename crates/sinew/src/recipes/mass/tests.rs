@@ -102,7 +102,7 @@ fn a_letter_that_is_not_convex_is_the_sum_of_its_boxes() {
     let mean = (boxes[0].0 + boxes[1].0) * 0.5;
     let mut spread = DMat3::ZERO;
     for (at, size) in boxes {
-        spread += (DMat3::from_diagonal(size * size / 12.0) + outer(at - mean)) * 0.5;
+        spread += (DMat3::from_diagonal(size * size / 12.0) + outer(at - mean, at - mean)) * 0.5;
     }
     assert_is(&points, &triangles, 4.0, mean, spread);
 }

@@ -4,8 +4,9 @@
 use glam::DVec3;
 
 use super::lane_storage::LaneStorage;
-use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
-use crate::pose::{MAX_CONDITION, MomentSums, pseudo_solve};
+use crate::lanes::{Doubles, LANES, Lanes, SetLanes, Vector, kernel};
+use crate::pose::symmetric::{Cofactors, MAX_CONDITION, cofactors};
+use crate::pose::{MomentSums, pseudo_solve};
 use crate::solve::momentum::{MomentumDrift, WideMomentumDrift};
 
 impl<D: Doubles> WideMomentumDrift<D> {
@@ -34,8 +35,7 @@ pub(super) struct DriftLanes {
 impl DriftLanes {
     /// The finite drifts of the bodies in a mask, with their lanes.
     pub(super) fn each(&self, which: u32) -> impl Iterator<Item = (usize, MomentumDrift)> {
-        let which = which & self.finite;
-        (0..LANES).filter(move |lane| which >> lane & 1 != 0).map(move |lane| {
+        SetLanes(which & self.finite).map(|lane| {
             let [anchor, centre, shift, turn] =
                 self.vectors.each_ref().map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
             (lane, MomentumDrift { anchor, centre, shift, turn })
@@ -131,36 +131,23 @@ impl<D: Doubles> MomentSums<D> {
     /// Barycentres, velocities and angular velocities. The latter are zero for bodies that are not in `turning`.
     #[inline(always)]
     fn rigid_motion(&self, turning: u32) -> (Vector<D>, Vector<D>, Vector<D>) {
-        let centre = self.first / self.mass;
-        let shift = self.momentum / self.mass;
+        let [centre, shift] = self.means();
         if turning == 0 {
             return (centre, shift, Vector::double(DVec3::ZERO));
         }
-        let (c, m) = (centre, self.mass);
-        let s = self.squares - c.times(c) * m;
-        let p = self.products - c.times(Vector { x: c.y, y: c.z, z: c.x }) * m;
-        let (xx, yy, zz) = (s.y + s.z, s.z + s.x, s.x + s.y);
-        let (xy, yz, xz) = (-p.x, -p.y, -p.z);
-        let b = self.angular - c.cross(self.momentum);
-        // The same operations as in `pose::symmetric::solve`.
-        let (cxx, cyy, czz) = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
-        let (cxy, cxz, cyz) = (xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz);
-        let determinant = xx * cxx + xy * cxy + xz * cxz;
-        let traces = (xx + yy + zz) * (cxx + cyy + czz);
+        let (inertia, b) = self.about(centre);
+        let Cofactors { x, minors: [first, second, determinant], traces } = cofactors(&inertia, b);
+        // The same conditions as in `pose::symmetric::solve`.
         let zero = D::splat(0.0);
-        let good = zero.lt(xx)
-            & zero.lt(czz)
+        let good = zero.lt(first)
+            & zero.lt(second)
             & zero.lt(determinant)
             & traces.le(D::splat(MAX_CONDITION) * determinant);
-        let x = Vector {
-            x: cxx * b.x + cxy * b.y + cxz * b.z,
-            y: cxy * b.x + cyy * b.y + cyz * b.z,
-            z: cxz * b.x + cyz * b.y + czz * b.z,
-        };
         let turn = x * (D::splat(1.0) / determinant);
         if good & turning == 0xFF {
             return (centre, shift, turn);
         }
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = inertia;
         let numbers = [xx, yy, zz, xy, yz, xz, b.x, b.y, b.z].map(Doubles::array);
         let turn = [turn.x, turn.y, turn.z].map(Doubles::array);
         let [x, y, z] = solve_singular(turn, &numbers, turning, good);
@@ -176,7 +163,7 @@ fn solve_singular(
     turning: u32,
     good: u32,
 ) -> [[f64; LANES]; 3] {
-    for lane in (0..LANES).filter(|lane| (turning & good) >> lane & 1 == 0) {
+    for lane in SetLanes(0xFF & !(turning & good)) {
         let mut found = DVec3::ZERO;
         if turning >> lane & 1 != 0 {
             let [xx, yy, zz, xy, yz, xz, x, y, z] = numbers.map(|number| number[lane]);
