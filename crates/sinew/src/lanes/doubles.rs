@@ -35,14 +35,16 @@ pub(crate) trait Doubles: Arithmetic {
 
 /// Eight numbers computed one by one: the reference for the others, and the fallback where there is no wide implementation.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Each(pub(super) [f64; LANES]);
+pub(super) struct Each<N>(pub(super) [N; LANES]);
 
-impl Each {
+impl<N: Arithmetic> Each<N> {
     #[inline(always)]
-    fn zip(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+    pub(super) fn zip(self, other: Self, of: impl Fn(N, N) -> N) -> Self {
         Self(core::array::from_fn(|i| of(self.0[i], other.0[i])))
     }
+}
 
+impl Each<f64> {
     #[inline(always)]
     fn bits(self, other: Self, of: impl Fn(f64, f64) -> bool) -> u32 {
         (0..LANES).map(|i| u32::from(of(self.0[i], other.0[i])) << i).sum()
@@ -51,7 +53,7 @@ impl Each {
 
 macro_rules! each {
     ($($of:ident $operation:ident $sign:tt),*) => {$(
-        impl $of for Each {
+        impl<N: Arithmetic> $of for Each<N> {
             type Output = Self;
             #[inline(never)]
             fn $operation(self, other: Self) -> Self {
@@ -63,7 +65,7 @@ macro_rules! each {
 
 each!(Add add +, Sub sub -, Mul mul *, Div div /);
 
-impl Neg for Each {
+impl<N: Arithmetic> Neg for Each<N> {
     type Output = Self;
     #[inline(never)]
     fn neg(self) -> Self {
@@ -71,7 +73,7 @@ impl Neg for Each {
     }
 }
 
-impl Doubles for Each {
+impl Doubles for Each<f64> {
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Self([x; LANES])

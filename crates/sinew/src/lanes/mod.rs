@@ -365,7 +365,7 @@ pub(crate) trait Lanes: Number {
     fn mask(bits: u32) -> Self {
         let mut mask = [0.0; LANES];
         for (lane, set) in mask.iter_mut().enumerate() {
-            *set = f32::from_bits(if bits >> lane & 1 == 0 { 0 } else { u32::MAX });
+            *set = single::mask(bits >> lane & 1 != 0);
         }
         Self::load(&mask)
     }

@@ -108,7 +108,7 @@ impl Number for Quads {
 }
 
 impl Lanes for Quads {
-    type Doubles = Each;
+    type Doubles = Each<f64>;
 
     #[inline(always)]
     fn load(from: &[f32; LANES]) -> Self {
@@ -123,13 +123,13 @@ impl Lanes for Quads {
     }
 
     #[inline(always)]
-    fn widen(self) -> Each {
+    fn widen(self) -> Each<f64> {
         let [a, b, c, d, e, f, g, h] = self.array();
         Each([a.into(), b.into(), c.into(), d.into(), e.into(), f.into(), g.into(), h.into()])
     }
 
     #[inline(always)]
-    fn narrow(from: Each) -> Self {
+    fn narrow(from: Each<f64>) -> Self {
         let [a, b, c, d, e, f, g, h] = from.0;
         Self::load(&[
             a as f32, b as f32, c as f32, d as f32, e as f32, f as f32, g as f32, h as f32,

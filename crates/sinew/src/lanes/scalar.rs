@@ -3,51 +3,19 @@
 //! Operations are not inlined: written out eight times each in every kernel they would take up most of the time that compiling the crate takes, and the
 //! reference need not be fast.
 
-use core::ops::{Add, Div, Mul, Neg, Sub};
-
 use glam::Vec4;
 
 use super::doubles::Each;
+use super::single::mask;
 use super::{LANES, Lanes, Number, PAIR_ORDER, PARITY_ORDER, Record};
 
 /// Eight numbers, one after the other.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Array([f32; LANES]);
-
-/// All ones: a lane of a mask that is set.
-const SET: f32 = f32::from_bits(u32::MAX);
-
-macro_rules! each {
-    ($($of:ident $operation:ident $sign:tt),*) => {$(
-        impl $of for Array {
-            type Output = Self;
-            #[inline(never)]
-            fn $operation(self, other: Self) -> Self {
-                self.zip(other, |a, b| a $sign b)
-            }
-        }
-    )*};
-}
-
-each!(Add add +, Sub sub -, Mul mul *, Div div /);
-
-impl Neg for Array {
-    type Output = Self;
-    #[inline(never)]
-    fn neg(self) -> Self {
-        Self(self.0.map(|x| -x))
-    }
-}
+pub(super) type Array = Each<f32>;
 
 impl Array {
     #[inline(always)]
-    fn zip(self, other: Self, of: impl Fn(f32, f32) -> f32) -> Self {
-        Self(core::array::from_fn(|i| of(self.0[i], other.0[i])))
-    }
-
-    #[inline(always)]
     fn mask(self, other: Self, of: impl Fn(f32, f32) -> bool) -> Self {
-        self.zip(other, |a, b| if of(a, b) { SET } else { 0.0 })
+        self.zip(other, |a, b| mask(of(a, b)))
     }
 
     #[inline(always)]
@@ -117,7 +85,7 @@ impl Number for Array {
 }
 
 impl Lanes for Array {
-    type Doubles = Each;
+    type Doubles = Each<f64>;
 
     #[inline(always)]
     fn load(from: &[f32; LANES]) -> Self {
@@ -130,12 +98,12 @@ impl Lanes for Array {
     }
 
     #[inline(never)]
-    fn widen(self) -> Each {
+    fn widen(self) -> Each<f64> {
         Each(self.0.map(f64::from))
     }
 
     #[inline(never)]
-    fn narrow(from: Each) -> Self {
+    fn narrow(from: Each<f64>) -> Self {
         Self(from.0.map(|x| x as f32))
     }
 

@@ -2,12 +2,10 @@
 
 use super::Number;
 
-/// All ones: a mask that is set.
-const SET: f32 = f32::from_bits(u32::MAX);
-
+/// One lane of a mask: all ones if it is set.
 #[inline(always)]
-fn mask(set: bool) -> f32 {
-    if set { SET } else { 0.0 }
+pub(super) fn mask(set: bool) -> f32 {
+    f32::from_bits(if set { u32::MAX } else { 0 })
 }
 
 impl Number for f32 {
