@@ -131,6 +131,16 @@ impl Island {
     }
 }
 
+/// The index of a row among the ascending rows of an island's members.
+pub(crate) fn member_index(members: &[u32]) -> impl Fn(u32) -> u32 {
+    let (first, last) = (members[0], members[members.len() - 1]);
+    let in_a_row = (last - first) as usize + 1 == members.len();
+    move |row| match in_a_row {
+        true => row - first,
+        false => members.partition_point(|&member| member < row) as u32,
+    }
+}
+
 impl Islands {
     /// Finds the runs of single particles. Called once it is known which islands sleep in the step.
     pub(crate) fn find_singles(&mut self) {

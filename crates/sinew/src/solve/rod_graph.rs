@@ -8,7 +8,6 @@ const NONE: u32 = u32::MAX;
 pub(super) struct RodGraph {
     /// Where the rods of each particle begin; the last entry is the number of rod ends.
     first: Vec<u32>,
-    /// Where several rods connect the same two particles, each is the shortest of them.
     rods: Vec<RodEnd>,
 }
 
@@ -45,14 +44,12 @@ impl RodGraph {
                 *place += 1;
             }
         }
-        let mut graph = Self { first, rods: all };
-        graph.use_shortest();
-        graph
+        Self { first, rods: all }
     }
 
-    /// Gives all rods between the same two particles the length and the number of the shortest.
-    fn use_shortest(&mut self) {
-        let Self { first, rods } = self;
+    /// The same, but where several rods connect the same two particles, all of them have the length and the number of the shortest.
+    pub(super) fn shortest(particles: usize, rods: &[(u32, u32, f32, bool)]) -> Self {
+        let Self { first, mut rods } = Self::new(particles, rods);
         let mut beside = vec![NONE; first.len()];
         for (particle, ends) in (0..).zip(first.windows(2)) {
             let own = &mut rods[ends[0] as usize..ends[1] as usize];
@@ -69,6 +66,7 @@ impl RodGraph {
                 own[place] = shortest.unwrap_or(own[place]);
             }
         }
+        Self { first, rods }
     }
 
     /// Number of particles.

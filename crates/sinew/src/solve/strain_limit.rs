@@ -236,7 +236,7 @@ mod tests {
         let all = (0..=side).flat_map(|y| (0..=side).map(move |x| (x, y)));
         let position: Vec<Vec4> =
             all.map(|(x, y)| Vec4::new(x as f32, y as f32, 0.0, 1.0)).collect();
-        (RodGraph::new(position.len(), &rods), position)
+        (RodGraph::shortest(position.len(), &rods), position)
     }
 
     /// Limits the strain of particles that have moved from `before`.

@@ -6,7 +6,7 @@ use crate::collide::{BodyContacts, Collider, Frame, Material};
 use crate::constraints::{Boundaries, InsideBox, Plane, Points, Softness};
 use crate::forces::Spring;
 use crate::hash::fnv;
-use crate::islands::Island;
+use crate::islands::{Island, member_index};
 use crate::simulation::Simulation;
 use crate::solve::GroupKind;
 
@@ -59,7 +59,7 @@ impl Simulation {
             let own = kind.into_iter().chain(switches).chain(numbers_of_material(material));
             sum = sum.wrapping_add(fnv(own));
         }
-        let rank = |row: u32| members.partition_point(|&member| member < row) as u32;
+        let rank = member_index(members);
         let (mut now, mut gradients) = (Vec::new(), Vec::new());
         for group in &plan.groups[island.groups.clone()] {
             if group.kind != GroupKind::Constraints {
@@ -105,8 +105,8 @@ impl Simulation {
             for end in [spring.a, spring.b] {
                 let Some(&number) = islands.of.get(end as usize) else { continue };
                 let members = &islands.members[islands.list[number as usize].members.clone()];
-                let rank = members.partition_point(|&member| member < end) as u32;
-                let own = fnv([SPRING, rank].into_iter().chain(numbers_of(spring)));
+                let own =
+                    fnv([SPRING, member_index(members)(end)].into_iter().chain(numbers_of(spring)));
                 hashes[number as usize] = hashes[number as usize].wrapping_add(own);
             }
         }

@@ -5,6 +5,8 @@ use core::ops::Range;
 use super::Link;
 use super::segments::{Rests, rests_of};
 use crate::constraints::Distance;
+use crate::islands::member_index;
+use crate::solve::rod_graph::{RodEnd, RodGraph};
 
 /// The chains of a plan, by island. Scratch, never saved.
 #[derive(Clone, Debug, Default)]
@@ -15,7 +17,6 @@ pub(in crate::solve) struct Chains {
     /// Range of the segment lengths of each chain; empty where it is too short to be divided into segments.
     segments: Vec<Range<usize>>,
     rests: Vec<Rests>,
-    graph: RodGraph,
 }
 
 /// Fewest rods of a chain. Shorter ones are solved as fast by sweeps. The second entry applies to islands with more rods than particles, as of boxes and bones:
@@ -32,14 +33,15 @@ const MAX_DENSE: usize = 512;
 /// No rod.
 const NONE: u32 = u32::MAX;
 
-/// The rods of an island as an adjacency list.
-#[derive(Clone, Debug, Default)]
-struct RodGraph {
-    /// For each rod the member indices of its ends, its plan index, and its length.
-    rods: Vec<(u32, u32, u32, f32)>,
-    /// Offset in `at` of the rods of each member.
-    begin: Vec<u32>,
-    at: Vec<u32>,
+/// A search for the chains of one island.
+struct Search<'a> {
+    members: &'a [u32],
+    /// Fewest rods of a chain.
+    fewest: usize,
+    /// The rods between member indices.
+    graph: RodGraph,
+    /// The plan index of each rod.
+    numbers: Vec<u32>,
     /// Whether each rod is in a chain already.
     taken: Vec<bool>,
 }
@@ -64,8 +66,7 @@ impl Chains {
         let is_dense = count > members.len();
         let fewest = MIN_RODS[usize::from(is_dense)];
         if count >= fewest && !(is_dense && members.len() > MAX_DENSE) {
-            self.graph.build(members, rods);
-            self.graph.chains((members, fewest), &mut self.each, &mut self.links);
+            Search::new(members, fewest, rods).run(&mut self.each, &mut self.links);
             for links in &self.each[begin..] {
                 let (links, first) = (&self.links[links.clone()], self.rests.len());
                 if links.len() > LONG {
@@ -88,61 +89,42 @@ impl Chains {
     }
 }
 
-impl RodGraph {
-    fn build<'a>(&mut self, members: &[u32], rods: impl Iterator<Item = (u32, &'a Distance)>) {
-        let place = |row: u32| members.partition_point(|&member| member < row) as u32;
-        self.rods.clear();
-        self.rods.extend(rods.map(|(rod, d)| (place(d.a), place(d.b), rod, d.rest)));
-        self.begin.clear();
-        self.begin.resize(members.len() + 1, 0);
-        for &(a, b, ..) in &self.rods {
-            self.begin[a as usize + 1] += 1;
-            self.begin[b as usize + 1] += 1;
-        }
-        for member in 0..members.len() {
-            self.begin[member + 1] += self.begin[member];
-        }
-        let mut next = self.begin.clone();
-        self.at.clear();
-        self.at.resize(2 * self.rods.len(), 0);
-        for (number, &(a, b, ..)) in self.rods.iter().enumerate() {
-            for end in [a, b] {
-                self.at[next[end as usize] as usize] = number as u32;
-                next[end as usize] += 1;
-            }
-        }
-        self.taken.clear();
-        self.taken.resize(self.rods.len(), false);
+impl<'a> Search<'a> {
+    fn new<'d>(
+        members: &'a [u32],
+        fewest: usize,
+        distances: impl Iterator<Item = (u32, &'d Distance)>,
+    ) -> Self {
+        let place = member_index(members);
+        let (numbers, rods): (Vec<_>, Vec<_>) =
+            distances.map(|(number, d)| (number, (place(d.a), place(d.b), d.rest, false))).unzip();
+        let (graph, taken) = (RodGraph::new(members.len(), &rods), vec![false; rods.len()]);
+        Self { members, fewest, graph, numbers, taken }
     }
 
-    /// The rods of a member.
-    fn of(&self, member: u32) -> &[u32] {
-        &self.at[self.begin[member as usize] as usize..self.begin[member as usize + 1] as usize]
+    fn untaken(&self, member: u32) -> Option<RodEnd> {
+        let rods = self.graph.rods_of(member).iter();
+        rods.copied().find(|rod| !self.taken[rod.number as usize])
     }
 
-    fn untaken(&self, member: u32) -> Option<u32> {
-        self.of(member).iter().copied().find(|&rod| !self.taken[rod as usize])
+    /// Whether a chain may lead through a member.
+    fn is_inner(&self, member: u32) -> bool {
+        self.graph.rods_of(member).len() == 2
     }
 
-    fn chains(
-        &mut self,
-        members: (&[u32], usize),
-        each: &mut Vec<Range<usize>>,
-        links: &mut Vec<Link>,
-    ) {
-        let all = members.0.len() as u32;
-        let inner = |graph: &Self, member: u32| graph.of(member).len() == 2;
+    fn run(&mut self, each: &mut Vec<Range<usize>>, links: &mut Vec<Link>) {
+        let all = self.members.len() as u32;
         for member in 0..all {
-            while !inner(self, member)
+            while !self.is_inner(member)
                 && let Some(rod) = self.untaken(member)
             {
-                self.walk(member, rod, members, each, links);
+                self.walk(member, rod, each, links);
             }
         }
         // The remaining ones are rings.
         for member in 0..all {
             if let Some(rod) = self.untaken(member) {
-                self.walk(member, rod, members, each, links);
+                self.walk(member, rod, each, links);
             }
         }
     }
@@ -151,22 +133,19 @@ impl RodGraph {
     fn walk(
         &mut self,
         from: u32,
-        rod: u32,
-        (members, fewest): (&[u32], usize),
+        rod: RodEnd,
         each: &mut Vec<Range<usize>>,
         links: &mut Vec<Link>,
     ) {
         let begin = links.len();
-        links.push(Link { rows: [members[from as usize]; 2], rods: [NONE; 2], rest: 0.0 });
-        let (mut here, mut along) = (from, Some(rod));
-        while let Some(rod) = along {
-            self.taken[rod as usize] = true;
-            let (a, b, rod, rest) = self.rods[rod as usize];
-            here = if a == here { b } else { a };
-            if here == from {
+        links.push(Link { rows: [self.members[from as usize]; 2], rods: [NONE; 2], rest: 0.0 });
+        let mut along = Some(rod);
+        while let Some(RodEnd { to, number, rest, .. }) = along {
+            self.taken[number as usize] = true;
+            if to == from {
                 break;
             }
-            let row = members[here as usize];
+            let (row, rod) = (self.members[to as usize], self.numbers[number as usize]);
             match links[begin..].last_mut() {
                 Some(Link { rows: [one, other], rods: [_, knot], .. })
                     if rest == 0.0 && one == other =>
@@ -175,9 +154,9 @@ impl RodGraph {
                 }
                 _ => links.push(Link { rows: [row; 2], rods: [rod, NONE], rest }),
             }
-            along = if self.of(here).len() == 2 { self.untaken(here) } else { None };
+            along = if self.is_inner(to) { self.untaken(to) } else { None };
         }
-        if links.len() - begin > fewest {
+        if links.len() - begin > self.fewest {
             each.push(begin..links.len());
         } else {
             links.truncate(begin);

@@ -3,7 +3,7 @@
 use super::{GroupKind, Plan};
 use crate::constraints::{Bound, Distance, Softness};
 use crate::hash::fnv;
-use crate::islands::Island;
+use crate::islands::{Island, member_index};
 use crate::particles::Particles;
 use crate::solve::rod_graph::RodGraph;
 use crate::solve::tethers::{IslandTethers, PinFields, Spans, TetherPaths, Tethers};
@@ -113,8 +113,8 @@ impl Plan {
             return;
         }
         let body = |row: u32| particles.body[row as usize];
-        let hard = self.hard(island).1.filter(|d| body(d.a) != body(d.b));
-        let mut tied: Vec<u32> = hard.flat_map(|d| [d.a, d.b]).collect();
+        let rods = self.rods(island).filter(|(_, d)| body(d.a) != body(d.b));
+        let mut tied: Vec<u32> = rods.flat_map(|(_, d)| [d.a, d.b]).collect();
         let groups = self.groups[island.groups.clone()].iter();
         let constraints = groups.filter(|group| group.kind == GroupKind::Constraints);
         for constraint in constraints.flat_map(|group| &self.constraints[group.range.clone()]) {
@@ -147,7 +147,7 @@ impl Plan {
         let island = &self.islands.list[number];
         let run = self.contiguous_rows(island);
         let within = |d: &&Distance| run.contains(&d.a) && run.contains(&d.b);
-        Spans::of(run.start, run.len(), self.hard(island).1.filter(within))
+        Spans::of(run.start, run.len(), self.rods(island).map(|(_, d)| d).filter(within))
     }
 
     /// The paths of an island's tethers along its rods.
@@ -155,14 +155,7 @@ impl Plan {
         let (graph, sources) = (self.graph(island), self.places(island, pins));
         let nearest = graph.field(&sources);
         let fields = PinFields::of(&graph, sources, None);
-        // Plan indices of the hard distances, in the order in which `hard` lists them.
-        let groups = self.groups[island.groups.clone()].iter();
-        let numbers: Vec<u32> = groups
-            .filter(|group| group.kind != GroupKind::Constraints)
-            .flat_map(|group| group.range.clone())
-            .filter(|&number| is_hard(&self.distances[number]))
-            .map(|number| number as u32)
-            .collect();
+        let numbers: Vec<u32> = self.rods(island).map(|(number, _)| number).collect();
         let inwards = [Some(&nearest), fields.from(0), fields.from(1)].map(|field| {
             let all = field.into_iter().flat_map(|field| field.inwards(&graph));
             all.map(|(member, before, rod)| (member, before, numbers[rod as usize])).collect()
@@ -170,19 +163,21 @@ impl Plan {
         TetherPaths { far: fields.far, inwards }
     }
 
-    /// The hard distances of an island that hold particles together, with the first row of its members.
-    fn hard(&self, island: &Island) -> (u32, impl Iterator<Item = &Distance>) {
+    /// The hard distances of an island that hold particles together, with their plan indices.
+    fn rods(&self, island: &Island) -> impl Iterator<Item = (u32, &Distance)> {
         let groups = self.groups[island.groups.clone()].iter();
-        let distances = groups
+        groups
             .filter(|group| group.kind != GroupKind::Constraints)
-            .flat_map(|group| &self.distances[group.range.clone()])
-            .filter(|d| is_hard(d));
-        (self.islands.members[island.members.start], distances)
+            .flat_map(|group| {
+                (group.range.start as u32..).zip(&self.distances[group.range.clone()])
+            })
+            .filter(|(_, d)| is_rod_or_rope(d))
     }
 
     fn key(&self, island: &Island, pins: &[u32]) -> u64 {
-        let (first, distances) = self.hard(island);
-        let rods = distances.flat_map(|d| [d.a - first, d.b - first, d.rest.to_bits()]);
+        let first = self.islands.members[island.members.start];
+        let rods = self.rods(island);
+        let rods = rods.flat_map(|(_, d)| [d.a - first, d.b - first, d.rest.to_bits()]);
         let pins = pins.iter().map(|pin| pin - first);
         fnv([island.members.len() as u32].into_iter().chain(rods).chain(pins))
     }
@@ -190,17 +185,17 @@ impl Plan {
     /// The hard distances of an island, as rods between member indices.
     fn graph(&self, island: &Island) -> RodGraph {
         let members = &self.islands.members[island.members.clone()];
-        let place = places(members);
-        let (_, distances) = self.hard(island);
-        let rod = |d: &Distance| (place(d.a), place(d.b), d.rest, d.bound == Bound::AtMost);
-        let rods: Vec<_> = distances.map(rod).collect();
-        RodGraph::new(members.len(), &rods)
+        let place = member_index(members);
+        let rod =
+            |(_, d): (u32, &Distance)| (place(d.a), place(d.b), d.rest, d.bound == Bound::AtMost);
+        let rods: Vec<_> = self.rods(island).map(rod).collect();
+        RodGraph::shortest(members.len(), &rods)
     }
 
     /// Member indices of rows in an island.
     fn places(&self, island: &Island, rows: &[u32]) -> Vec<u32> {
-        let place = places(&self.islands.members[island.members.clone()]);
-        rows.iter().map(|&row| place(row)).collect()
+        let members = &self.islands.members[island.members.clone()];
+        rows.iter().copied().map(member_index(members)).collect()
     }
 }
 
@@ -221,17 +216,7 @@ fn keep<T>(
     before.into_iter().flatten().collect()
 }
 
-/// The member index of a row, given the ascending member rows.
-fn places(members: &[u32]) -> impl Fn(u32) -> u32 {
-    let (first, last) = (members[0], members[members.len() - 1]);
-    let in_a_row = (last - first) as usize + 1 == members.len();
-    move |row| match in_a_row {
-        true => row - first,
-        false => members.partition_point(|&member| member < row) as u32,
-    }
-}
-
-/// Whether a tether may rely on a distance.
-fn is_hard(d: &Distance) -> bool {
+/// Whether a distance holds its particles together without yielding, so that a tether may rely on it.
+fn is_rod_or_rope(d: &Distance) -> bool {
     d.softness == Softness::Hard && d.bound != Bound::AtLeast
 }

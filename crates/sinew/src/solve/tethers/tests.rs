@@ -6,6 +6,7 @@ use super::*;
 use crate::lanes::Columns;
 use crate::recipes::{Blueprint, ClothSpec, cloth_grid};
 use crate::solve::rod_graph::RodGraph;
+use crate::test_random::Random;
 use crate::threads::ExecutionContext;
 use crate::{Distance, GradientAt, InstructionSet, ParticleSeed, Simulation};
 
@@ -120,12 +121,9 @@ fn what_a_tear_leaves_of_distances_is_what_a_new_reckoning_gives() {
     for pins in [&[0][..], &[0, side - 1], &[side / 2 * side, 3], &[0, 5, last - side, last]] {
         let (mut rods, mut gone) = (whole.clone(), Vec::new());
         let mut known =
-            PinFields::of(&RodGraph::new(last as usize + 1, &rods), pins.to_vec(), None);
-        let (mut seed, mut moved) = (7_u32, 0);
-        let mut any = |below: usize| {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (seed >> 8) as usize % below
-        };
+            PinFields::of(&RodGraph::shortest(last as usize + 1, &rods), pins.to_vec(), None);
+        let (mut random, mut moved) = (Random::new(7), 0);
+        let mut any = |below: usize| random.below(below);
         for round in 0..150 {
             for _ in 0..=any(3) {
                 let at = any(rods.len());
@@ -135,7 +133,7 @@ fn what_a_tear_leaves_of_distances_is_what_a_new_reckoning_gives() {
                     _ => gone.push(rods.swap_remove(at)),
                 }
             }
-            let graph = RodGraph::new(last as usize + 1, &rods);
+            let graph = RodGraph::shortest(last as usize + 1, &rods);
             let anew = PinFields::of(&graph, pins.to_vec(), None);
             let before = known.lengths();
             known = PinFields::of(&graph, pins.to_vec(), Some(known));
@@ -152,11 +150,8 @@ fn after_tears_and_other_pins_tethers_are_those_of_a_world_that_was_always_so() 
     let mut world = cloth(&[0, 20], |p| p);
     let second = cloth_grid(&ClothSpec::default()).unwrap();
     second.transformed(Quat::IDENTITY, 3.0 * Vec3::X).build(&mut world).unwrap();
-    let (mut seed, mut different) = (11_u32, 0);
-    let mut any = |below: usize| {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (seed >> 8) as usize % below
-    };
+    let (mut random, mut different) = (Random::new(11), 0);
+    let mut any = |below: usize| random.below(below);
     let lengths = |world: &Simulation| -> Vec<Vec<[(u32, f32); 2]>> {
         let plan = world.plan();
         let each = plan.islands.list.iter().map(|island| plan.tethers.of(island));
