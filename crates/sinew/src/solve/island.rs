@@ -92,10 +92,7 @@ pub(super) fn solve(
     report.violated = violated;
     // Only sweeps over constraints count; an island without any was only projected out of contacts.
     let sweeps = if island.groups.is_empty() { 0 } else { sweeps };
-    report.sweeps += sweeps;
-    report.most_sweeps = report.most_sweeps.max(sweeps);
-    report.last_sweeps = sweeps;
-    report.converged &= converged;
+    report.note(sweeps, converged);
     let keeps_angular = gradient_at == GradientAt::StepStart || settings.keep_spin;
     let free = island.free && !touched;
     let momentum_drift =

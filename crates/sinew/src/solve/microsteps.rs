@@ -180,9 +180,7 @@ impl TaskSlice<'_> {
                 start.iter_mut().zip(moved).for_each(|(start, moved)| *start += *moved);
             }
         }
-        let report = self.report(number);
-        report.last_sweeps = sweeps;
-        report.most_sweeps = report.most_sweeps.max(sweeps);
+        self.report(number).note_substep(sweeps);
         if !self.momentum_drift.is_empty() {
             scratch.join(&mut self.places, &runs, substep.h, self.momentum_drift);
         }

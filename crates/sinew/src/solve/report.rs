@@ -52,6 +52,35 @@ pub struct IslandReport {
     pub(crate) violated: bool,
 }
 
+impl IslandReport {
+    /// Records the sweeps of a substep and whether it converged.
+    pub(super) fn note(&mut self, sweeps: u32, converged: bool) {
+        self.sweeps += sweeps;
+        self.converged &= converged;
+        self.note_substep(sweeps);
+    }
+
+    /// Records the sweeps of a substep whose parts have been recorded already.
+    pub(super) fn note_substep(&mut self, sweeps: u32) {
+        self.most_sweeps = self.most_sweeps.max(sweeps);
+        self.last_sweeps = sweeps;
+    }
+
+    /// Records the remaining error at the end of a step.
+    pub(super) fn note_left(&mut self, (error, strain): (f32, f32)) {
+        (self.error, self.strain, self.measured) = (error, strain, true);
+    }
+
+    /// Appends the report of the substeps that follow.
+    pub(super) fn append(&mut self, next: &Self) {
+        self.sweeps += next.sweeps;
+        self.converged &= next.converged;
+        self.most_sweeps = self.most_sweeps.max(next.most_sweeps);
+        self.last_sweeps = next.last_sweeps;
+        (self.error, self.strain, self.measured) = (next.error, next.strain, next.measured);
+    }
+}
+
 impl Default for IslandReport {
     fn default() -> Self {
         Self {

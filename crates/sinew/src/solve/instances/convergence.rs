@@ -56,10 +56,7 @@ impl ConvergenceMask {
         let awake = |lane: usize| asleep >> lane & 1 == 0;
         for (lane, report) in reports.iter_mut().enumerate().filter(|(lane, _)| awake(*lane)) {
             let sweeps = self.sweeps[lane] as u32;
-            report.sweeps += sweeps;
-            report.most_sweeps = report.most_sweeps.max(sweeps);
-            report.last_sweeps = sweeps;
-            report.converged &= self.converged >> lane & 1 != 0;
+            report.note(sweeps, self.converged >> lane & 1 != 0);
             report.violated = self.violated >> lane & 1 != 0;
             report.fallbacks += self.fell_back >> lane & 1;
             most = most.max(sweeps);

@@ -44,8 +44,7 @@ impl InstanceBatches {
             let [errors, strains] = worst;
             let each = reports.iter_mut().zip(errors).zip(strains);
             for ((report, error), strain) in each.filter(|((report, _), _)| !report.measured) {
-                (report.error, report.strain) = (error, strain);
-                report.measured = true;
+                report.note_left((error, strain));
             }
         }
     }

@@ -174,8 +174,7 @@ impl<'a> SweepCounts<'a> {
             for (all, own) in self.of_substeps.iter().zip(substeps) {
                 let sweeps = own.iter().map(|count| count.load(Ordering::Relaxed)).sum();
                 all.fetch_max(sweeps, Ordering::Relaxed);
-                report.last_sweeps = sweeps;
-                report.most_sweeps = report.most_sweeps.max(sweeps);
+                report.note_substep(sweeps);
             }
         }
     }
@@ -273,21 +272,6 @@ fn run_substeps(
         report.note_left(wavefront.left);
     }
     report.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
-}
-
-impl IslandReport {
-    /// Records the sweeps of a substep and whether it converged.
-    fn note(&mut self, sweeps: u32, converged: bool) {
-        self.sweeps += sweeps;
-        self.most_sweeps = self.most_sweeps.max(sweeps);
-        self.last_sweeps = sweeps;
-        self.converged &= converged;
-    }
-
-    /// Records the remaining error at the end of a step.
-    fn note_left(&mut self, (error, strain): (f32, f32)) {
-        (self.error, self.strain, self.measured) = (error, strain, true);
-    }
 }
 
 impl Wavefront {

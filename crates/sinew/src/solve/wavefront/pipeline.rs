@@ -83,12 +83,7 @@ pub(in crate::solve) fn pipelined_wavefront(
     scratches.with(|scratch| scratch.as_mut().pins = pins);
     let whole = &mut island_step.reports[0];
     for report in reports {
-        whole.sweeps += report.sweeps;
-        whole.most_sweeps = whole.most_sweeps.max(report.most_sweeps);
-        whole.last_sweeps = report.last_sweeps;
-        whole.converged &= report.converged;
-        (whole.error, whole.strain) = (report.error, report.strain);
-        whole.measured = report.measured;
+        whole.append(&report);
     }
     counts.join(whole);
     whole.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
