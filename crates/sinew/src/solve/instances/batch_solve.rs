@@ -12,7 +12,7 @@ use super::solve::BatchContext;
 use super::surfaces::SurfaceContext;
 use crate::collide::{BatchContacts, NormalImpulses, recovery};
 use crate::constraints::Plane;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, SetLanes};
 use crate::particles::{Places, ground};
 use crate::settings::Order;
 use crate::solve::context::{SolveContext, SubstepParameters};
@@ -202,7 +202,7 @@ impl<'a> BatchSolve<'a> {
                         surfaces.bounce(storage, &mut self.normal_impulses);
                     }
                     let violated = storage.convergence.violated & storage.mask();
-                    for lane in (0..LANES).filter(|lane| violated >> lane & 1 != 0) {
+                    for lane in SetLanes(violated) {
                         let one = (batch.islands.start + lane, lane);
                         limit_recovery(self.context, one, storage, reports, self.scratch.sweep);
                     }
@@ -429,9 +429,9 @@ fn limit_recovery(
         velocity: &mut velocity,
     };
     context.limit_recovery(number, &mut places, &mut reports[lane], scratch);
-    let end = if lane + 1 == storage.bodies { LANES } else { lane + 1 };
+    let copies = storage.copies(lane);
     for (entry, velocity) in storage.velocity.iter_mut().zip(velocity) {
-        (lane..end).for_each(|lane| entry.set_lane(lane, velocity.truncate()));
+        copies.clone().for_each(|lane| entry.set_lane(lane, velocity.truncate()));
     }
 }
 

@@ -1,9 +1,11 @@
 //! Lane storage (AoSoA): the particles of an instance batch while it is solved. Entry `i` holds particle `i` of eight bodies, one body a lane.
 
+use core::ops::Range;
+
 use glam::Vec4;
 
 use super::convergence::ConvergenceMask;
-use crate::lanes::{InstructionSet, LANES, Lanes, kernel};
+use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, kernel};
 use crate::solve::chains::Eliminated;
 use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::InstanceBatch;
@@ -70,6 +72,11 @@ impl LaneStorage {
         (1 << self.bodies) - 1
     }
 
+    /// The lanes that hold the body of `lane`: unused lanes repeat the last body.
+    pub(super) fn copies(&self, lane: usize) -> Range<usize> {
+        lane..if lane + 1 == self.bodies { LANES } else { lane + 1 }
+    }
+
     /// One bit for each body that nothing outside has given momentum in this substep: free, and without contacts so far.
     pub(super) fn undisturbed(&self) -> u32 {
         self.free & !self.convergence.touched
@@ -118,8 +125,7 @@ impl LaneStorage {
 
     /// Copies the results of a body back from another storage in which it was solved.
     pub(super) fn copy_back(&mut self, lane: usize, other: &Self, from: usize) {
-        let end = if lane + 1 == self.bodies { LANES } else { lane + 1 };
-        for lane in lane..end {
+        for lane in self.copies(lane) {
             self.copy_results(lane, other, from);
         }
     }
@@ -137,7 +143,7 @@ impl LaneStorage {
 
     /// Takes a snapshot of the bodies in a mask.
     pub(super) fn save(&mut self, which: u32) {
-        for lane in lanes(which) {
+        for lane in SetLanes(which) {
             for (saved, now) in self.saved.iter_mut().zip(&self.now) {
                 saved.set_lane(lane, now.lane(lane).truncate());
             }
@@ -146,17 +152,12 @@ impl LaneStorage {
 
     /// Restores the bodies in a mask from their snapshots.
     pub(super) fn restore(&mut self, which: u32) {
-        for lane in lanes(which) {
+        for lane in SetLanes(which) {
             for (saved, now) in self.saved.iter().zip(&mut self.now) {
                 now.set_lane(lane, saved.lane(lane).truncate());
             }
         }
     }
-}
-
-/// The lanes set in a mask.
-fn lanes(which: u32) -> impl Iterator<Item = usize> {
-    (0..LANES).filter(move |lane| which >> lane & 1 != 0)
 }
 
 kernel!(

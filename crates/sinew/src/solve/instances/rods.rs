@@ -3,7 +3,7 @@
 use glam::Vec4;
 
 use crate::constraints::project_rod;
-use crate::lanes::{LANES, Lanes, Vector, kernel};
+use crate::lanes::{LANES, Lanes, SetLanes, Vector, kernel};
 use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::InstancedRod;
 use crate::solve::rods::{COS_SQUARED, FullCorrection, project, project_from_start};
@@ -37,7 +37,7 @@ kernel!(
             worst = error.max(worst);
             let moves = moves.or(inactive);
             if !moves.all() {
-                worst = L::load(&project_singly(rod, now, !moves.bits())).max(worst);
+                worst = L::load(&project_singly(rod, now, L::ALL ^ moves.bits())).max(worst);
             }
         }
         worst.array()
@@ -49,7 +49,7 @@ kernel!(
 fn project_singly(rod: &InstancedRod, now: &mut [LaneParticles], stuck: u32) -> [f32; LANES] {
     let mut found = [0.0; LANES];
     let (a, b) = (rod.a as usize, rod.b as usize);
-    for lane in (0..LANES).filter(|lane| stuck >> lane & 1 != 0) {
+    for lane in SetLanes(stuck) {
         let mut pair: [Vec4; 2] = [now[a].lane(lane), now[b].lane(lane)];
         found[lane] = project_rod(&mut pair, 0, 1, rod.rest[lane]);
         now[a].set_lane(lane, pair[0].truncate());

@@ -11,7 +11,7 @@ use glam::{Vec3, Vec4};
 use super::lane_storage::LaneStorage;
 use crate::collide::NormalImpulses;
 use crate::constraints::Plane;
-use crate::lanes::{LANES, Lanes, Vector, kernel};
+use crate::lanes::{LANES, Lanes, SetLanes, Vector, kernel};
 use crate::particles::Places;
 use crate::solve::context::{SolveContext, SubstepParameters};
 use crate::solve::lane_particles::LaneParticles;
@@ -48,7 +48,7 @@ impl SurfaceContext<'_> {
         let interval = self.context.interval();
         let exceeded = skin_exceeded(storage, execution.instructions);
         let mut deepest = [0.0; LANES];
-        for lane in (0..storage.bodies).filter(|lane| going >> lane & 1 != 0) {
+        for lane in SetLanes(going & storage.mask()) {
             let own = self.rows(storage, lane);
             let touching = contacts.touching(storage.islands[lane] as usize);
             let touching = touching.filter(|_| exceeded >> lane & 1 == 0);
@@ -61,8 +61,7 @@ impl SurfaceContext<'_> {
                 });
                 depth = depth.max(found);
             }
-            // Unused lanes repeat the last body.
-            deepest[lane..self.end(storage, lane)].fill(depth);
+            deepest[storage.copies(lane)].fill(depth);
         }
         deepest
     }
@@ -87,11 +86,6 @@ impl SurfaceContext<'_> {
         let island = &plan.islands.list[storage.islands[lane] as usize];
         let first = plan.islands.members[island.members.start];
         first..first + island.members.len() as u32
-    }
-
-    /// One past the last lane that holds the body of `lane`: unused lanes repeat the last body.
-    fn end(&self, storage: &LaneStorage, lane: usize) -> usize {
-        if lane + 1 == storage.bodies { LANES } else { lane + 1 }
     }
 
     /// Copies a `row` of the body in `lane` out of the storage, calls `work` with it, and writes its position and velocity back. `first` is the body's first
@@ -122,9 +116,9 @@ impl SurfaceContext<'_> {
             velocity: &mut velocity,
         };
         let out = work(&mut places);
-        let end = self.end(storage, lane);
+        let copies = storage.copies(lane);
         let put = |column: &mut LaneParticles, to: Vec4| {
-            (lane..end).for_each(|lane| column.set_lane(lane, to.truncate()));
+            copies.clone().for_each(|lane| column.set_lane(lane, to.truncate()));
         };
         if now[0] != was {
             put(&mut storage.now[member], now[0]);

@@ -6,10 +6,11 @@
 
 use core::ops::Range;
 
-use super::max_error;
+use glam::Vec4;
+
 use super::{
-    Correction, FullCorrection, Relaxation, RodBlock, Rods, StridedBatch, moved, project, stretch,
-    stretch_of,
+    Correction, FullCorrection, Relaxation, RodBlock, Rods, StridedBatch, max_error, moved,
+    project, stretch, stretch_of,
 };
 use crate::constraints::project_rod;
 use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PairKernel, Vector, Work, with};
@@ -166,7 +167,9 @@ impl Rods {
         if !all_move.all() {
             for pair in &self.pairs[strided_batches.full.start..strided_batches.tails.end] {
                 let (a, b) = columns.view().find(pair, from);
-                *separated = separated.max(separate(columns, a, b, &pair.numbers));
+                for (lane, &rest) in pair.numbers.iter().enumerate().filter(|one| !one.1.is_nan()) {
+                    *separated = separated.max(separate_rod(columns, [a + lane, b + lane], rest));
+                }
             }
         }
         worst
@@ -280,7 +283,7 @@ fn sweep_block<L: Lanes, C: Correction>(
     separated: &mut f32,
 ) -> L {
     let (mut a, mut b) = ([0; LANES], [0; LANES]);
-    let mut packed = [glam::Vec4::ZERO; 2 * LANES];
+    let mut packed = [Vec4::ZERO; 2 * LANES];
     for lane in 0..LANES {
         a[lane] = columns.at(block.a[lane] - first);
         b[lane] = columns.at(block.b[lane] - first);
@@ -296,26 +299,33 @@ fn sweep_block<L: Lanes, C: Correction>(
     }
     if !moves.all() {
         for lane in 0..LANES {
-            *separated = separated.max(separate(columns, a[lane], b[lane], &[block.rest[lane]]));
+            let found = separate_rod(columns, [a[lane], b[lane]], block.rest[lane]);
+            *separated = separated.max(found);
         }
     }
     error.max(worst)
 }
 
-/// Separates the coincident ends of adjacent rods, one rod after the other, which is rarely needed. Rods with a direction have been projected already.
 #[cold]
-fn separate(columns: &mut Columns, a: usize, b: usize, rests: &[f32]) -> f32 {
-    let mut worst = 0.0_f32;
-    for (i, &rest) in rests.iter().enumerate().filter(|(_, rest)| !rest.is_nan()) {
-        let ends = [a + i, b + i];
-        let mut pair = ends.map(|at| columns.get(at));
-        // The same test as in the kernel: a distance whose square underflows to zero counts as none.
-        let d = (pair[0] - pair[1]).truncate();
-        if d.x * d.x + d.y * d.y + d.z * d.z == 0.0 {
-            worst = worst.max(project_rod(&mut pair, 0, 1, rest));
-            columns.set(ends[0], pair[0]);
-            columns.set(ends[1], pair[1]);
-        }
+fn separate_rod(columns: &mut Columns, ends: [usize; 2], rest: f32) -> f32 {
+    separate(columns, ends, |pair| project_rod(pair, 0, 1, rest))
+}
+
+/// Projects a pair of entries if they coincide, which is rarely needed, and returns what the projection returns. Distances with a direction have been projected
+/// already.
+pub(super) fn separate(
+    columns: &mut Columns,
+    ends: [usize; 2],
+    project: impl FnOnce(&mut [Vec4; 2]) -> f32,
+) -> f32 {
+    let mut pair = ends.map(|at| columns.get(at));
+    // The same test as in the kernel: a distance whose square underflows to zero counts as none.
+    let d = (pair[0] - pair[1]).truncate();
+    if d.x * d.x + d.y * d.y + d.z * d.z != 0.0 {
+        return 0.0;
     }
-    worst
+    let found = project(&mut pair);
+    columns.set(ends[0], pair[0]);
+    columns.set(ends[1], pair[1]);
+    found
 }

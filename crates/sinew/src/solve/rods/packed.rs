@@ -6,7 +6,7 @@ use glam::Vec4;
 
 use super::{Relaxation, RodRun, Rods, StridedBatch, project, project_from_start};
 use crate::constraints::{GradientAt, project_rod};
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
+use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, Vector, kernel};
 use crate::particles::Places;
 
 impl Rods {
@@ -94,7 +94,8 @@ kernel!(
                 worst = error.max(worst);
                 if !moves.all() {
                     let rows = [run.rows(a, LANES as u32), run.rows(b, LANES as u32)];
-                    separated = separated.max(separate(places.position, !moves.bits(), rows, rest));
+                    separated =
+                        separated.max(separate(places.position, L::ALL ^ moves.bits(), rows, rest));
                 }
             }
         }
@@ -192,8 +193,8 @@ fn eight_rods<L: Lanes, const START: bool>(
     };
     L::put_rows(places.position, &a, one);
     L::put_rows(places.position, &b, other);
-    let all = moves.all();
-    (error, if all { 0.0 } else { separate(places.position, !moves.bits(), [a, b], rest) })
+    let stuck = L::ALL ^ moves.bits();
+    (error, if stuck == 0 { 0.0 } else { separate(places.position, stuck, [a, b], rest) })
 }
 
 /// How eight rods of a run are loaded.
@@ -269,7 +270,7 @@ fn separate(
     let mut worst = 0.0_f32;
     // Lanes that repeat the first rod count once.
     let again = |lane: usize| lane > 0 && rows.iter().all(|rows| rows[lane] == rows[0]);
-    for lane in (0..LANES).filter(|&lane| stuck >> lane & 1 != 0 && !again(lane)) {
+    for lane in SetLanes(stuck).filter(|&lane| !again(lane)) {
         worst = worst.max(project_rod(positions, rows[0][lane], rows[1][lane], rest[lane]));
     }
     worst

@@ -2,10 +2,12 @@
 
 use core::ops::Range;
 
-use super::columns::{Compliance, RodPull, Tail};
+use super::columns::{Compliance, RodPull, Tail, separate};
 use super::{Rods, StridedBatch, ends};
 use crate::constraints::{Distance, Softness, SubstepContext, project};
-use crate::lanes::{Columns, EightPairs, InstructionSet, LANES, Lanes, PAIR_ORDER, Work, with};
+use crate::lanes::{
+    Columns, EightPairs, InstructionSet, LANES, Lanes, PAIR_ORDER, SetLanes, Work, with,
+};
 
 /// How compliant distances of one stride follow each other.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -177,8 +179,8 @@ impl Work for SweepSoft<'_> {
             if !all_move.all() {
                 let eights = full.iter().chain(tails);
                 let own = sums.get_mut(begin..).unwrap_or_default();
-                separated =
-                    separated.max(separate(columns, eights, batch, from, own, substep_context));
+                let found = separate_all(columns, eights, batch, from, own, substep_context);
+                separated = separated.max(found);
             }
         }
         (worst.largest(separated), done)
@@ -201,9 +203,9 @@ impl<L: Lanes> Compliance<L> for Soft<'_, L> {
             Some(eight) if live == L::ALL => L::load(eight),
             _ => {
                 let mut eight = [0.0; LANES];
-                let lanes = eight.iter_mut().enumerate();
-                let lanes = lanes.filter(|(lane, _)| live >> lane & 1 != 0);
-                lanes.zip(sums).for_each(|((_, to), from)| *to = *from);
+                for (lane, sum) in SetLanes(live).zip(sums) {
+                    eight[lane] = *sum;
+                }
                 L::load(&eight)
             }
         };
@@ -218,16 +220,17 @@ impl<L: Lanes> Compliance<L> for Soft<'_, L> {
             Some(eight) if live == L::ALL => (L::load(eight) + change).store(eight),
             _ => {
                 let change = change.array();
-                let lanes = change.iter().enumerate().filter(|(lane, _)| live >> lane & 1 != 0);
-                lanes.zip(sums).for_each(|((_, by), to)| *to += by);
+                for (lane, sum) in SetLanes(live).zip(sums) {
+                    *sum += change[lane];
+                }
             }
         }
     }
 }
 
-/// Separates coincident ends, one distance after the other, which is rarely needed. Distances with a direction have been projected already.
+/// Separates coincident ends, one distance after the other.
 #[cold]
-fn separate<'a>(
+fn separate_all<'a>(
     columns: &mut Columns,
     eights: impl Iterator<Item = &'a EightPairs>,
     batch: &StridedBatch,
@@ -240,23 +243,19 @@ fn separate<'a>(
         let (a, b) = columns.view().find(pair, from);
         for lane in (0..LANES).filter(|lane| !pair.numbers[*lane].is_nan()) {
             let pairs = 2 * PAIR_ORDER[lane];
-            let places = match batch.neighbours {
+            let ends = match batch.neighbours {
                 false => [a + lane, b + lane],
                 true => [a + pairs, a + pairs + 1],
             };
-            let mut pair_ = places.map(|at| columns.get(at));
-            let (mut none, d) = (0.0, (pair_[0] - pair_[1]).truncate());
+            let mut none = 0.0;
             let sum = sums.get_mut(done).unwrap_or(&mut none);
             done += 1;
-            if d.x * d.x + d.y * d.y + d.z * d.z == 0.0 {
+            worst = worst.max(separate(columns, ends, |points| {
                 let distance = Distance::new(0, 1, pair.numbers[lane]);
                 let distance = distance.with_compliance(batch.compliance);
-                let start = pair_;
-                let moved = project(&mut pair_, &start, &distance, substep_context, sum);
-                worst = worst.max(moved);
-                columns.set(places[0], pair_[0]);
-                columns.set(places[1], pair_[1]);
-            }
+                let start = *points;
+                project(points, &start, &distance, substep_context, sum)
+            }));
         }
     }
     worst
