@@ -31,8 +31,8 @@ pub(super) fn sweep(
 ) -> f32 {
     corrections.sum.resize(plan.rows, Vec3::ZERO);
     corrections.count.resize(plan.rows, 0);
-    let members = plan.islands.members[island.members.clone()].to_vec();
-    for &row in &members {
+    let members = &plan.islands.members[island.members.clone()];
+    for &row in members {
         corrections.sum[row as usize] = Vec3::ZERO;
         corrections.count[row as usize] = 0;
     }
@@ -43,22 +43,20 @@ pub(super) fn sweep(
         }
     }
     let mut worst = 0.0_f32;
-    let mut rows = Vec::new();
     for constraint in constraint_refs {
-        rows.clear();
-        rows.extend_from_slice(constraint.rows(plan, &mut pair));
-        local.take(places, &rows);
-        for (point, &row) in local.now.iter_mut().zip(&rows) {
+        let rows = constraint.rows(plan, &mut pair);
+        local.take(places, rows);
+        for (point, &row) in local.now.iter_mut().zip(rows) {
             point.w *= corrections.count[row as usize] as f32;
         }
         let origin = places.origin[places.at(rows[0])];
         worst = worst.max(constraint.project_local(plan, multipliers, mode, origin, local));
-        for (point, &row) in local.now.iter().zip(&rows) {
+        for (point, &row) in local.now.iter().zip(rows) {
             let moved = point.truncate() - places.position[places.at(row)].truncate();
             corrections.sum[row as usize] += moved;
         }
     }
-    for &row in &members {
+    for &row in members {
         let count = corrections.count[row as usize];
         if count > 0 {
             places.displace(row, corrections.sum[row as usize] / count as f32);
