@@ -123,15 +123,7 @@ pub(super) fn between(u: Vec3, v: Vec3) -> Option<Turn> {
 /// A unit vector perpendicular to `u`: `u` × the coordinate axis along which `u` is smallest, the first such axis in a tie. `u` must not be zero.
 #[inline]
 pub(super) fn any_normal(u: Vec3) -> Vec3 {
-    let size = u.abs();
-    let axis = if size.x <= size.y && size.x <= size.z {
-        Vec3::X
-    } else if size.y <= size.z {
-        Vec3::Y
-    } else {
-        Vec3::Z
-    };
-    u.cross(axis).normalize_or(Vec3::X)
+    u.cross(Vec3::AXES[u.abs().min_position()]).normalize_or(Vec3::X)
 }
 
 /// The parameters of eight [`Angle`]s.

@@ -98,13 +98,9 @@ impl Particles {
         let locals = self.position.get(rows.clone()).unwrap_or_default();
         let velocities = self.velocity.get(rows).unwrap_or_default();
         places.zip(locals).zip(velocities).map(|((origin, local), velocity)| {
-            // Knuth's two-sum, as in `remainder`.
-            let (a, b) = (origin.extend(0.0), *local);
-            let sum = a + b;
-            let part = sum - a;
-            let remainder = (a - (sum - part)) + (b - part);
+            let (position, remainder) = exact_sum(*origin, *local);
             ParticleState {
-                position: sum.truncate(),
+                position: position.truncate(),
                 remainder: remainder.truncate(),
                 velocity: velocity.truncate(),
                 lag: velocity.w,
@@ -154,6 +150,15 @@ fn place_anywhere(p: Vec4, r: Vec4, v: Vec4) -> Option<(Vec3, Vec3)> {
 /// The rows of a column from `first` on.
 fn from<T>(column: &mut [T], first: usize) -> &mut [T] {
     column.get_mut(first..).unwrap_or_default()
+}
+
+/// The position of a particle, and what rounding it left out: Knuth's two-sum, exact whichever of the two is larger. The fourth components mean nothing.
+#[inline]
+pub(super) fn exact_sum(origin: Vec3, local: Vec4) -> (Vec4, Vec4) {
+    let (a, b) = (origin.extend(0.0), local);
+    let sum = a + b;
+    let part = sum - a;
+    (sum, (a - (sum - part)) + (b - part))
 }
 
 /// Splits a position into an origin, whole metres, and an offset from it.

@@ -193,11 +193,7 @@ impl Particles {
 
     /// What [`position`](Self::position) leaves out, metres: the sum of the two is the particle's exact position.
     pub fn remainder(&self, i: usize) -> Vec3 {
-        // Knuth's two-sum: exact, whichever of the two is larger.
-        let (a, b) = (self.origin[i], self.position[i].truncate());
-        let sum = a + b;
-        let part = sum - a;
-        (a - (sum - part)) + (b - part)
+        bulk::exact_sum(self.origin[i], self.position[i]).1.truncate()
     }
 
     /// `p_a - p_b`, metres, from their local positions: accurate to 1e-7 of the distance however far out both are.

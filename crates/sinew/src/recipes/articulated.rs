@@ -192,15 +192,7 @@ impl BonePoint {
 
 /// A unit vector perpendicular to `along`: its cross product with the coordinate axis along which it is smallest.
 fn across(along: DVec3) -> DVec3 {
-    let [x, y, z] = along.abs().to_array();
-    let axis = if x <= y && x <= z {
-        DVec3::X
-    } else if y <= z {
-        DVec3::Y
-    } else {
-        DVec3::Z
-    };
-    along.cross(axis).normalize_or_zero()
+    along.cross(DVec3::AXES[along.abs().min_position()]).normalize_or_zero()
 }
 
 #[cfg(test)]

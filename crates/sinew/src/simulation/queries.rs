@@ -44,7 +44,9 @@ pub struct Hit {
 }
 
 /// Longest reach of an endless ray, metres: this distance and its square are finite in `f32`.
-const FARTHEST: f32 = 1e18;
+const FARTHEST_RAY: f32 = 1e18;
+/// Longest way of a shape cast, metres. Longer ways are cut, because no bounding box can enclose an infinite one.
+pub(super) const FARTHEST_CAST: f32 = 1e6;
 
 impl Default for Filter {
     fn default() -> Self {
@@ -71,7 +73,7 @@ impl Simulation {
         let direction = direction.try_normalize()?;
         let mut ray = Ray { origin, direction, max, first: None };
         // A component of the direction may be zero, and infinity times zero is NaN.
-        let end = origin + direction * max.min(FARTHEST);
+        let end = origin + direction * max.min(FARTHEST_RAY);
         let around = enlarged((origin.min(end), origin.max(end)));
         self.all_within(around, filter, &mut |participant, row, obstacle| {
             let met = match obstacle {
@@ -120,8 +122,7 @@ impl Simulation {
         if !(frame.is_valid() && motion.length >= 0.0) {
             return None;
         }
-        // Longer ways are cut: no bounding box can enclose an infinite one.
-        let mut motion = SweepMotion { length: motion.length.min(1e6), ..*motion };
+        let mut motion = SweepMotion { length: motion.length.min(FARTHEST_CAST), ..*motion };
         let (low, high) = shape.bounds_in(frame);
         let by = motion.direction * motion.length;
         let around = (low.min(low + by) - motion.clearance, high.max(high + by) + motion.clearance);

@@ -9,7 +9,7 @@
 
 use glam::Vec3;
 
-use super::queries::SweptHit;
+use super::queries::{FARTHEST_CAST, SweptHit};
 use super::{Filter, Hit, Simulation};
 use crate::collide::{AtStart, Frame, Shape, SweepHit, SweepMotion};
 
@@ -148,8 +148,6 @@ struct Slide<'a> {
     hits: Vec<Hit>,
 }
 
-/// Longest way without a change of direction, metres: as far as a cast reaches.
-const FARTHEST: f32 = 1e6;
 /// Obstacles nearer than this fraction of the skin push. A shape at rest on something is no nearer than 98 %, so it stays at rest.
 const PUSH_BELOW: f32 = 0.95;
 /// Pushes smaller than this fraction of the skin end the loop: between two walls that both push it ends there.
@@ -204,7 +202,7 @@ impl Slide<'_> {
                 return;
             }
             let direction = self.velocity / speed;
-            let far = length.min(FARTHEST);
+            let far = length.min(FARTHEST_CAST);
             let Some(met) = self.cast(direction, far, &self.planes) else {
                 self.frame.translation += direction * far;
                 return;

@@ -202,7 +202,9 @@ fn lattice_of(spec: &SoftLatticeSpec) -> Result<Lattice, RecipeFault> {
         SoftShape::Ball { radius, cells } => {
             let shells = cells.div_ceil(2);
             // Shell k has 10 k² + 2 particles.
-            let count = u64::from(shells).saturating_pow(3).saturating_mul(4);
+            let n = u64::from(shells);
+            let squares = n.saturating_mul(n + 1).saturating_mul(2 * n + 1) / 6;
+            let count = squares.saturating_mul(10).saturating_add(2 * n + 1);
             check(&[radius], cells, count)?;
             Ok(ball(f64::from(radius), shells))
         }
