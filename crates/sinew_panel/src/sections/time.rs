@@ -20,7 +20,8 @@ const NOT_RESTORED: &str = "Bodies, settings and gravity are restored. Other sta
 pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
     let paused = panel.control.paused;
     ui.horizontal(|ui| {
-        let width = (ui.available_width() - HALF_STEP_WIDTH - 3.0 * ui.spacing().item_spacing.x) / 3.0;
+        let width =
+            (ui.available_width() - HALF_STEP_WIDTH - 3.0 * ui.spacing().item_spacing.x) / 3.0;
         let width = width.floor();
         let size = vec2(width, 24.0);
         let can = panel.recording.can_go_back();
