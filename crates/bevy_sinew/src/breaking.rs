@@ -136,7 +136,7 @@ pub(crate) fn break_constraints(
     breakables: Res<Breakables>,
     mut commands: Commands,
 ) {
-    if breakables.all.is_empty() || !world.took_tick(&clock) {
+    if breakables.all.is_empty() || !clock.is_behind(&world) {
         return;
     }
     let mut broken: Vec<Broke> =

@@ -226,6 +226,7 @@
 //! | `show` | meshes, tubes and gizmos; the simulation never reads them |
 //! | `state` | which types are state; snapshots, files, rollback |
 //! | `step` | the systems around the substeps: layout, gather, constraints, scatter, extract |
+//! | `targets` | the particles of a body, a part or a particle |
 //! | `threads` | threads for the solver: [`SinewWorkers`] |
 //! | `world` | the solver's columns and the tables beside them, scratch of a tick |
 //!
@@ -255,6 +256,7 @@ mod schedule;
 mod show;
 mod state;
 mod step;
+mod targets;
 mod threads;
 mod world;
 

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use crate::components::{CreationOrder, Particle, Sleep};
 use crate::messages::{EditFault, Refusal, Refused, refuse};
-use crate::step::controls::{Targets, particles_of, waits};
+use crate::targets::{Targets, particles_of, waits};
 use crate::world::SinewWorld;
 
 /// Moves a body, a rigid part or a particle to the state in which it would come to rest: a bridge sags, a curtain hangs in its folds, a crate lies on the

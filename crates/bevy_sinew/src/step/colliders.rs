@@ -209,7 +209,7 @@ pub(crate) fn store_motion(
         (With<Collider>, StaticOrKinematic),
     >,
 ) {
-    if !world.took_tick(&clock) {
+    if !clock.is_behind(&world) {
         return;
     }
     for (entity, placed, motion) in &mut colliders {

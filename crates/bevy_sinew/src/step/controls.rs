@@ -17,14 +17,8 @@ use crate::frames::Frames;
 use crate::messages::{EditFault, Refusal, Refused};
 use crate::rows::{GONE, ResolvedRows};
 use crate::schedule::SinewClock;
+use crate::targets::{Targets, particles_of, waits};
 use crate::world::{SinewWorld, Tables};
-
-/// The components that determine which particles an entity has: a body, a rigid part, or a particle.
-pub(crate) type Targets<'w, 's> = Query<
-    'w,
-    's,
-    (Option<&'static BodyParticles>, Option<&'static RigidPose>, Has<ParticleBody>, Has<Particle>),
->;
 
 /// Passes all control forces to the solver, in the order of their creation.
 pub(crate) fn gather_controls(
@@ -122,7 +116,7 @@ pub(crate) fn drop_tick_forces(
     clock: Res<SinewClock>,
     mut forces: Query<&mut TickForces>,
 ) {
-    if world.took_tick(&clock) {
+    if clock.is_behind(&world) {
         for mut forces in &mut forces {
             forces.set_if_neq(TickForces::default());
         }
@@ -211,19 +205,4 @@ impl BodyForces<'_, '_> {
             }
         }
     }
-}
-
-/// The particles of an entity; none if it has none, or they are not built yet.
-pub(crate) fn particles_of(targets: &Targets, target: Entity) -> Vec<Entity> {
-    match targets.get(target) {
-        Ok((_, _, _, true)) => vec![target],
-        Ok((Some(members), ..)) => members.iter().collect(),
-        Ok((_, Some(posed), ..)) => posed.particles.clone(),
-        _ => Vec::new(),
-    }
-}
-
-/// Whether an entity without particles is a body that is not built yet, which is no error.
-pub(crate) fn waits(targets: &Targets, target: Entity) -> bool {
-    targets.get(target).is_ok_and(|(.., is_body, _)| is_body)
 }

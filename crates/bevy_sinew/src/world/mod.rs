@@ -18,7 +18,6 @@ use sinew::{ContactParticipant, ParticleFault, Particles, Simulation, SolverRepo
 use crate::components::{CreationOrder, Particle, ParticleRow};
 use crate::messages::ReportedErrors;
 use crate::rows::Layout;
-use crate::schedule::SinewClock;
 
 /// The solver's particles and reports: for custom systems that run between [phases](crate::PhaseSystems), for spatial queries, and to read statistics.
 ///
@@ -109,11 +108,6 @@ impl SinewWorld {
         let (previous, current) =
             (self.tables.played.previous.get(row)?, self.tables.played.current.get(row)?);
         Some(*previous + (*current - *previous) * share)
-    }
-
-    /// Whether a tick was taken since the clock was last set; with a time step of zero, none is.
-    pub(crate) fn took_tick(&self, clock: &SinewClock) -> bool {
-        clock.seconds != self.simulation.time
     }
 
     /// Energies and momenta of everything at the end of the last tick, J, kg·m/s and kg·m²/s.
