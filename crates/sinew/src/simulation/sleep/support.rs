@@ -53,9 +53,10 @@ impl Simulation {
                 continue;
             }
             let Some(contacts) = self.contacts.get(body as usize) else { continue };
-            let BodyContacts { material, layers, with_bodies, disabled, events, .. } = contacts;
+            // Not whether its contacts are reported: looking at a body must not wake it.
+            let BodyContacts { material, layers, with_bodies, disabled, .. } = contacts;
             let kind = [BODY, layers.memberships, layers.filters];
-            let switches = [u32::from(*with_bodies), u32::from(*disabled), u32::from(*events)];
+            let switches = [u32::from(*with_bodies), u32::from(*disabled)];
             let own = kind.into_iter().chain(switches).chain(numbers_of_material(material));
             sum = sum.wrapping_add(fnv(own));
         }
