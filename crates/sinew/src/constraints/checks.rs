@@ -278,6 +278,41 @@ pub(crate) fn extent(positions: &[Vec3]) -> f32 {
     positions.iter().map(|p| p.distance(middle)).fold(0.0, f32::max)
 }
 
+/// An octahedron whose triangles are subdivided into four `cuts` times and projected onto the unit sphere; outward winding.
+pub(crate) fn sphere(cuts: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let mut places = vec![Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+    let mut triangles = vec![
+        [0, 1, 2],
+        [1, 3, 2],
+        [3, 4, 2],
+        [4, 0, 2],
+        [1, 0, 5],
+        [3, 1, 5],
+        [4, 3, 5],
+        [0, 4, 5],
+    ];
+    for _ in 0..cuts {
+        let mut edges: Vec<[u32; 2]> = Vec::new();
+        let mut finer = Vec::new();
+        for [a, b, c] in triangles {
+            let mut middle = |i: u32, j: u32| {
+                let edge = [i.min(j), i.max(j)];
+                let known = edges.iter().position(|e| *e == edge);
+                let number = known.unwrap_or_else(|| {
+                    edges.push(edge);
+                    places.push((places[i as usize] + places[j as usize]).normalize());
+                    edges.len() - 1
+                });
+                (places.len() - edges.len() + number) as u32
+            };
+            let (d, e, f) = (middle(a, b), middle(b, c), middle(c, a));
+            finer.extend([[a, d, f], [d, b, e], [f, e, c], [d, e, f]]);
+        }
+        triangles = finer;
+    }
+    (places, triangles)
+}
+
 /// Tests that the checks themselves can fail.
 mod tests {
     use super::*;

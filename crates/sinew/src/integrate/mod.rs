@@ -192,7 +192,7 @@ mod tests {
         for i in [0, 1, 4, 7, 8, 30] {
             world.drag_towards(i, 1.5 + i as f32, Vec3::new(1.0, 0.0, 2.0));
         }
-        for sets in [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2] {
+        for sets in InstructionSet::ALL {
             let (mut one, mut other) = (world.clone(), world.clone());
             let execution = ExecutionContext { instructions: sets, workers: None };
             for _ in 0..3 {

@@ -83,6 +83,10 @@ pub enum InstructionSet {
 }
 
 impl InstructionSet {
+    /// All of them, the reference first.
+    #[cfg(test)]
+    pub(crate) const ALL: [Self; 3] = [Self::Scalar, Self::Simd128, Self::Avx2];
+
     /// The fastest one that this machine has.
     pub fn best() -> Self {
         if has_avx2() { Self::Avx2 } else { Self::Simd128 }
@@ -213,6 +217,12 @@ impl Iterator for SetLanes {
         self.0 &= self.0.wrapping_sub(1);
         (lane < u32::BITS).then_some(lane as usize)
     }
+}
+
+/// Advances eight rows by one. All are incremented together: numbers made one by one would stall when they are read as one register.
+#[inline(always)]
+pub(crate) fn advance(rows: &mut [u32; LANES]) {
+    rows.iter_mut().for_each(|row| *row += 1);
 }
 
 /// Data of one item that are gathered together: as many `Vec4` as there are lanes, on cache lines of their own.

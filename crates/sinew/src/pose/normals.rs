@@ -67,8 +67,7 @@ mod tests {
     use crate::lanes::InstructionSet;
     use crate::test_random::Random;
 
-    const SETS: [InstructionSet; 3] =
-        [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2];
+    const SETS: [InstructionSet; 3] = InstructionSet::ALL;
 
     fn found(points: &[Vec4], triangles: &[[u32; 3]]) -> Vec<Vec4> {
         let mut found = SETS.map(|set| {

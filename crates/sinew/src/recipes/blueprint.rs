@@ -212,7 +212,10 @@ fn rotation_matrix(q: Quat) -> Mat3 {
 #[cfg(test)]
 pub(super) mod checks {
     use super::Blueprint;
-    use crate::constraints::Bound;
+    use crate::constraints::checks::evaluate;
+    use crate::constraints::{Bound, Constraint, ConstraintKind};
+    use crate::simulation::Simulation;
+    use glam::Vec3;
     use std::collections::BTreeSet;
 
     /// Asserts that the blueprint is valid, no pair has two distances of the same bound, no rest length is 0, and all distances are kept to 1e-6 of their
@@ -232,6 +235,20 @@ pub(super) mod checks {
             let [a, b] = [d.a, d.b].map(|i| blueprint.particles[i as usize].position);
             assert!(d.error(a, b) <= 1e-6 * d.rest, "{d:?}: {a} {b}");
         }
+    }
+
+    /// How far the worst limit of an angle is exceeded, degrees, and the index of its constraint. Errors of rigid pieces do not count.
+    pub(crate) fn excess(world: &Simulation) -> (f32, usize) {
+        let one = |c: &Constraint| {
+            if matches!(c.kind, ConstraintKind::Rigid(_)) {
+                return 0.0;
+            }
+            let places: Vec<Vec3> =
+                c.rows.iter().map(|&i| world.particles.position(i as usize)).collect();
+            evaluate(c.kind.equation(), &places).0.abs().to_degrees()
+        };
+        let all = world.constraints().iter().map(one).zip(0..);
+        all.fold((0.0, 0), |worst, one| if one.0 > worst.0 { one } else { worst })
     }
 }
 

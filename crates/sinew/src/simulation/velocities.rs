@@ -227,8 +227,7 @@ mod tests {
                         (world.particles.relative_to(i, near), world.velocity_now(i), mass)
                     });
                     let wanted = motion(one_by_one).unwrap();
-                    let sets =
-                        [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2];
+                    let sets = InstructionSet::ALL;
                     let [a, b, c] = sets.map(|instructions| {
                         world.instructions = instructions;
                         world.motion(points(every)).unwrap()

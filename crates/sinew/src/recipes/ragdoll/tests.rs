@@ -1,8 +1,7 @@
 //! The figure is at rest, symmetrical, and has the requested mass and height.
 
 use super::*;
-use crate::constraints::checks::evaluate;
-use crate::recipes::blueprint::checks::assert_at_rest;
+use crate::recipes::blueprint::checks::{assert_at_rest, excess};
 use crate::recipes::blueprint::rest_length;
 use crate::test_random::Random;
 use crate::{Plane, Simulation};
@@ -115,17 +114,6 @@ fn a_figure_without_a_height_or_mass_or_damping_is_refused() {
         let spec = RagdollSpec { damping, ..RagdollSpec::default() };
         assert_eq!(ragdoll(&spec), Err(RecipeFault::Damping));
     }
-}
-
-/// How far the worst limit is exceeded, degrees, and its index.
-fn excess(world: &Simulation) -> (f32, usize) {
-    let one = |c: &Constraint| {
-        let places: Vec<Vec3> =
-            c.rows.iter().map(|&i| world.particles.position(i as usize)).collect();
-        evaluate(c.kind.equation(), &places).0.abs() * (180.0 / core::f32::consts::PI)
-    };
-    let all = world.constraints().iter().map(one).zip(0..);
-    all.fold((0.0, 0), |worst, one| if one.0 > worst.0 { one } else { worst })
 }
 
 /// Largest error of a bone as a share of its length.

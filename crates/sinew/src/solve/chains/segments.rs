@@ -17,7 +17,7 @@ use glam::{Vec3, Vec4};
 
 use super::Link;
 use super::project::{KAPPA, KAPPA_OF_TWO_PINS, NO_PIVOT, diagonal, within};
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, advance, kernel};
 
 /// Lengths of rods, metres, one of each segment.
 pub(super) type Rests = [f32; LANES];
@@ -139,7 +139,7 @@ kernel!(
         let (mut off_diagonal, mut off_right) = (zero, zero);
         let (mut sum, mut worst, mut whole, mut pivot) = (zero, zero, zero, zero);
         for (step, (rest, to)) in rests.iter().zip(&mut *eliminated).enumerate() {
-            next(&mut rows);
+            advance(&mut rows);
             let (q, next_w) = Vector::of(L::rows(particles, &rows));
             let (d, rest) = (q - p, L::load(rest));
             let length = d.length();
@@ -220,9 +220,3 @@ kernel!(
         worst.largest(0.0)
     }
 );
-
-/// Advances to the next particle of each segment.
-#[inline(always)]
-fn next(rows: &mut [u32; LANES]) {
-    rows.iter_mut().for_each(|row| *row += 1);
-}

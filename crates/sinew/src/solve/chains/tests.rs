@@ -299,9 +299,7 @@ fn cut_into_segments_a_chain_is_solved_as_one_rod_after_the_other() {
         let found = project_one(&links, (&mut one, 0), &mut Vec::new(), &mut |_, _, _| {});
         let rests: Vec<_> = rests_of(&links).collect();
         let mut results = Vec::new();
-        for instructions in
-            [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::best()]
-        {
+        for instructions in InstructionSet::ALL {
             let mut cut = position.clone();
             let mut scratch = SegmentScratch::default();
             let worst = scratch.project((&links, &rests), (&mut cut, 0), instructions);

@@ -5,14 +5,14 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{Vec3, Vec4};
 
 use super::lane_compaction::LaneCompaction;
-use super::lane_storage::{LaneStorage, gather, next, scatter};
+use super::lane_storage::{LaneStorage, gather, scatter};
 use super::momentum_drift::{derive_lanes, take_drift};
 use super::motion::{note_masses, predict_lanes};
 use super::solve::BatchContext;
 use super::surfaces::SurfaceContext;
 use crate::collide::{BatchContacts, NormalImpulses, recovery};
 use crate::constraints::Plane;
-use crate::lanes::{LANES, SetLanes};
+use crate::lanes::{LANES, SetLanes, advance};
 use crate::particles::{Places, ground};
 use crate::settings::Order;
 use crate::solve::context::{SolveContext, SubstepParameters};
@@ -400,7 +400,7 @@ impl<'a> BatchSolve<'a> {
                 radii[lane] = self.radius[place as usize];
             }
             storage.radius.push(radii);
-            next(&mut places);
+            advance(&mut places);
         }
     }
 }
@@ -449,7 +449,7 @@ fn note_rates(batch: &InstanceBatch, begin: u32, whole: &WholeStep, storage: &mu
                 rates[lane] = whole.damping.get(place as usize).copied().unwrap_or(0.0) + air;
             }
             storage.rate.push(rates);
-            next(&mut places);
+            advance(&mut places);
         }
     }
     storage.lost.resize(storage.rate.len(), [0.0; LANES]);

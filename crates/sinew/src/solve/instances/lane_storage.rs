@@ -5,7 +5,7 @@ use core::ops::Range;
 use glam::Vec4;
 
 use super::convergence::ConvergenceMask;
-use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, kernel};
+use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, advance, kernel};
 use crate::solve::chains::Eliminated;
 use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::InstanceBatch;
@@ -172,7 +172,7 @@ kernel!(
         let mut places = batch.places(begin, 0);
         for entry in to {
             entry.set(L::rows(from, &places));
-            next(&mut places);
+            advance(&mut places);
         }
     }
 );
@@ -188,13 +188,7 @@ kernel!(
         let mut places = batch.places(begin, 0);
         for entry in from {
             L::put_rows(to, &places, entry.load());
-            next(&mut places);
+            advance(&mut places);
         }
     }
 );
-
-/// Advances to the next particle of each body. All eight are incremented together: numbers made one by one would stall when they are read as one register.
-#[inline(always)]
-pub(super) fn next(places: &mut [u32; LANES]) {
-    places.iter_mut().for_each(|place| *place += 1);
-}

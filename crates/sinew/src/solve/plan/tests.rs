@@ -1,6 +1,13 @@
 //! Properties that a plan has for any input.
 
 use super::*;
+use crate::constraints::{Bend, ConstraintKind, Softness};
+
+/// A bend of four particles.
+pub(super) fn bend(rows: [u32; 4]) -> Constraint {
+    let bend = Bend { weights: [0.5, 0.5, -0.5, -0.5], rest: 0.0, softness: Softness::default() };
+    Constraint::new(rows, ConstraintKind::Bend(bend))
+}
 
 /// Compiles a plan of these distances among `particles` particles.
 fn compile(plan: &mut Plan, distances: &[Distance], particles: usize) {

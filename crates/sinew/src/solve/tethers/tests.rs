@@ -268,16 +268,13 @@ fn spans_pull_together_what_is_apart_keep_momentum_and_leave_what_is_slack() {
     for scale in [0.9, 1.1] {
         let scaled = |p: &Vec4| (p.truncate() * scale).extend(p.w);
         let before: Vec<Vec4> = flat.iter().map(scaled).collect();
-        let after = [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2].map(
-            |instructions| {
-                let mut position = before.clone();
-                own.project(&mut position, 0, ExecutionContext { instructions, workers: None });
-                position
-            },
-        );
+        let after = InstructionSet::ALL.map(|instructions| {
+            let mut position = before.clone();
+            own.project(&mut position, 0, ExecutionContext { instructions, workers: None });
+            position
+        });
         assert!(after[0] == after[1] && after[1] == after[2], "the same bits");
-        for instructions in [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2]
-        {
+        for instructions in InstructionSet::ALL {
             let (mut columns, mut position) = (Columns::default(), before.clone());
             columns.reset(Columns::half(2 * before.len()));
             columns.transpose_in(0, &before, instructions);

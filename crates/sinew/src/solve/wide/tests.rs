@@ -16,8 +16,7 @@ use crate::lanes::InstructionSet;
 use crate::particles::Places;
 use crate::test_random::Random;
 
-const SETS: [InstructionSet; 3] =
-    [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2];
+const SETS: [InstructionSet; 3] = InstructionSet::ALL;
 const CONTEXT: SubstepContext = SubstepContext { h: 1.0 / 120.0, sweeps: 6 };
 const SOFT: [Softness; 7] = [
     Softness::Hard,

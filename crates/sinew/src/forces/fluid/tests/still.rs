@@ -1,6 +1,7 @@
 //! Forces on hulls that do not move, compared with sums over small cells and closed forms; and invalid input.
 
 use super::*;
+use crate::constraints::checks::sphere;
 use crate::test_random::Random;
 
 #[test]
@@ -51,44 +52,6 @@ fn the_moment_at_a_small_heel_is_the_metacentric_height_times_the_weight() {
             assert!((found / height - 1.0).abs() < 1e-3, "{posed}: {found} {height}");
         }
     }
-}
-
-/// An icosahedron whose triangles are subdivided into four `times` times, on the unit sphere.
-fn sphere(times: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let t = (1.0 + 5.0_f32.sqrt()) / 2.0;
-    let pairs = [(1.0, t), (-1.0, t), (1.0, -t), (-1.0, -t)];
-    let mut vertices: Vec<Vec3> = pairs.iter().map(|&(a, b)| Vec3::new(a, b, 0.0)).collect();
-    vertices.extend(pairs.iter().map(|&(a, b)| Vec3::new(0.0, a, b)));
-    vertices.extend(pairs.iter().map(|&(a, b)| Vec3::new(b, 0.0, a)));
-    // Its faces: the triples whose mutual distances are the edge length, 2.
-    let near = |a: u32, b: u32| (vertices[a as usize] - vertices[b as usize]).length() < 2.1;
-    let mut triangles = Vec::new();
-    for a in 0..12 {
-        for b in a + 1..12 {
-            for c in b + 1..12 {
-                if near(a, b) && near(b, c) && near(a, c) {
-                    let [p, q, r] = [a, b, c].map(|v| vertices[v as usize]);
-                    let out = (q - p).cross(r - p).dot(p) > 0.0;
-                    triangles.push(if out { [a, b, c] } else { [a, c, b] });
-                }
-            }
-        }
-    }
-    for _ in 0..times {
-        let mut finer = Vec::new();
-        for [a, b, c] in triangles {
-            // Each edge is split twice; the hull merges coincident vertices.
-            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(a, b)| {
-                vertices.push((vertices[a as usize] + vertices[b as usize]) * 0.5);
-                vertices.len() as u32 - 1
-            });
-            finer.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
-        }
-        vertices.iter_mut().for_each(|v| *v = v.normalize());
-        triangles = finer;
-    }
-    vertices.iter_mut().for_each(|v| *v = v.normalize());
-    (vertices, triangles)
 }
 
 #[test]

@@ -2,8 +2,9 @@
 
 use super::super::Distance;
 use super::super::changes::{Change, MAX_CHANGES};
+use super::super::tests::bend;
 use super::*;
-use crate::constraints::{Bend, Bound, Constraint, ConstraintKind, Softness};
+use crate::constraints::{Bound, Constraint};
 use crate::test_random::Random;
 
 /// The input lists of a world, and their changes since the last update.
@@ -35,7 +36,7 @@ impl Lists {
             }
             if x % 3 == 0 && x + 1 < side && y + 1 < side {
                 let rows = [at(x, y), at(x + 1, y + 1), at(x + 1, y), at(x, y + 1)];
-                lists.constraints.push(bend(&rows));
+                lists.constraints.push(bend(rows));
             }
         }
         lists
@@ -115,7 +116,7 @@ impl Lists {
             3 => {
                 let corner = random.below(self.particles - 8) as u32;
                 let rows = [corner, corner + 1, corner + 2, corner + 7];
-                self.insert_constraint(random.below(self.constraints.len() + 1), bend(&rows));
+                self.insert_constraint(random.below(self.constraints.len() + 1), bend(rows));
             }
             _ => {
                 let (a, far) = (random.below(self.particles - 12), 1 + random.below(11));
@@ -132,11 +133,6 @@ impl Lists {
             }
         }
     }
-}
-
-fn bend(rows: &[u32; 4]) -> Constraint {
-    let bend = Bend { weights: [0.5, 0.5, -0.5, -0.5], rest: 0.0, softness: Softness::default() };
-    Constraint { rows: Rows::from_slice(rows), kind: ConstraintKind::Bend(bend) }
 }
 
 /// Updates a plan and checks that it equals a compilation from scratch; returns whether the incremental update succeeded.

@@ -1,7 +1,7 @@
 //! Compiling from a mark on gives the same plan as compiling from scratch, whatever was added and removed before.
 
+use super::super::tests::bend;
 use super::super::*;
-use crate::constraints::{Bend, ConstraintKind, Softness};
 use crate::test_random::Random;
 
 /// Bodies one after the other, and ties between them.
@@ -103,11 +103,6 @@ impl Bodies {
         let sizes = self.sizes.clone();
         self.ties.retain(|ends| ends.iter().all(|&(own, i)| i < sizes[own].particles()));
     }
-}
-
-fn bend(rows: [u32; 4]) -> Constraint {
-    let bend = Bend { weights: [0.5, 0.5, -0.5, -0.5], rest: 0.0, softness: Softness::default() };
-    Constraint::new(rows, ConstraintKind::Bend(bend))
 }
 
 /// All contents of a plan that depend on its constraints and islands.
