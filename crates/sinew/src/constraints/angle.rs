@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::equation::{Equation, Points};
 use super::fault::ConstraintFault;
 use super::softness::Softness;
-use super::wide::{Wide, beyond as beyond_wide, is_size, numbers};
+use super::wide::{Wide, beyond, is_size, numbers};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
 /// Limits the angle `a b c` at the joint `b` of the particles `[a, b, c]` to a range within 0..=π.
@@ -74,18 +74,6 @@ impl Equation for Angle {
     }
 }
 
-/// How far `x` is above the range, or (negative) below it.
-#[inline]
-pub(super) fn beyond(x: f32, min: f32, max: f32) -> f32 {
-    if x > max {
-        x - max
-    } else if x < min {
-        x - min
-    } else {
-        0.0
-    }
-}
-
 /// The angle between two vectors, 0 to π, and its derivatives by each of them, rad/m.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
@@ -144,7 +132,7 @@ impl Wide<3> for Angles {
     fn evaluate<L: Lanes>(&self, points: &[Vector<L>; 3]) -> (L, [Vector<L>; 3]) {
         let [a, b, c] = *points;
         let Turns { angle, by_u, by_v } = between_wide(a - b, c - b);
-        let value = beyond_wide(angle, L::load(&self.min), L::load(&self.max));
+        let value = beyond(angle, L::load(&self.min), L::load(&self.max));
         (value, [by_u, -(by_u + by_v), by_v])
     }
 }

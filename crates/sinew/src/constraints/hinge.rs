@@ -4,11 +4,10 @@ use core::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::angle::beyond;
 use super::equation::{Equation, Points};
 use super::fault::ConstraintFault;
 use super::softness::Softness;
-use super::wide::{CLEAR, Wide, beyond as beyond_wide, is_below, is_size, numbers};
+use super::wide::{CLEAR, Wide, beyond, is_below, is_size, numbers};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
 /// Limits the signed angle about the axis `h0 → h1` from the half-plane of `a` to the half-plane of `c`. The particles are `[a, h0, h1, c]`.
@@ -203,7 +202,7 @@ impl Wide<4> for Hinges {
         let above = half_turn.le(from_middle).and(turn);
         let below = from_middle.le(-half_turn).and(turn);
         let half = L::load(&self.half);
-        let value = has_angle.and(beyond_wide(from_middle - above + below, -half, half));
+        let value = has_angle.and(beyond(from_middle - above + below, -half, half));
 
         let by_a = n * (L::splat(-1.0) / n_square);
         let by_c = m * (L::splat(1.0) / m_square);
@@ -221,10 +220,6 @@ mod tests {
     use crate::{Constraint, ConstraintKind, Distance, ParticleSeed, Simulation};
     use core::f32::consts::PI;
 
-    fn degrees(angle: f32) -> f32 {
-        angle * (PI / 180.0)
-    }
-
     /// Half-planes at `angle` about the z axis, with lever positions `s`, `t` other than 0 and 1.
     fn at(angle: f32) -> [Vec3; 4] {
         let c = Vec3::new(libm::cosf(angle), libm::sinf(angle), 0.0) * 0.8 + Vec3::Z * 1.3;
@@ -234,16 +229,16 @@ mod tests {
     #[test]
     fn the_angle_turns_from_a_to_c_by_the_right_hand() {
         for angle in [-179.0, -90.0, -1.0, 0.0, 1.0, 45.0, 120.0, 179.0] {
-            let found = Hinge::rest(at(degrees(angle))).min;
-            assert!((found - degrees(angle)).abs() < 1e-6, "{angle}: {found}");
+            let found = Hinge::rest(at(f32::to_radians(angle))).min;
+            assert!((found - f32::to_radians(angle)).abs() < 1e-6, "{angle}: {found}");
         }
     }
 
     #[test]
     fn a_range_is_left_by_the_shorter_way_round() {
         let value = |angle: f32, min: f32, max: f32| {
-            let equation = Hinge::between(degrees(min), degrees(max));
-            evaluate(&equation, &at(degrees(angle))).0 * (180.0 / PI)
+            let equation = Hinge::between(f32::to_radians(min), f32::to_radians(max));
+            evaluate(&equation, &at(f32::to_radians(angle))).0 * (180.0 / PI)
         };
         for (angle, min, max, expected) in [
             (-179.0, 170.0, 180.0, 1.0),
@@ -265,9 +260,9 @@ mod tests {
     #[test]
     fn the_gradient_is_that_of_the_angle_the_flat_and_the_folded_included() {
         for angle in [-170.0, -60.0, 0.0, 20.0, 90.0, 180.0] {
-            let rest = degrees(angle) + 0.5;
-            assert_gradients(&Hinge::between(rest, rest), &at(degrees(angle)));
-            assert_gradients(&Hinge::between(rest - 1.0, rest - 1.0), &at(degrees(angle)));
+            let rest = f32::to_radians(angle) + 0.5;
+            assert_gradients(&Hinge::between(rest, rest), &at(f32::to_radians(angle)));
+            assert_gradients(&Hinge::between(rest - 1.0, rest - 1.0), &at(f32::to_radians(angle)));
         }
     }
 
@@ -327,24 +322,29 @@ mod tests {
     #[test]
     fn an_elbow_bends_forward_by_150_degrees_and_not_backward() {
         // Straight is 180°; the angle from the upper arm to the forearm increases as the hand rises.
-        let elbow = || Some(Hinge::between(degrees(180.0), degrees(330.0)));
+        let elbow = || Some(Hinge::between(f32::to_radians(180.0), f32::to_radians(330.0)));
         let (least, ..) = bent(-9.81, None, 0.0);
-        assert!(least < degrees(-90.0), "a free arm falls: {least}");
+        assert!(least < f32::to_radians(-90.0), "a free arm falls: {least}");
         let (least, most, last) = bent(-9.81, elbow(), 0.0);
         println!("pulled backward: {least} to {most}, at last {last} rad");
-        assert!(least > degrees(-0.5) && most < degrees(0.5), "{least} {most}");
+        assert!(least > f32::to_radians(-0.5) && most < f32::to_radians(0.5), "{least} {most}");
         let (least, most, last) = bent(9.81, elbow(), 0.01);
         println!("pulled forward: {least} to {most}, at last {last} rad");
-        assert!(least > degrees(-0.5) && (most - degrees(150.0)).abs() < degrees(1.0), "{most}");
+        assert!(
+            least > f32::to_radians(-0.5)
+                && (most - f32::to_radians(150.0)).abs() < f32::to_radians(1.0),
+            "{most}"
+        );
         // With a fast swing, the limit still stops it.
-        let (_, most, _) = bent(9.81, Some(Hinge::between(degrees(180.0), degrees(240.0))), 0.01);
-        assert!((most - degrees(60.0)).abs() < degrees(1.0), "{most}");
+        let (_, most, _) =
+            bent(9.81, Some(Hinge::between(f32::to_radians(180.0), f32::to_radians(240.0))), 0.01);
+        assert!((most - f32::to_radians(60.0)).abs() < f32::to_radians(1.0), "{most}");
     }
 
     #[test]
     fn faults_are_told_apart() {
         assert_eq!(Hinge::between(-PI, PI).fault(4), None);
-        assert_eq!(Hinge::between(degrees(170.0), degrees(190.0)).fault(4), None);
+        assert_eq!(Hinge::between(f32::to_radians(170.0), f32::to_radians(190.0)).fault(4), None);
         assert_eq!(Hinge::between(0.0, 1.0).fault(3), Some(ConstraintFault::Count));
         assert_eq!(Hinge::between(1.0, 0.5).fault(4), Some(ConstraintFault::Limits));
         assert_eq!(Hinge::between(-7.0, 0.5).fault(4), Some(ConstraintFault::Number));

@@ -1,6 +1,6 @@
 //! Constraints eight at a time: the values and gradients of an [`Equation`](super::Equation), in SIMD lanes.
 
-use crate::lanes::{LANES, Lanes, Vector};
+use crate::lanes::{LANES, Lanes, Number, Vector};
 
 /// Eight constraints of one kind, of `N` particles each.
 ///
@@ -56,7 +56,7 @@ pub(super) fn is_below<L: Lanes>(x: L, square: L, least: L) -> L {
 
 /// How far `x` is above the range, or (negative) below it.
 #[inline(always)]
-pub(super) fn beyond<L: Lanes>(x: L, min: L, max: L) -> L {
+pub(super) fn beyond<N: Number>(x: N, min: N, max: N) -> N {
     max.lt(x).select(x - max, x.lt(min).and(x - min))
 }
 

@@ -7,6 +7,7 @@
 use glam::{Quat, Vec3};
 
 use crate::particles::Particles;
+use crate::pose::turned;
 
 /// Where a field acts, and how it fades at the boundary. Default: everywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -162,7 +163,7 @@ impl Extent {
             Self::Everywhere | Self::Below { .. } => (Vec3::NEG_INFINITY, Vec3::INFINITY),
             Self::Box { centre, size, rotation } => {
                 // Half extents of the box along each world axis.
-                let half = Vec3::AXES.map(|axis| turned_back(rotation, axis));
+                let half = Vec3::AXES.map(|axis| turned(rotation.conjugate(), axis));
                 let reach = half.map(|axis| (axis.abs() * size).element_sum() * 0.5);
                 let reach = Vec3::from_array(reach);
                 about(centre - reach, centre + reach)
@@ -181,7 +182,8 @@ impl Extent {
             Self::Everywhere => f32::INFINITY,
             Self::Below { up, level } => -up.dot(place.relative_to(up * level)),
             Self::Box { centre, size, rotation } => {
-                let margin = 0.5 * size - turned_back(rotation, place.relative_to(centre)).abs();
+                let margin =
+                    0.5 * size - turned(rotation.conjugate(), place.relative_to(centre)).abs();
                 // In scalars, because the result of `min_element` is unspecified for NaN.
                 margin.x.min(margin.y).min(margin.z)
             }
@@ -206,13 +208,6 @@ impl Extent {
 fn is_unit(squared: f32) -> bool {
     // Tolerates the rounding of a quaternion or a normal that has been rotated a thousand times.
     (squared - 1.0).abs() < 1e-3
-}
-
-/// `v` in a frame rotated by `rotation`: the inverse rotation, in scalar arithmetic for the same bits everywhere.
-fn turned_back(rotation: Quat, v: Vec3) -> Vec3 {
-    let axis = -Vec3::new(rotation.x, rotation.y, rotation.z);
-    let across = axis.cross(v) * 2.0;
-    v + across * rotation.w + axis.cross(across)
 }
 
 /// A point in world space with an origin of its own for precision, as particles have (see [`particles`](crate::particles)).

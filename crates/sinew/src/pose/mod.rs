@@ -62,9 +62,7 @@ impl Pose {
 
     /// Transforms a point at `rest`, metres. The same bits on every machine, unlike `Quat * Vec3`.
     pub fn point(self, rest: Vec3) -> Vec3 {
-        let axis = Vec3::new(self.rotation.x, self.rotation.y, self.rotation.z);
-        let across = axis.cross(rest) * 2.0;
-        rest + across * self.rotation.w + axis.cross(across) + self.translation
+        turned(self.rotation, rest) + self.translation
     }
 }
 
@@ -166,6 +164,14 @@ impl MatchedMoments {
         let translation = (self.now - rest).as_vec3();
         translation.is_finite().then_some(Pose { translation, rotation })
     }
+}
+
+/// A vector rotated by a unit quaternion. The same bits on every machine, unlike `Quat * Vec3`.
+#[inline]
+pub(crate) fn turned(rotation: Quat, v: Vec3) -> Vec3 {
+    let axis = Vec3::new(rotation.x, rotation.y, rotation.z);
+    let across = axis.cross(v) * 2.0;
+    v + across * rotation.w + axis.cross(across)
 }
 
 /// `a bᵀ`.

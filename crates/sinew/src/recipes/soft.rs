@@ -7,7 +7,7 @@ mod lattice;
 
 use core::ops::RangeInclusive;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 pub use self::lattice::{SoftLatticeSpec, SoftShape, SoftSurface, soft_lattice, soft_lattice_mesh};
 use super::blueprint::{Blueprint, rest_length};
@@ -15,6 +15,7 @@ use super::fault::{RecipeFault, check_particles, ensure};
 use super::limits::LENGTHS;
 use super::mass::MassProperties;
 use super::mesh::{Fold, weld};
+use super::nearest::bounds;
 use super::solid::Bulk;
 use crate::constraints::{self, Constraint, ConstraintKind, Distance, Softness, Volume};
 use crate::particles::ParticleSeed;
@@ -179,9 +180,7 @@ fn damped(compliance: f64, inverse_mass: f64, ratio: f32) -> Softness {
 
 /// Returns the body if all its numbers are normal: lengths are squared and masses inverted in `f32` in every sweep.
 fn sound(body: Blueprint) -> Result<Blueprint, RecipeFault> {
-    let corners = || body.particles.iter().map(|p| p.position);
-    let low = corners().fold(DVec3::INFINITY, |a, b| a.min(b.as_dvec3()));
-    let high = corners().fold(DVec3::NEG_INFINITY, |a, b| a.max(b.as_dvec3()));
+    let [low, high] = bounds(body.particles.iter().map(|p| p.position)).map(Vec3::as_dvec3);
     if !LENGTHS.contains(&((high - low).max_element() as f32)) {
         return Err(RecipeFault::Size);
     }

@@ -26,6 +26,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::leapfrog;
 use super::principal::{Principal, Spin};
+use crate::pose::outer;
 
 /// Largest turn in one part of a step, rad: half of where (1) has no solution.
 const MAX_TURN: f64 = 0.5;
@@ -67,10 +68,7 @@ fn solve(moments: DVec3, a: DVec3) -> Option<DVec3> {
         let i_xi = moments * xi;
         let residual = i_xi + xi.cross(i_xi) - a * (1.0 + xi.length_squared());
         // Its derivative by ξ: I + [ξ] I - [I ξ] - 2 a ξᵀ.
-        let [x, y, z] = xi.to_array();
-        let slope = inertia + cross(xi) * inertia
-            - cross(i_xi)
-            - DMat3::from_cols(a * x, a * y, a * z) * 2.0;
+        let slope = inertia + cross(xi) * inertia - cross(i_xi) - outer(a, xi) * 2.0;
         let determinant = slope.determinant();
         if determinant == 0.0 || !determinant.is_finite() {
             return None;

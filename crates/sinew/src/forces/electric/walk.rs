@@ -6,7 +6,7 @@
 use glam::Vec4;
 
 use super::columns::ChargeNode;
-use crate::lanes::{LANES, Lanes, Vector};
+use crate::lanes::{LANES, Lanes, SetLanes, Vector};
 
 /// The result of a traversal for each of eight leaves; it keeps its allocations between calls.
 #[derive(Clone, Debug, Default)]
@@ -70,14 +70,14 @@ impl Walk {
             if far != 0 {
                 let number = self.far.len() as u32;
                 self.far.push(n as u32);
-                each(far, |leaf| self.far_of[leaf].push(number));
+                SetLanes(far).for_each(|leaf| self.far_of[leaf].push(number));
             }
             if near == 0 {
                 n += node.subtree_len();
                 continue;
             }
             if node.leaves == 1 {
-                each(near, |leaf| push_leaf(&mut self.near[leaf], node.first));
+                SetLanes(near).for_each(|leaf| push_leaf(&mut self.near[leaf], node.first));
             } else {
                 depth += 1;
                 below[depth] = Below { end: n + node.subtree_len(), leaves: near };
@@ -92,15 +92,6 @@ pub(super) fn make_room<T>(list: &mut Vec<T>, lately: usize) {
     list.clear();
     if list.capacity() < 2 * lately {
         list.reserve(4 * lately);
-    }
-}
-
-/// Calls `of` with the index of each set bit.
-#[inline(always)]
-fn each(mut bits: u32, mut of: impl FnMut(usize)) {
-    while bits != 0 {
-        of(bits.trailing_zeros() as usize);
-        bits &= bits - 1;
     }
 }
 
