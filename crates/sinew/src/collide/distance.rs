@@ -101,8 +101,8 @@ pub(super) fn of_segments(one: [DVec3; 2], other: [DVec3; 2]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dice::Dice;
     use super::*;
+    use crate::test_random::Random;
 
     fn at([a, b, c]: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
         a * weights[0] + b * weights[1] + c * weights[2]
@@ -110,13 +110,13 @@ mod tests {
 
     #[test]
     fn no_other_point_of_a_triangle_is_nearer() {
-        let mut dice = Dice(5);
+        let mut random = Random::new(5);
         for round in 0..300 {
-            let mut corners = [0; 3].map(|_| dice.vector().as_dvec3());
+            let mut corners = [0; 3].map(|_| random.vector().as_dvec3());
             if round % 5 == 0 {
                 corners[2] = corners[0].lerp(corners[1], 0.3);
             }
-            let p = dice.vector().as_dvec3() * 2.0;
+            let p = random.vector().as_dvec3() * 2.0;
             let weights = to_triangle(p, corners);
             assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{weights:?}");
             let least = (p - at(corners, weights)).length();
@@ -132,9 +132,9 @@ mod tests {
 
     #[test]
     fn no_other_points_of_two_segments_are_nearer() {
-        let mut dice = Dice(6);
+        let mut random = Random::new(6);
         for _ in 0..300 {
-            let [a, b, c, d] = [0; 4].map(|_| dice.vector().as_dvec3());
+            let [a, b, c, d] = [0; 4].map(|_| random.vector().as_dvec3());
             let least = of_segments([a, b], [c, d]);
             for i in 0..=30 {
                 for j in 0..=30 {

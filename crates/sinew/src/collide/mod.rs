@@ -32,8 +32,6 @@ mod body_collider;
 mod body_contact;
 mod bounds;
 mod collider;
-#[cfg(test)]
-mod dice;
 mod distance;
 mod filter;
 mod frame;
@@ -50,6 +48,8 @@ mod restitution;
 mod shape;
 mod stage;
 mod sweep;
+#[cfg(test)]
+mod test_frames;
 mod triangles;
 mod words;
 mod world;

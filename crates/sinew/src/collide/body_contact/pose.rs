@@ -696,17 +696,17 @@ fn add_cross<L: Lanes>(to: &mut Matrix<L>, v: Vector<L>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collide::dice::Dice;
     use crate::lanes::InstructionSet;
+    use crate::test_random::Random;
 
     /// Eight lanes give the same bits as single body colliders, on each instruction set; collinear or non-finite particles give no rotation.
     #[test]
     fn initial_rotations_in_lanes_match_single_ones() {
-        let mut dice = Dice(3);
+        let mut random = Random::new(3);
         let part = CompiledCollider { far: 1, side: Some(2), ..CompiledCollider::default() };
         let mut odd = 0;
         for round in 0..200 {
-            let mut three = || [(); 3].map(|()| dice.vector());
+            let mut three = || [(); 3].map(|()| random.vector());
             let rest = [(); LANES].map(|()| three());
             let mut here = [(); LANES].map(|()| three());
             match round % 4 {

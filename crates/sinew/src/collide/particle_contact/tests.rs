@@ -3,8 +3,8 @@
 use glam::{Quat, Vec3};
 
 use super::{NormalImpulse, NormalImpulses};
-use crate::collide::dice::Dice;
 use crate::lanes::InstructionSet;
+use crate::test_random::Random;
 
 use crate::particles::{ParticleSeed, Places};
 use crate::recipes::{BoxSpec, ClothSpec, box_3d, cloth_grid};
@@ -298,8 +298,8 @@ fn obstacles() -> Vec<Collider> {
 
 #[test]
 fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
-    let mut dice = Dice(1);
-    let mut place = || dice.vector() * 0.5;
+    let mut random = Random::new(1);
+    let mut place = || random.vector() * 0.5;
     let mut touched = 0;
     for round in 0..40 {
         let mut world = hung();

@@ -89,10 +89,10 @@ mod tests {
         assert_eq!(walls.len(), 6);
         assert!(walls.iter().all(Frame::is_valid));
         let floor = Shape::half_space();
-        let mut dice = crate::collide::dice::Dice(7);
+        let mut random = crate::test_random::Random::new(7);
         for _ in 0..2000 {
-            let (from, to) = (dice.vector() * Vec3::new(1.0, 2.0, 3.0), dice.vector() * 4.0);
-            let radius = 0.3 * dice.share();
+            let (from, to) = (random.vector() * Vec3::new(1.0, 2.0, 3.0), random.vector() * 4.0);
+            let radius = 0.3 * random.fraction();
             // One wall after the other.
             let mut settled = to;
             for wall in &walls {

@@ -123,12 +123,12 @@ fn hull(points: Vec<Vec3>, triangles: &[[u32; 3]]) -> Result<Shape, ShapeFault> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collide::dice::Dice;
+    use crate::test_random::Random;
 
     /// Pseudo-random points in no particular order, some of them inside of the hull.
     fn scattered(count: u32, seed: u64) -> Vec<Vec3> {
-        let mut dice = Dice(seed);
-        (0..count).map(|_| dice.vector() * Vec3::new(0.5, 1.0, 0.15)).collect()
+        let mut random = Random::new(seed);
+        (0..count).map(|_| random.vector() * Vec3::new(0.5, 1.0, 0.15)).collect()
     }
 
     fn shapes() -> Vec<Shape> {

@@ -363,24 +363,7 @@ mod tests {
     use super::*;
     use crate::collide::distance;
     use crate::particles::ParticleSeed;
-
-    /// Numbers from -1 to 1, the same in every run.
-    struct Dice(u64);
-
-    impl Dice {
-        fn next(&mut self) -> f32 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            ((self.0 >> 33) as f64 / (1_u64 << 30) as f64 - 1.0) as f32
-        }
-
-        fn vector(&mut self) -> Vec3 {
-            Vec3::new(self.next(), self.next(), self.next())
-        }
-
-        fn below(&mut self, count: usize) -> u32 {
-            ((self.next() * 0.5 + 0.5) * count as f32) as u32 % count as u32
-        }
-    }
+    use crate::test_random::Random;
 
     /// The exact distance of the two at their current positions.
     fn exact(four: &Four) -> f64 {
@@ -405,16 +388,16 @@ mod tests {
 
     fn none_is_left_out(poisoned: Option<usize>) {
         const COUNT: usize = 200;
-        let mut dice = Dice(11);
+        let mut random = Random::new(11);
         let mut particles = Particles::default();
         let mut participants = TriangleParticipants::default();
         for row in 0..COUNT as u32 {
-            particles.push(ParticleSeed::at(dice.vector())).unwrap();
+            particles.push(ParticleSeed::at(random.vector())).unwrap();
             participants.rows.push(row);
-            participants.radius.push(0.02 + 0.01 * dice.next());
+            participants.radius.push(0.02 + 0.01 * random.number());
         }
-        let candidate = |edges: bool, dice: &mut Dice| loop {
-            let four = [0; 4].map(|_| dice.below(COUNT));
+        let candidate = |edges: bool, random: &mut Random| loop {
+            let four = [0; 4].map(|_| random.below(COUNT) as u32);
             let mut sorted = four;
             sorted.sort_unstable();
             if sorted.windows(2).all(|pair| pair[0] != pair[1]) {
@@ -422,7 +405,7 @@ mod tests {
             }
         };
         let candidates: Vec<_> =
-            (0..1501).map(|number| candidate(number >= 700, &mut dice)).collect();
+            (0..1501).map(|number| candidate(number >= 700, &mut random)).collect();
         let mut list = CloseList::default();
         let anywhere = [f32::INFINITY; COUNT];
         let mut kept = candidates.clone();
@@ -436,7 +419,7 @@ mod tests {
             for row in 0..COUNT {
                 particles.start[row] = particles.position[row];
                 let fast = if row % 17 == substep % 68 { 0.4 } else { 0.0005 };
-                particles.position[row] += (common + fast * dice.vector()).extend(0.0);
+                particles.position[row] += (common + fast * random.vector()).extend(0.0);
             }
             if let Some(poisoned) = poisoned {
                 particles.position[poisoned] *= Vec4::new(f32::NAN, 1.0, 1.0, 1.0);
@@ -466,9 +449,9 @@ mod tests {
                     assert!(listed[number] || !touches && !passes, "{substep}: {number}");
                 }
                 for _ in 0..5 {
-                    let i = dice.below(COUNT) as usize;
+                    let i = random.below(COUNT);
                     let far = substep.is_multiple_of(9) && i.is_multiple_of(3);
-                    let by = dice.vector() * if far { 0.1 } else { 0.0005 };
+                    let by = random.vector() * if far { 0.1 } else { 0.0005 };
                     particles.position[i] += by.extend(0.0);
                     list.record_displacement(i, by.as_dvec3());
                 }
@@ -481,18 +464,18 @@ mod tests {
     #[test]
     fn candidates_that_are_not_kept_cannot_come_near() {
         const COUNT: usize = 60;
-        let mut dice = Dice(5);
+        let mut random = Random::new(5);
         let mut particles = Particles::default();
         let mut participants = TriangleParticipants::default();
         for row in 0..COUNT as u32 {
-            particles.push(ParticleSeed::at(dice.vector() * 0.4)).unwrap();
+            particles.push(ParticleSeed::at(random.vector() * 0.4)).unwrap();
             participants.rows.push(row);
-            participants.radius.push(0.02 + 0.01 * dice.next());
+            participants.radius.push(0.02 + 0.01 * random.number());
         }
-        let ranges: Vec<f32> = (0..COUNT).map(|_| 0.03 + 0.03 * dice.next()).collect();
+        let ranges: Vec<f32> = (0..COUNT).map(|_| 0.03 + 0.03 * random.number()).collect();
         let all: Vec<_> = (0..4000)
             .map(|number| TriangleCandidate {
-                four: [0; 4].map(|_| dice.below(COUNT)),
+                four: [0; 4].map(|_| random.below(COUNT) as u32),
                 most: f32::INFINITY,
                 edges: number >= 1900,
                 pair: [number, 0],
@@ -510,7 +493,7 @@ mod tests {
             let reach = largest(&participants.radius, candidate.four, candidate.edges);
             for _ in 0..20 {
                 let to = candidate.four.map(|i| {
-                    let by = dice.vector().normalize_or_zero() * ranges[i as usize];
+                    let by = random.vector().normalize_or_zero() * ranges[i as usize];
                     (particles.position(i as usize) + by).as_dvec3()
                 });
                 let least = exact(&Four { from: to, to, edges: candidate.edges });

@@ -73,10 +73,10 @@ pub(super) fn of_edges<N: Number>([p, a, b, c]: [Vector<N>; 4]) -> N {
 mod tests {
     use glam::DVec3;
 
-    use super::super::super::dice::Dice;
     use super::super::super::distance;
     use super::*;
     use crate::lanes::Vector;
+    use crate::test_random::Random;
 
     fn least(at: [[f32; 3]; 4], edges: bool) -> f32 {
         let [p, a, b, c] = at.map(|[x, y, z]| Vector::new(x, y, z));
@@ -94,11 +94,11 @@ mod tests {
 
     /// Well-shaped sets, needles, and nearly flat, nearly parallel and degenerate ones.
     fn shapes() -> impl Iterator<Item = [[f32; 3]; 4]> {
-        let mut dice = Dice(7);
+        let mut random = Random::new(7);
         (0..200_000).map(move |round| {
             let squeeze = [1.0, 1e-2, 1e-4, 1e-7, 0.0][round % 5];
             let size = [1.0, 0.03, 20.0][round % 3];
-            let mut at = [0; 4].map(|_| [0; 3].map(|_| size * dice.roll()));
+            let mut at = [0; 4].map(|_| [0; 3].map(|_| size * random.number()));
             match round % 4 {
                 0 => at.iter_mut().for_each(|at| at[1] *= squeeze),
                 1 => at[3] = core::array::from_fn(|k| at[2][k] + squeeze * (at[3][k] - at[2][k])),

@@ -53,7 +53,7 @@ impl Work for Both<'_> {
 fn missing_points_do_not_change_the_impulses_of_others() {
     let mut random = Random::new(7);
     let mut pressed = [0; 3];
-    for _ in 0..500 {
+    for _ in 0..600 {
         let (two, four) = with(InstructionSet::Scalar, Both(&mut random));
         for (i, far) in four.iter().enumerate() {
             let wanted = two.get(i).map_or([0; LANES], |force| force.map(f32::to_bits));
@@ -63,7 +63,7 @@ fn missing_points_do_not_change_the_impulses_of_others() {
             pressed[two.iter().filter(|force| force[lane] > 0.0).count()] += 1;
         }
     }
-    assert!(pressed.iter().all(|&times| times > 150), "{pressed:?}: of each kind some");
+    assert!(pressed.iter().all(|&times| times > 200), "{pressed:?}: of each kind some");
 }
 
 /// Solves two points `distance` metres from each other, which are as good as one.

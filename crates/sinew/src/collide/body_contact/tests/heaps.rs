@@ -5,13 +5,13 @@ use crate::recipes::{RagdollSpec, ragdoll};
 
 /// Adds boxes of random sizes above each other.
 pub(super) fn pour(world: &mut Simulation, count: usize, seed: u64) -> Vec<usize> {
-    let mut dice = Dice(seed);
+    let mut random = Random::new(seed);
     (0..count)
         .map(|i| {
-            let size = dice.vector() * 0.35 + 0.65;
-            let at = Vec3::new(1.5 * dice.roll(), 1.0 + i as f32 * 0.35, 1.5 * dice.roll());
-            let turned = turn(dice.vector(), 3.0 * dice.share());
-            add_box(world, size, 1.0 + dice.share(), at, turned)
+            let size = random.vector() * 0.35 + 0.65;
+            let at = Vec3::new(1.5 * random.number(), 1.0 + i as f32 * 0.35, 1.5 * random.number());
+            let turned = turn(random.vector(), 3.0 * random.fraction());
+            add_box(world, size, 1.0 + random.fraction(), at, turned)
         })
         .collect()
 }

@@ -19,10 +19,10 @@ mod wedged;
 
 use glam::{Quat, Vec3};
 
-use crate::collide::dice::Dice;
 use crate::collide::{BodyCollider, BodyContacts, Collider, Frame, Material, Shape};
 use crate::recipes::{Blueprint, BoxLayout, BoxSpec, box_3d};
 use crate::simulation::Simulation;
+use crate::test_random::Random;
 
 /// A world with gravity and ten substeps.
 fn world() -> Simulation {

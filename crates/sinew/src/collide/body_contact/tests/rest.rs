@@ -37,12 +37,12 @@ fn a_tower_of_ten_boxes_stands() {
 fn a_crooked_tower_of_turned_boxes_stands_too() {
     let mut world = world();
     floor(&mut world, rough(0.5));
-    let mut dice = Dice(5);
+    let mut random = Random::new(5);
     let firsts: Vec<_> = (0..10)
         .map(|i| {
-            let off = dice.vector() * Vec3::new(0.1, 0.0, 0.1);
+            let off = random.vector() * Vec3::new(0.1, 0.0, 0.1);
             let at = off + Vec3::Y * (0.505 + 1.01 * i as f32);
-            add_box(&mut world, Vec3::ONE, 1.0, at, turn(Vec3::Y, dice.share()))
+            add_box(&mut world, Vec3::ONE, 1.0, at, turn(Vec3::Y, random.fraction()))
         })
         .collect();
     step(&mut world, 2.0);

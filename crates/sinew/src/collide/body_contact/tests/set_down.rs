@@ -48,12 +48,12 @@ fn worst(
     is_body: bool,
     gaps: &[f32],
 ) -> [f32; 3] {
-    let (mut dice, mut worst) = (Dice(7), [0.0_f32; 3]);
+    let (mut random, mut worst) = (Random::new(7), [0.0_f32; 3]);
     for &gap in gaps {
         for _ in 0..places {
             let mut world = world();
             set_material(&mut world, rough(0.5));
-            let (aside, yaws) = (0.5 * dice.vector(), [dice.share(), dice.share()]);
+            let (aside, yaws) = (0.5 * random.vector(), [random.fraction(), random.fraction()]);
             let [yaw, turned] = yaws.map(|share| turn(Vec3::Y, 6.0 * share));
             let height = if is_body {
                 let ground = Collider::fixed(Shape::half_space(), Frame::IDENTITY);

@@ -302,7 +302,7 @@ mod tests {
 
     use glam::{Vec2, Vec3};
 
-    use super::super::super::tests::Dice;
+    use super::super::super::tests::Random;
     use super::super::axes::three;
     use super::*;
     use crate::lanes::{InstructionSet, kernel, set};
@@ -372,22 +372,22 @@ mod tests {
     /// the corners lie within the rectangle and on the plane, and each instruction set gives the same bits.
     #[test]
     fn twelve_places_hold_the_corners_of_what_two_faces_share() {
-        let mut dice = Dice(7);
+        let mut random = Random::new(7);
         let (mut shared, mut apart) = (0, 0);
         for round in 0..2000 {
             let mut middle = [[0.0; LANES]; 3];
             let (mut sides, mut rims) = ([[[0.0; LANES]; 3]; 2], [[0.0; LANES]; 2]);
-            let sizes = [(); LANES].map(|()| (dice.vector() * 0.4 + Vec3::splat(0.6)).truncate());
+            let sizes = [(); LANES].map(|()| (random.vector() * 0.4 + Vec3::splat(0.6)).truncate());
             for (lane, rim) in sizes.into_iter().enumerate() {
                 (rims[0][lane], rims[1][lane]) = (rim.x, rim.y);
-                let angle = [0.0, 1e-7, 1e-6, 1e-4, FRAC_PI_4, 3.0 * dice.roll()][round % 6];
+                let angle = [0.0, 1e-7, 1e-6, 1e-4, FRAC_PI_4, 3.0 * random.number()][round % 6];
                 let (s, c) = (libm::sinf(angle), libm::cosf(angle));
                 let aligned = round / 6 % 3 == 0;
-                let size = if aligned { rim } else { rim + dice.vector().truncate() * 0.19 };
-                let at = if aligned { Vec3::ZERO } else { dice.vector() };
+                let size = if aligned { rim } else { rim + random.vector().truncate() * 0.19 };
+                let at = if aligned { Vec3::ZERO } else { random.vector() };
                 set(&mut middle, lane, at);
-                set(&mut sides[0], lane, Vec3::new(c, s, 0.3 * dice.roll()) * size.x);
-                set(&mut sides[1], lane, Vec3::new(-s, c, 0.3 * dice.roll()) * size.y);
+                set(&mut sides[0], lane, Vec3::new(c, s, 0.3 * random.number()) * size.x);
+                set(&mut sides[1], lane, Vec3::new(-s, c, 0.3 * random.number()) * size.y);
             }
             let found = corners(&middle, &sides, &rims, InstructionSet::best());
             for other in [InstructionSet::Scalar, InstructionSet::Simd128] {

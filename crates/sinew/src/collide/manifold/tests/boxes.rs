@@ -16,10 +16,10 @@ fn slack(ha: Vec3, hb: Vec3, apart: f32) -> f32 {
     2.0 * (0.03 * apart.abs() + 2e-3 * ha.min_element().min(hb.min_element())) + 1e-4
 }
 
-fn random(dice: &mut Dice) -> (Vec3, Vec3, Frame) {
-    let ha = dice.vector() * 0.4 + Vec3::splat(0.6);
-    let hb = dice.vector() * 0.4 + Vec3::splat(0.6);
-    (ha, hb, dice.frame(1.6))
+fn random_boxes(random: &mut Random) -> (Vec3, Vec3, Frame) {
+    let ha = random.vector() * 0.4 + Vec3::splat(0.6);
+    let hb = random.vector() * 0.4 + Vec3::splat(0.6);
+    (ha, hb, random.frame(1.6))
 }
 
 fn on_surface(point: Vec3, half: Vec3) -> f32 {
@@ -30,11 +30,11 @@ fn on_surface(point: Vec3, half: Vec3) -> f32 {
 
 #[test]
 fn depth_is_the_least_over_all_directions_and_none_is_missed_that_is_within_reach() {
-    let mut dice = Dice(1);
+    let mut random = Random::new(1);
     let (reach, mut overlapping, mut near, mut missed, mut worst) = (0.1, 0, 0, 0, 0.0_f32);
     let (mut shallow, mut by_corners) = (0, 0);
     for _ in 0..3000 {
-        let (ha, hb, frame) = random(&mut dice);
+        let (ha, hb, frame) = random_boxes(&mut random);
         let apart = brute_force(|n| along(ha, hb, &frame, n));
         let (a, b) = (Shape::cuboid(ha * 2.0).unwrap(), Shape::cuboid(hb * 2.0).unwrap());
         let found = all(&a, &b, &frame, reach);
@@ -77,10 +77,10 @@ fn depth_is_the_least_over_all_directions_and_none_is_missed_that_is_within_reac
 
 #[test]
 fn points_lie_on_both_surfaces() {
-    let mut dice = Dice(2);
+    let mut random = Random::new(2);
     let mut worst = 0.0_f32;
     for _ in 0..20_000 {
-        let (ha, hb, frame) = random(&mut dice);
+        let (ha, hb, frame) = random_boxes(&mut random);
         let (a, b) = (Shape::cuboid(ha * 2.0).unwrap(), Shape::cuboid(hb * 2.0).unwrap());
         for manifold in all(&a, &b, &frame, 0.2) {
             check(&manifold, &frame, 0.2);
@@ -95,10 +95,10 @@ fn points_lie_on_both_surfaces() {
 
 #[test]
 fn swapped_boxes_touch_in_the_same_places() {
-    let mut dice = Dice(3);
+    let mut random = Random::new(3);
     let mut both = 0;
     for _ in 0..2000 {
-        let (ha, hb, frame) = random(&mut dice);
+        let (ha, hb, frame) = random_boxes(&mut random);
         let (a, b) = (Shape::cuboid(ha * 2.0).unwrap(), Shape::cuboid(hb * 2.0).unwrap());
         let back = crate::collide::manifold::inverse(&frame);
         let (one, other) = (points(&a, &b, &frame, 0.1), points(&b, &a, &back, 0.1));
@@ -149,12 +149,12 @@ fn a_face_on_a_face_gives_four_points_that_span_what_they_share() {
 
 #[test]
 fn a_box_at_rest_keeps_its_face_whatever_its_noise() {
-    let mut dice = Dice(4);
+    let mut random = Random::new(4);
     let unit = Shape::cuboid(Vec3::ONE).unwrap();
     for turn in [0.0, 0.3, core::f32::consts::FRAC_PI_4, 1.2] {
         for _ in 0..500 {
-            let axis = (Vec3::Y + dice.vector() * 1e-4).normalize();
-            let place = Vec3::new(0.2, 1.0, 0.1) + dice.vector() * 1e-4;
+            let axis = (Vec3::Y + random.vector() * 1e-4).normalize();
+            let place = Vec3::new(0.2, 1.0, 0.1) + random.vector() * 1e-4;
             let found = all(&unit, &unit, &turned(place, axis, turn), 0.01);
             assert_eq!(found.len(), 1);
             assert!(found[0].normal.y > 0.999 && found[0].points().len() == 4, "{found:?}");
@@ -199,7 +199,7 @@ fn past_the_rim_corners_and_parallel_edges_are_found_at_their_distance() {
 #[test]
 fn what_is_degenerate_gives_finite_points() {
     let sizes = [Vec3::ONE, Vec3::splat(1e-3), Vec3::splat(1e3), Vec3::new(10.0, 1e-3, 10.0)];
-    let mut dice = Dice(5);
+    let mut random = Random::new(5);
     let mut hits = 0;
     for ha in sizes {
         for hb in sizes {
@@ -207,7 +207,7 @@ fn what_is_degenerate_gives_finite_points() {
             let on_top = Vec3::Y * (ha.y + hb.y);
             for place in [Vec3::ZERO, on_top, ha + hb, on_top * 0.5, Vec3::splat(1e-20)] {
                 for angle in [0.0, 1e-7, 1e-4, 1e-3, core::f32::consts::FRAC_PI_2, 0.5] {
-                    for axis in [Vec3::Y, Vec3::X, dice.vector().normalize_or(Vec3::Z)] {
+                    for axis in [Vec3::Y, Vec3::X, random.vector().normalize_or(Vec3::Z)] {
                         let frame = turned(place, axis, angle);
                         for manifold in all(&a, &b, &frame, 1e-3) {
                             assert!(manifold.normal.is_finite());
@@ -285,9 +285,9 @@ fn a_box_that_leans_keeps_both_ends_of_its_low_edge() {
 /// Pairs in lanes, some out of reach and one with a NaN: each has the manifold that it has alone, with the same bits on each instruction set.
 #[test]
 fn pairs_in_a_list_have_the_manifolds_that_each_has_alone() {
-    let (mut dice, mut pairs, mut alone) = (Dice(6), BoxPairs::default(), Vec::new());
+    let (mut random, mut pairs, mut alone) = (Random::new(6), BoxPairs::default(), Vec::new());
     for n in 0..1003 {
-        let (ha, hb, mut frame) = random(&mut dice);
+        let (ha, hb, mut frame) = random_boxes(&mut random);
         if n == 501 {
             frame.translation.y = f32::NAN;
         }

@@ -24,14 +24,14 @@ pub(super) fn flat() -> [Shape; 2] {
 #[test]
 fn on_triangles_and_on_a_landscape_everything_stands_upright_and_nothing_is_missed() {
     let shapes = convex();
-    let mut dice = Dice(33);
+    let mut random = Random::new(33);
     let grounds = flat();
     for (g, ground) in grounds.iter().enumerate() {
         for (i, shape) in shapes.iter().enumerate() {
             let (mut worst, mut tilt) = (0.0_f32, 0.0_f32);
             for _ in 0..100 {
-                let mut frame = dice.frame(2.0);
-                let lift = 0.02 * dice.roll();
+                let mut frame = random.frame(2.0);
+                let lift = 0.02 * random.number();
                 frame.translation.y = support(i, frame.turn_back(Vec3::Y)) + lift;
                 let found = all(shape, ground, &frame, 0.05);
                 let nearest = found.iter().map(Manifold::nearest).fold(f32::INFINITY, f32::min);

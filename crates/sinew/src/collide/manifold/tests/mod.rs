@@ -7,9 +7,9 @@ mod slide;
 
 use glam::{Mat3, Quat, Vec3};
 
-pub(super) use super::super::dice::Dice;
 use super::super::{Frame, Shape};
 use super::{Manifold, ManifoldScratch, Point, collide};
+pub(super) use crate::test_random::Random;
 
 /// All manifolds of two shapes.
 pub(super) fn all(a: &Shape, b: &Shape, frame: &Frame, reach: f32) -> Vec<Manifold> {

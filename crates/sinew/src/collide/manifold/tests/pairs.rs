@@ -34,10 +34,10 @@ fn every_convex_pair_is_as_deep_as_by_a_search_over_directions() {
     let reach = 0.1;
     for (i, a) in shapes.iter().enumerate() {
         for (j, b) in shapes.iter().enumerate() {
-            let mut dice = Dice(7 + (5 * i + j) as u64);
+            let mut random = Random::new(7 + (5 * i + j) as u64);
             let (mut worst, mut missed, mut found_some, mut off) = (0.0_f32, 0, 0, 0.0_f32);
             for _ in 0..300 {
-                let frame = dice.frame(1.2);
+                let frame = random.frame(1.2);
                 let apart = brute_force(|n| {
                     frame.translation.dot(n) - support(i, frame.turn_back(n)) - support(j, n)
                 });
@@ -79,12 +79,12 @@ fn every_convex_pair_is_as_deep_as_by_a_search_over_directions() {
 fn swapped_pairs_touch_as_deep() {
     let mut shapes = convex();
     shapes.push(Shape::half_space());
-    let mut dice = Dice(31);
+    let mut random = Random::new(31);
     let mut both = 0;
     for (i, a) in shapes.iter().enumerate() {
         for b in &shapes[i..] {
             for _ in 0..100 {
-                let frame = dice.frame(0.9);
+                let frame = random.frame(0.9);
                 let back = crate::collide::manifold::inverse(&frame);
                 let (one, other) = (all(a, b, &frame, 0.05), all(b, a, &back, 0.05));
                 assert_eq!(one.len(), other.len());
@@ -105,10 +105,10 @@ fn swapped_pairs_touch_as_deep() {
 fn on_a_half_space_each_shape_has_its_lowest_points() {
     let ground = Shape::half_space();
     let shapes = convex();
-    let mut dice = Dice(32);
+    let mut random = Random::new(32);
     for (i, shape) in shapes.iter().enumerate() {
         for _ in 0..300 {
-            let frame = dice.frame(0.8);
+            let frame = random.frame(0.8);
             let lowest = frame.translation.y - support(i, frame.turn_back(Vec3::NEG_Y));
             let found = all(shape, &ground, &frame, 0.05);
             assert_eq!(found.is_empty(), lowest > 0.05);
@@ -161,9 +161,9 @@ fn capsules_that_lie_touch_in_two_points() {
 #[test]
 fn earlier_queries_change_nothing() {
     let shapes = convex();
-    let mut dice = Dice(34);
+    let mut random = Random::new(34);
     let mut used = ManifoldScratch::default();
-    let frames: Vec<_> = (0..40).map(|_| dice.frame(0.9)).collect();
+    let frames: Vec<_> = (0..40).map(|_| random.frame(0.9)).collect();
     let slow =
         frames.iter().flat_map(|f| [*f, Frame { translation: f.translation * 1.0001, ..*f }]);
     for frame in slow {

@@ -12,20 +12,20 @@ fn heights(manifold: &Manifold, frame: &Frame) -> Vec<f32> {
 fn a_capsule_that_slides_on_a_face_no_farther_than_it_may_touches_it_as_before() {
     let capsule = Shape::capsule(0.05, 0.4).unwrap();
     let plate = Shape::cuboid(Vec3::new(1.2, 0.4, 2.0)).unwrap();
-    let mut dice = Dice(5);
+    let mut random = Random::new(5);
     let (mut slid, mut at_rims) = (0, 0);
     for _ in 0..4000 {
-        let mut frame = turned(Vec3::ZERO, dice.vector().normalize(), 3.0 * dice.roll());
+        let mut frame = turned(Vec3::ZERO, random.vector().normalize(), 3.0 * random.number());
         let low = (frame.rotation.y_axis.y * 0.2).abs() + 0.05;
         frame.translation =
-            Vec3::new(0.8 * dice.roll(), 0.2 + low + 0.01 * dice.roll(), dice.roll());
+            Vec3::new(0.8 * random.number(), 0.2 + low + 0.01 * random.number(), random.number());
         for manifold in all(&capsule, &plate, &frame, 0.03) {
             assert!(manifold.is_round() && manifold.slope == 0.0);
             if manifold.slide_limit == 0.0 {
                 at_rims += 1;
                 continue;
             }
-            let aside = (dice.vector() * Vec3::new(1.0, 0.0, 1.0)).normalize() * 0.99;
+            let aside = (random.vector() * Vec3::new(1.0, 0.0, 1.0)).normalize() * 0.99;
             let there =
                 Frame { translation: frame.translation + aside * manifold.slide_limit, ..frame };
             let found = all(&capsule, &plate, &there, 0.03);
@@ -44,14 +44,15 @@ fn a_capsule_that_slides_on_a_face_no_farther_than_it_may_touches_it_as_before()
 
 #[test]
 fn a_shape_on_a_half_space_may_slide_without_limit() {
-    let mut dice = Dice(6);
+    let mut random = Random::new(6);
     for (shape, i) in pairs::convex().iter().zip(0..) {
         for _ in 0..50 {
-            let mut frame = dice.frame(1.0);
-            frame.translation.y = pairs::support(i, frame.turn_back(Vec3::Y)) + 0.01 * dice.roll();
+            let mut frame = random.frame(1.0);
+            frame.translation.y =
+                pairs::support(i, frame.turn_back(Vec3::Y)) + 0.01 * random.number();
             let known = all(shape, &Shape::half_space(), &frame, 0.05)[0];
             assert!(known.slide_limit == f32::INFINITY);
-            frame.translation += dice.vector() * Vec3::new(10.0, 0.0, 10.0);
+            frame.translation += random.vector() * Vec3::new(10.0, 0.0, 10.0);
             let now = all(shape, &Shape::half_space(), &frame, 0.05)[0];
             for (now, known) in now.points().iter().zip(heights(&known, &frame)) {
                 assert!((now.distance - known).abs() < 1e-5, "{now:?} {known}");

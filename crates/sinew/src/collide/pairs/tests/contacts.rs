@@ -3,10 +3,10 @@
 use glam::Vec3;
 
 use super::{World, self_colliding};
-use crate::collide::dice::Dice;
 use crate::collide::{BodyContacts, Layers};
 use crate::lanes::InstructionSet;
 use crate::particles::ParticleSeed;
+use crate::test_random::Random;
 
 /// The expected pairs: rows of those that are closer than radii and margins, each pair once.
 fn by_brute_force(world: &World) -> Vec<[u32; 2]> {
@@ -49,11 +49,11 @@ fn rows_of(block: &super::super::neighbour_list::PairBlock) -> impl Iterator<Ite
 
 fn cloud(count: usize, size: f32, radius: impl Fn(usize, f32) -> f32) -> World {
     let mut world = World { contacts: vec![self_colliding(0.5, 0.0); 3], ..Default::default() };
-    let mut dice = Dice(count as u64);
+    let mut random = Random::new(count as u64);
     for i in 0..count {
-        let radius = radius(i, dice.roll().abs());
-        let velocity = dice.vector() * 2.0;
-        let seed = ParticleSeed::at(dice.vector() * size).with_velocity(velocity);
+        let radius = radius(i, random.number().abs());
+        let velocity = random.vector() * 2.0;
+        let seed = ParticleSeed::at(random.vector() * size).with_velocity(velocity);
         world.push(seed.with_radius(radius), (i % 3) as u32);
     }
     world
@@ -89,13 +89,13 @@ fn groups_far_apart_are_found_and_so_are_those_far_from_the_origin() {
 
 #[test]
 fn a_line_a_sheet_and_a_lattice_are_found() {
-    let mut dice = Dice(5);
+    let mut random = Random::new(5);
     for scale in
         [Vec3::X * 30.0, Vec3::new(3.0, 0.0, 3.0), Vec3::splat(0.3), Vec3::new(0.0, 20.0, 0.0)]
     {
         let mut world = cloud(800, 0.0, |_, _| 0.02);
         for i in 0..800 {
-            world.particles.set_position(i, dice.vector() * scale);
+            world.particles.set_position(i, random.vector() * scale);
         }
         check(&mut world, &format!("{scale}"));
     }

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use super::{World, self_colliding};
-use crate::collide::dice::Dice;
 use crate::particles::ParticleSeed;
+use crate::test_random::Random;
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -18,10 +18,10 @@ pub(super) fn heap(count: usize, side: usize, friction: f32) -> World {
         room: Some((Vec3::ZERO, Vec3::new(size, 1e3, size), friction)),
         ..Default::default()
     };
-    let mut dice = Dice(1);
+    let mut random = Random::new(1);
     for i in 0..count {
         let cell = Vec3::new((i % side) as f32, (i / side / side) as f32, (i / side % side) as f32);
-        let at = (cell + 0.5) * spacing + dice.vector() * 0.0015;
+        let at = (cell + 0.5) * spacing + random.vector() * 0.0015;
         world.push(ParticleSeed::at(at).with_radius(radius).with_mass(0.03), 0);
     }
     world
@@ -70,12 +70,12 @@ fn a_gas_that_bounces_never_has_more_energy_than_before() {
             contacts: vec![self_colliding(friction, restitution); 2],
             ..Default::default()
         };
-        let mut dice = Dice(3);
+        let mut random = Random::new(3);
         for i in 0..400_usize {
             let cell = Vec3::new((i % 8) as f32, (i / 8 % 8) as f32, (i / 64) as f32);
             let seed =
-                ParticleSeed::at(cell * 0.05).with_velocity(dice.vector() * 3.0 - cell * 0.3);
-            let mass = 1.0 + 0.9 * dice.roll();
+                ParticleSeed::at(cell * 0.05).with_velocity(random.vector() * 3.0 - cell * 0.3);
+            let mass = 1.0 + 0.9 * random.number();
             world.push(seed.with_radius(0.015).with_mass(mass), (i % 2) as u32);
         }
         let (mut before, p) = (world.energy(), world.momentum());

@@ -8,7 +8,7 @@ mod twins;
 use glam::Vec3;
 
 use super::Shape;
-use crate::collide::dice::Dice;
+use crate::test_random::Random;
 
 /// A torus: closed and not convex.
 pub(super) fn torus(around: u32, across: u32) -> Shape {
@@ -59,8 +59,8 @@ pub(super) fn hills() -> Shape {
 
 /// Points on an ellipsoid.
 pub(super) fn egg(count: usize, half: Vec3) -> Vec<Vec3> {
-    let mut dice = Dice(5);
-    (0..count).map(|_| dice.vector().normalize() * half).collect()
+    let mut random = Random::new(5);
+    (0..count).map(|_| random.vector().normalize() * half).collect()
 }
 
 /// Convex shapes of each kind, thick and thin, with their names.

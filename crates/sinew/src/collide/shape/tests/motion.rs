@@ -2,20 +2,20 @@
 
 use glam::Vec3;
 
-use super::{Dice, convex, hills, torus, waves};
+use super::{Random, convex, hills, torus, waves};
 use crate::collide::shape::Shape;
 
 /// Moves spheres along random paths from outside to anywhere. Returns how many were stopped, and panics where one passed through or was placed wrongly.
 fn nothing_passes(name: &str, shape: &Shape, radius: f32, sheet: bool) -> usize {
     let (low, high) = shape.bounds();
     let size = (high - low).max_element();
-    let mut dice = Dice(17);
+    let mut random = Random::new(17);
     let (mut held, mut paths) = (0, 0);
     while paths < 10_000 {
         let about = (high - low) * 0.5 * 1.5 + Vec3::splat(0.3 * size);
         let middle = (low + high) * 0.5;
-        let from = middle + dice.vector() * about;
-        let to = middle + dice.vector() * about;
+        let from = middle + random.vector() * about;
+        let to = middle + random.vector() * about;
         if shape.nearest(from).distance < radius + 1e-5 {
             continue;
         }
@@ -100,11 +100,11 @@ fn a_sphere_in_a_closed_room_of_sheets_stays_inside() {
     let room = Shape::mesh((0..8).map(corner).collect(), walls).unwrap();
     assert!(!room.contains(Vec3::ZERO));
     for radius in [0.0, 0.1] {
-        let mut dice = Dice(23);
+        let mut random = Random::new(23);
         let mut place = Vec3::ZERO;
         let mut held = 0;
         for step in 0..10_000 {
-            let to = place + dice.vector() * if step % 2 == 0 { 3.0 } else { 0.05 };
+            let to = place + random.vector() * if step % 2 == 0 { 3.0 } else { 0.05 };
             let touch = room.touch(place, to, radius);
             held += usize::from(touch.is_some());
             place = touch.map_or(to, |touch| to + touch.normal * touch.depth);
@@ -122,10 +122,10 @@ fn a_slanted_sheet_of_a_kilometre_stops_what_is_small() {
     let sheet = Shape::mesh(corners.clone(), vec![[0, 1, 2]]).unwrap();
     let middle = (corners[0] + corners[1] * 60.0 + corners[2]) / 62.0;
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
-    let mut dice = Dice(3);
+    let mut random = Random::new(3);
     let skin = 9e4 * 4e-6;
     for _ in 0..1000 {
-        let place = middle + dice.vector() * 5.0;
+        let place = middle + random.vector() * 5.0;
         let on = place - normal * normal.dot(place - middle);
         let touch = sheet.touch(on + normal * 1.5, on - normal, 0.1).unwrap();
         assert!(touch.normal.dot(normal).abs() > 0.999, "{touch:?}");

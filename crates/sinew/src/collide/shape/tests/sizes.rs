@@ -2,7 +2,7 @@
 
 use glam::{Mat3, Quat, Vec3};
 
-use super::{Dice, convex, hills, torus, waves};
+use super::{Random, convex, hills, torus, waves};
 use crate::collide::Frame;
 use crate::collide::shape::{Kind, Shape};
 
@@ -13,10 +13,10 @@ fn a_shape_in_another_size_has_its_surface_where_it_then_is() {
     let factor = Vec3::new(2.0, 0.5, 3.0);
     for (name, shape) in shapes {
         let scaled = shape.scaled(factor).unwrap();
-        let mut dice = Dice(31);
+        let mut random = Random::new(31);
         let mut worst = 0.0_f32;
         for _ in 0..1000 {
-            let on = shape.nearest(dice.vector() * 1.5).point;
+            let on = shape.nearest(random.vector() * 1.5).point;
             worst = worst.max(scaled.nearest(on * factor).distance.abs());
         }
         println!("{name}: scaled unevenly, off by {worst:.1e} m");
@@ -40,10 +40,10 @@ fn the_box_around_a_turned_shape_holds_it_and_is_tight() {
     let frame = Frame::new(Vec3::new(3.0, -2.0, 5.0), Quat::from_xyzw(0.3, -0.5, 0.2, 0.7));
     for (name, shape) in convex() {
         let (low, high) = shape.bounds_in(&frame);
-        let mut dice = Dice(37);
+        let mut random = Random::new(37);
         let (mut least, mut most) = (Vec3::INFINITY, -Vec3::INFINITY);
         for _ in 0..4000 {
-            let far = dice.vector().normalize() * 1000.0;
+            let far = random.vector().normalize() * 1000.0;
             let p = frame.point(shape.nearest(far).point);
             (least, most) = (least.min(p), most.max(p));
         }
@@ -54,9 +54,9 @@ fn the_box_around_a_turned_shape_holds_it_and_is_tight() {
     }
     for shape in [torus(24, 12), hills()] {
         let (low, high) = shape.bounds_in(&frame);
-        let mut dice = Dice(41);
+        let mut random = Random::new(41);
         for _ in 0..1000 {
-            let p = frame.point(shape.nearest(dice.vector() * 2.0).point);
+            let p = frame.point(shape.nearest(random.vector() * 2.0).point);
             assert!(low.cmple(p + 1e-5).all() && high.cmpge(p - 1e-5).all());
         }
     }
@@ -100,14 +100,14 @@ fn a_box_of_triangles_touches_as_a_box_does() {
     let hull = Shape::hull(&corners).unwrap();
     let cuboid = Shape::cuboid(half * 2.0).unwrap();
     assert!(matches!(hull.kind(), Kind::Hull(points) if points.len() == 8));
-    let mut dice = Dice(43);
+    let mut random = Random::new(43);
     let (mut touched, mut worst) = (0, 0.0_f32);
     for _ in 0..5000 {
-        let from = dice.vector();
+        let from = random.vector();
         if cuboid.nearest(from).distance < 0.1 {
             continue;
         }
-        let to = from + dice.vector() * 0.1;
+        let to = from + random.vector() * 0.1;
         let a = cuboid.touch(from, to, 0.1);
         for b in [hull.touch(from, to, 0.1), of_triangles.touch(from, to, 0.1)] {
             let depth = |touch: Option<crate::collide::shape::ShapeTouch>| {

@@ -5,7 +5,7 @@ use parry3d::math::Vector;
 use parry3d::query::{PointQuery as _, Ray};
 use parry3d::shape::TriMesh;
 
-use super::{Dice, convex, hills, torus, waves};
+use super::{Random, convex, hills, torus, waves};
 use crate::collide::shape::{Form, Kind, Shape};
 
 fn vector(v: Vec3) -> Vector {
@@ -14,10 +14,10 @@ fn vector(v: Vec3) -> Vector {
 
 /// The greatest difference of distances over random points, and how many points differ in their side.
 fn distances(shape: &Shape, signed: bool) -> (f32, usize) {
-    let mut dice = Dice(11);
+    let mut random = Random::new(11);
     let (mut worst, mut sides) = (0.0_f32, 0);
     for _ in 0..5000 {
-        let p = dice.vector() * 1.6;
+        let p = random.vector() * 1.6;
         let mine = shape.nearest(p);
         let theirs = shape.parry().project_local_point(vector(p), false);
         let away = (theirs.point - vector(p)).length();
@@ -36,10 +36,10 @@ fn hull_as_triangles(shape: &Shape) -> f32 {
     let Form::Hull(hull) = &shape.form else { return 0.0 };
     let points = hull.points.iter().map(|p| vector(*p)).collect();
     let mesh = TriMesh::new(points, hull.triangles.clone()).unwrap();
-    let mut dice = Dice(13);
+    let mut random = Random::new(13);
     let mut worst = 0.0_f32;
     for _ in 0..5000 {
-        let p = dice.vector() * 1.6;
+        let p = random.vector() * 1.6;
         let theirs = (mesh.project_local_point(vector(p), false).point - vector(p)).length();
         worst = worst.max((shape.nearest(p).distance.abs() - theirs).abs());
     }
@@ -75,10 +75,10 @@ fn rays_hit_where_those_of_parry_do() {
     shapes.push(("torus", torus(24, 12)));
     shapes.push(("sheet", waves(20)));
     for (name, shape) in shapes {
-        let mut dice = Dice(7);
+        let mut random = Random::new(7);
         let (mut worst, mut differ, mut hits) = (0.0_f32, 0, 0);
         for _ in 0..5000 {
-            let (from, to) = (dice.vector() * 2.0, dice.vector() * 0.7);
+            let (from, to) = (random.vector() * 2.0, random.vector() * 0.7);
             if shape.contains(from) {
                 assert!(shape.cast_ray(from, Vec3::X, 10.0).is_none() || name == "torus");
                 continue;
@@ -115,15 +115,15 @@ fn rays_hit_where_those_of_parry_do() {
 #[test]
 fn heights_agree_with_those_of_parry() {
     let shape = hills();
-    let mut dice = Dice(3);
+    let mut random = Random::new(3);
     let mut worst = 0.0_f32;
     for _ in 0..3000 {
-        let p = (dice.vector() * Vec3::new(1.99, 0.0, 0.99)).with_y(1.0);
+        let p = (random.vector() * Vec3::new(1.99, 0.0, 0.99)).with_y(1.0);
         let ray = Ray::new(vector(p), Vector::new(0.0, -1.0, 0.0));
         let theirs = shape.parry().cast_local_ray(&ray, 5.0, true).unwrap();
         let mine = shape.cast_ray(p, Vec3::NEG_Y, 5.0).unwrap();
         worst = worst.max((mine.distance - theirs).abs());
-        let q = dice.vector() * Vec3::new(2.5, 0.6, 1.5);
+        let q = random.vector() * Vec3::new(2.5, 0.6, 1.5);
         let near = shape.nearest(q);
         let away = (shape.parry().project_local_point(vector(q), false).point - vector(q)).length();
         assert!(near.distance.abs() <= away + 1e-5, "{q}: {} and {away}", near.distance);

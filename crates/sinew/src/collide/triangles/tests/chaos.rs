@@ -7,20 +7,20 @@ use super::super::crossing::Four;
 use super::super::participants::EDGES;
 use super::colliding;
 use crate::collide::ContactFilter;
-use crate::collide::dice::Dice;
 use crate::collide::nearby::Nearby;
 use crate::particles::{ParticleSeed, Particles};
+use crate::test_random::Random;
 
 /// A cubic lattice of 1 m with `side` triangles a side, each a body, displaced by up to `way` metres and distorted by up to a quarter of that.
-fn thrown(side: usize, way: f32, dice: &mut Dice) -> (Particles, Vec<[u32; 3]>) {
+fn thrown(side: usize, way: f32, random: &mut Random) -> (Particles, Vec<[u32; 3]>) {
     let (mut particles, mut surfaces) = (Particles::default(), Vec::new());
     for k in 0..side * side * side {
         let cell = [k % side, k / side % side, k / side / side].map(|i| i as f32);
         let first = particles.len() as u32;
         for _ in 0..3 {
             // About half a metre across, so that none begins in another.
-            let at = Vec3::from(cell) + dice.vector() * 0.28;
-            let mass = libm::exp2f(3.0 * dice.roll());
+            let at = Vec3::from(cell) + random.vector() * 0.28;
+            let mass = libm::exp2f(3.0 * random.number());
             let seed = ParticleSeed::at(at).with_mass(mass).with_radius(0.02);
             let row = particles.push(seed).unwrap() as usize;
             particles.set_body(row, Some(k as u32));
@@ -28,9 +28,9 @@ fn thrown(side: usize, way: f32, dice: &mut Dice) -> (Particles, Vec<[u32; 3]>) 
         surfaces.push([first, first + 1, first + 2]);
     }
     for corners in &surfaces {
-        let far = dice.vector() * way;
+        let far = random.vector() * way;
         for &row in corners {
-            let own = dice.vector() * (0.25 * way);
+            let own = random.vector() * (0.25 * way);
             particles.displace(row as usize, far + own);
         }
     }
@@ -75,11 +75,11 @@ fn passing(particles: &Particles, surfaces: &[[u32; 3]]) -> usize {
 
 #[test]
 fn whatever_is_thrown_through_each_other_in_a_substep_has_not_passed_when_it_ends() {
-    let mut dice = Dice(3);
+    let mut random = Random::new(3);
     let (mut rounds, mut sorted_out) = (0, 0);
     for round in 0..24 {
         let way = [0.6, 1.0, 3.0, 30.0][round % 4];
-        let (mut particles, surfaces) = thrown(4, way, &mut dice);
+        let (mut particles, surfaces) = thrown(4, way, &mut random);
         let contacts = vec![colliding(false); surfaces.len()];
         let moment = |particles: &Particles| -> DVec3 {
             (0..particles.len())
