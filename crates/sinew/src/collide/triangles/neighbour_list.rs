@@ -93,6 +93,9 @@ const FAR: f64 = 1e15;
 /// are refreshed 11, 3 and 1 times a tick with 1, 0.75 and 0.5, the last of which has the whole list rebuilt more often.
 const NEARLY: f32 = 0.75;
 
+/// The whole list is rebuilt when the mean displacement is greater, metres.
+const MAX_DRIFT: f32 = 10.0;
+
 /// The whole list is rebuilt if more than one in this many members has exceeded its margin; otherwise only their part of it.
 const REBUILD_DIVISOR: usize = 16;
 
@@ -174,12 +177,17 @@ impl TriangleNeighbours {
             }
         }
         self.common = common;
-        any
+        any || self.is_far_from_list()
+    }
+
+    /// Whether all have come so far since the list was built that rounding would count: positions of `f32` are off by a micrometre there.
+    fn is_far_from_list(&self) -> bool {
+        self.common.length_squared() > MAX_DRIFT * MAX_DRIFT
     }
 
     /// Whether so few members exceed their margins that [`refresh`](Self::refresh) does.
     pub(super) fn few_exceed(&self) -> bool {
-        self.exceeded.len() * REBUILD_DIVISOR <= self.home.len()
+        self.exceeded.len() * REBUILD_DIVISOR <= self.home.len() && !self.is_far_from_list()
     }
 
     /// Searches for the candidates of the members that exceed their margins, and takes the present positions as theirs; otherwise as
