@@ -86,6 +86,26 @@ pub(crate) fn each<T: Send>(
     });
 }
 
+/// Runs `work` on chunks of at least `size` items, on all workers if there are any. It gets the number of a chunk's first item, the chunk, and a result that it
+/// overwrites, which may be in any state. Returns the results in order. They must not depend on where chunks begin: there is a single one without workers.
+pub(crate) fn each_chunk<'r, I: Sync, R: Default + Send>(
+    workers: Option<&dyn Workers>,
+    items: &[I],
+    size: usize,
+    results: &'r mut Vec<R>,
+    work: impl Fn(usize, &[I], &mut R) + Sync,
+) -> &'r mut [R] {
+    let all = items.len().max(1);
+    let size = workers.map_or(all, |_| size.max(items.len().div_ceil(TASKS)));
+    let count = items.len().div_ceil(size);
+    if results.len() < count {
+        results.resize_with(count, R::default);
+    }
+    let chunks = items.chunks(size).enumerate().zip(&mut results[..count]);
+    each(workers, chunks, |((number, chunk), result)| work(number * size, chunk, result));
+    &mut results[..count]
+}
+
 /// A pool of scratch objects. A task borrows one while it runs; they are kept for their memory.
 #[derive(Debug, Default)]
 pub(crate) struct Pool<T>(Mutex<Vec<T>>);
@@ -109,11 +129,12 @@ impl<T> Clone for Pool<T> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
+    /// This many threads, started anew for each call.
     #[derive(Debug)]
-    struct Threads(usize);
+    pub(crate) struct Threads(pub(crate) usize);
 
     impl Workers for Threads {
         fn run(&self, work: &(dyn Fn() + Sync)) {
@@ -130,6 +151,32 @@ mod tests {
                 chunk.iter_mut().for_each(|n| *n += number as u32 + 1);
             });
             assert!(numbers.iter().enumerate().all(|(i, &n)| n == i as u32 / 17 + 1), "{workers}");
+        }
+    }
+
+    #[test]
+    fn chunks_cover_all_items_in_order_for_any_number_of_workers() {
+        let items: Vec<usize> = (0..1000).collect();
+        for workers in [None, Some(Threads(1)), Some(Threads(3))] {
+            let workers = workers.as_ref().map(|workers| workers as &dyn Workers);
+            // Results of an earlier call are overwritten.
+            let mut results = vec![vec![7]; 99];
+            for (count, size) in [(1000, 1), (1000, 60), (10, 60), (0, 60)] {
+                let found = each_chunk(
+                    workers,
+                    &items[..count],
+                    size,
+                    &mut results,
+                    |first, chunk, result| {
+                        assert_eq!(chunk[0], first);
+                        result.clear();
+                        result.extend_from_slice(chunk);
+                    },
+                );
+                assert!(workers.is_some() || found.len() <= 1, "{}", found.len());
+                assert!(workers.is_none() || found.len() == count.div_ceil(size.max(16)));
+                assert_eq!(found.concat(), items[..count]);
+            }
         }
     }
 

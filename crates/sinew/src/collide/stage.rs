@@ -10,8 +10,8 @@ use super::pressed::PressedCloth;
 use super::triangles::Triangles;
 use super::world::World;
 use crate::islands::Islands;
-use crate::lanes::InstructionSet;
 use crate::particles::Particles;
+use crate::threads::ExecutionContext;
 
 /// Contact state of a step. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -28,13 +28,6 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
-    /// Chooses the instruction set of the wide kernels. Results do not depend on it.
-    pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
-        self.body_contact.instructions = instructions;
-        self.pairs.instructions = instructions;
-        self.triangles.use_instructions(instructions);
-    }
-
     /// Rebuilds the map from rows to body colliders, when those or the particles have changed.
     pub(crate) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
         self.body_contact.compile(body_colliders, particles);
@@ -53,15 +46,19 @@ impl Contacts {
         (particles, surfaces): (&Particles, &[[u32; 3]]),
         world: World,
         contact_cache: &mut ContactCache,
+        execution: ExecutionContext<'_>,
     ) {
         let World { filter, dt, .. } = world;
+        self.body_contact.instructions = execution.instructions;
+        self.pairs.instructions = execution.instructions;
         self.impacts.clear();
         let Self { particle_contacts, unpaired, nearby, body_contact, .. } = self;
         particle_contacts.begin(particles, &world, body_contact.rows(), &mut self.normal_impulses);
         let excluded = &particle_contacts.excluded;
         nearby.broad_phase(particles, &world, excluded);
         body_contact.broad_phase(particles, &world, nearby, contact_cache);
-        self.triangles.broad_phase(particles, surfaces, (filter, nearby), excluded, dt);
+        let near = (filter, &*nearby);
+        self.triangles.broad_phase(particles, surfaces, near, excluded, dt, execution);
         unpaired.clone_from(excluded);
         self.triangles.mark_corners(filter, particles.len(), unpaired);
         self.pairs.broad_phase(particles, (filter, nearby), &particles.rest, unpaired, dt);
@@ -111,13 +108,14 @@ impl Contacts {
         world: &World,
         (h, substep): (f32, u32),
         cloth: &mut impl PressedCloth,
+        execution: ExecutionContext<'_>,
     ) {
         let Self { particle_contacts, normal_impulses, nearby, body_contact, .. } = self;
         let cloth = (cloth, &*particle_contacts, &mut normal_impulses[..]);
         body_contact.project(particles, (world, nearby), (h, substep), cloth);
         self.pairs.project(particles, world.filter, h);
         // Last, so that the sides that it determines still hold when the next substep begins.
-        self.triangles.project(particles, world.filter);
+        self.triangles.project(particles, world.filter, execution);
         self.particle_contacts.flatten(particles, false);
     }
 

@@ -318,7 +318,7 @@ impl Simulation {
             let among = (&*filter, &plan.islands);
             let world = contact_world(given, among, self.forces.gravity, steps);
             let mut cloth = solving.pressed_cloth(plan, parameters, execution);
-            contacts.project(particles, &world, (h, substep), &mut cloth);
+            contacts.project(particles, &world, (h, substep), &mut cloth, execution);
             plan.islands.mark_pressed(contacts.body_contact.pressed_rows());
             let Contacts { particle_contacts, normal_impulses, body_contact, .. } = contacts;
             let context = solve::SolveContext::new(plan, particle_contacts, parameters, execution);

@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 use smallvec::SmallVec;
 
-use super::{Scratch, Simulation, Substep, contact_world};
+use super::{Scratch, Simulation, Substep, contact_world, execution};
 use crate::constraints::{Constraint, Distance};
 use crate::forces;
 use crate::islands::Islands;
@@ -260,8 +260,8 @@ impl Simulation {
         let given = (&*boundaries, &colliders[..], &body_colliders[..]);
         let (among, steps) = ((&*filter, &plan.islands), (length, substeps, at_rest));
         let world = contact_world(given, among, forces.gravity, steps);
-        scratch.contacts.use_instructions(self.instructions);
-        scratch.contacts.begin((particles, &forces.surfaces), world, contact_cache);
+        let execution = execution(self.instructions, &self.workers);
+        scratch.contacts.begin((particles, &forces.surfaces), world, contact_cache, execution);
         scratch.contacts.particle_contacts.note_inside(particles);
         let Scratch { contacts, plan, .. } = scratch;
         let Islands { list, members, rows_near_colliders, .. } = &mut plan.islands;

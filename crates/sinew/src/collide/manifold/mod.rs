@@ -30,7 +30,7 @@ use super::words::{Reader, Write};
 use crate::lanes::InstructionSet;
 
 pub(crate) use boxes::BoxPairs;
-pub(crate) use broad::{Aabb, BlockSearch, Broad, ClusterSearch, NO_GROUP};
+pub(crate) use broad::{Aabb, BlockSearch, Broad, ClusterSearch, EightBoxes, NO_GROUP};
 pub(crate) use convex::ManifoldScratch;
 
 /// A pair of nearby points, one on each surface.

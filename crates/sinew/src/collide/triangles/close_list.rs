@@ -12,16 +12,18 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::least_distance::{of_edges, to_triangle};
-use super::neighbour_list::{LONGER, TriangleCandidate, mean};
+use super::neighbour_list::{LONGER, mean};
 use super::participants::{TriangleParticipants, largest};
+use super::search::TriangleCandidate;
 use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, Vector, Work, with};
 use crate::particles::Particles;
+use crate::threads::{ExecutionContext, Workers, each_chunk};
 
 /// Scratch. What outlives a substep only saves tests and changes no result.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CloseList {
-    /// Instruction set of the kernels; all give the same bits.
-    pub(super) instructions: InstructionSet,
+    /// Instruction set of this substep; all give the same bits.
+    instructions: InstructionSet,
     /// The candidates of the neighbour list, in order: those of corners first.
     blocks: Vec<CandidateBlock>,
     /// `ends`: position of each member, metres from the first member's origin, and in `w` its displacement in this substep relative to the mean displacement of
@@ -30,8 +32,9 @@ pub(super) struct CloseList {
     starts: Vec<Vec3>,
     /// Greatest rounding error of these positions, metres.
     rounding: f32,
-    /// The close candidates, in order.
+    /// The close candidates, in order: of all blocks, and those of each chunk of them.
     close: Vec<CandidateBlock>,
+    of_chunks: Vec<Vec<CandidateBlock>>,
     /// `ends` at the time of listing; `w` is the displacement in the substep plus twice the allowance.
     listed: Vec<Vec4>,
     /// Distance by which contacts may displace each member before other candidates become close, metres; and the distance by which they have displaced it.
@@ -44,9 +47,9 @@ pub(super) struct CloseList {
     allowance_exceeded: bool,
 }
 
-/// Up to eight candidates. Empty lanes repeat the first one.
+/// Up to eight candidates. Empty lanes have members, too.
 #[derive(Clone, Copy, Debug)]
-struct WideCandidate {
+pub(super) struct WideCandidate {
     members: [[u32; LANES]; 4],
     /// Greatest contact distance of each candidate, metres.
     reach: [f32; LANES],
@@ -69,37 +72,10 @@ const ALLOWANCE_FACTOR: f32 = 1.5;
 const EXCESS_SHARE: f32 = 0.1;
 const ALLOWANCE_DECAY: f32 = 0.9;
 
-impl CloseList {
-    /// Drops the candidates that cannot come into contact as long as each member moves no further from its position than its `range`, metres.
-    pub(super) fn prune(
-        &mut self,
-        candidates: &mut Vec<TriangleCandidate>,
-        participants: &TriangleParticipants,
-        particles: &Particles,
-        ranges: &[f32],
-    ) {
-        let Self { ends, instructions, .. } = self;
-        let (zero, mut far) = (first_origin(participants, particles), 0.0_f32);
-        ends.clear();
-        ends.extend(participants.rows.iter().zip(ranges).map(|(&row, range)| {
-            let at = place(particles, row, zero);
-            far = far.max(at.abs().max_element());
-            at.extend(*range)
-        }));
-        let slack = 2.0 * ROUNDING * far;
-        let (mut number, mut count) = (0, 0);
-        while number < candidates.len() {
-            let wide = WideCandidate::of_some(&candidates[number..], participants);
-            let test = CloseTest { wide: &wide, ends, slack, both: true };
-            for lane in SetLanes(with(*instructions, test)) {
-                candidates[count] = candidates[number + lane];
-                count += 1;
-            }
-            number += wide.count as usize;
-        }
-        candidates.truncate(count);
-    }
+/// Number of blocks that are worth a task: it takes some 50 µs.
+const CHUNK: usize = 1024;
 
+impl CloseList {
     /// Takes the candidates of the list, those of corners first.
     pub(super) fn pack(
         &mut self,
@@ -121,7 +97,9 @@ impl CloseList {
         &mut self,
         participants: &TriangleParticipants,
         particles: &Particles,
+        execution: ExecutionContext<'_>,
     ) {
+        self.instructions = execution.instructions;
         let Self { ends, starts, rounding, .. } = self;
         let way = |row: usize| (particles.position[row] - particles.start[row]).truncate();
         let common = mean(participants.rows.iter().map(|&row| way(row as usize)));
@@ -147,7 +125,7 @@ impl CloseList {
             .extend(self.displacements.iter().map(|by| self.base + ALLOWANCE_FACTOR * by));
         self.displacements.fill(0.0);
         (self.max_displacement, self.allowance_exceeded) = (0.0, false);
-        self.list();
+        self.list(execution.workers);
     }
 
     /// Lists the close candidates again if a member was displaced by more than its allowance. Returns whether it was so.
@@ -159,18 +137,24 @@ impl CloseList {
                 let wanted = if by > *allowance { 2.0 * by } else { self.base };
                 *allowance = allowance.max(wanted);
             }
-            self.list();
+            // Few candidates are left to test when this happens, one after the other.
+            self.list(None);
         }
         exceeded
     }
 
-    fn list(&mut self) {
-        let Self { blocks, ends, rounding, close, allowances, listed, instructions, .. } = self;
+    fn list(&mut self, workers: Option<&dyn Workers>) {
+        let Self { blocks, ends, close, of_chunks, allowances, listed, instructions, .. } = self;
         listed.clear();
         let each = ends.iter().zip(&*allowances);
         listed.extend(each.map(|(end, allowance)| end.truncate().extend(end.w + 2.0 * allowance)));
+        let (listed, slack) = (&listed[..], 2.0 * self.rounding);
+        let of_chunks = each_chunk(workers, blocks, CHUNK, of_chunks, |_, blocks, close| {
+            close.clear();
+            with(*instructions, ListClose { blocks, listed, slack, close });
+        });
         close.clear();
-        with(*instructions, ListClose { blocks, listed, slack: 2.0 * *rounding, close });
+        of_chunks.iter().for_each(|of_chunk| close.extend_from_slice(of_chunk));
     }
 
     /// The candidates of a listed block that are close at the members' current positions, a bit each, and whose number is at least `from`; `None` beyond the
@@ -206,17 +190,18 @@ impl CloseList {
 }
 
 /// Position of a row, metres from `zero`.
-fn place(particles: &Particles, row: u32, zero: Vec3) -> Vec3 {
+pub(super) fn place(particles: &Particles, row: u32, zero: Vec3) -> Vec3 {
     let row = row as usize;
     (particles.origin[row] - zero) + particles.position[row].truncate()
 }
 
-fn first_origin(participants: &TriangleParticipants, particles: &Particles) -> Vec3 {
+/// Origin of the first member, metres.
+pub(super) fn first_origin(participants: &TriangleParticipants, particles: &Particles) -> Vec3 {
     participants.rows.first().map_or(Vec3::ZERO, |&row| particles.origin[row as usize])
 }
 
 /// Greatest rounding error of a position, as a share of its largest coordinate: of the position itself and of several displacements.
-const ROUNDING: f32 = 2e-6;
+pub(super) const ROUNDING: f32 = 2e-6;
 
 /// Greatest contact distance of a candidate, metres.
 fn reach_of(candidate: &TriangleCandidate, participants: &TriangleParticipants) -> f32 {
@@ -224,12 +209,30 @@ fn reach_of(candidate: &TriangleCandidate, participants: &TriangleParticipants) 
 }
 
 impl WideCandidate {
+    /// An empty block, for candidates of a kind.
+    pub(super) fn new(edges: bool) -> Self {
+        Self { members: [[0; LANES]; 4], reach: [0.0; LANES], count: 0, edges }
+    }
+
     /// A block with one candidate.
     fn of(four: [u32; 4], reach: f32, edges: bool) -> Self {
         let members = four.map(|member| [member; LANES]);
-        let mut wide = Self { members, reach: [0.0; LANES], count: 0, edges };
+        let mut wide = Self { members, ..Self::new(edges) };
         wide.put(four, reach);
         wide
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.count as usize
+    }
+
+    pub(super) fn edges(&self) -> bool {
+        self.edges
+    }
+
+    /// Removes all candidates.
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
     }
 
     /// The first of some candidates, and those of its kind that follow it.
@@ -254,7 +257,7 @@ impl WideCandidate {
 
     /// Adds a candidate.
     #[inline(always)]
-    fn put(&mut self, four: [u32; 4], reach: f32) {
+    pub(super) fn put(&mut self, four: [u32; 4], reach: f32) {
         let place = self.count as usize;
         for (members, member) in self.members.iter_mut().zip(four) {
             members[place] = member;
@@ -265,7 +268,7 @@ impl WideCandidate {
 
     /// The candidate in a lane, and its contact distance.
     #[inline(always)]
-    fn lane(&self, lane: usize) -> ([u32; 4], f32) {
+    pub(super) fn lane(&self, lane: usize) -> ([u32; 4], f32) {
         let [i, j, k, l] = &self.members;
         ([i[lane], j[lane], k[lane], l[lane]], self.reach[lane])
     }
@@ -337,11 +340,11 @@ fn push_lanes(
 
 /// Which of eight candidates are close, a bit each: nearer than their contact distance, or than their displacements (so that they may have passed through each
 /// other); with `both`, nearer than the sum of the two.
-struct CloseTest<'a> {
-    wide: &'a WideCandidate,
-    ends: &'a [Vec4],
-    slack: f32,
-    both: bool,
+pub(super) struct CloseTest<'a> {
+    pub(super) wide: &'a WideCandidate,
+    pub(super) ends: &'a [Vec4],
+    pub(super) slack: f32,
+    pub(super) both: bool,
 }
 
 impl Work for CloseTest<'_> {
@@ -360,20 +363,10 @@ impl Work for CloseTest<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::crossing::Four;
+    use super::super::search::distance;
     use super::*;
-    use crate::collide::distance;
     use crate::particles::ParticleSeed;
     use crate::test_random::Random;
-
-    /// The exact distance of the two at their current positions.
-    fn exact(four: &Four) -> f64 {
-        let [p, a, b, c] = four.to;
-        if four.edges {
-            return distance::of_segments([p, a], [b, c]);
-        }
-        let [i, j, k] = distance::to_triangle(p, [a, b, c]);
-        (p - (a * i + b * j + c * k)).length()
-    }
 
     #[test]
     fn no_contact_or_crossing_is_left_out_however_members_are_displaced() {
@@ -407,10 +400,7 @@ mod tests {
         let candidates: Vec<_> =
             (0..1501).map(|number| candidate(number >= 700, &mut random)).collect();
         let mut list = CloseList::default();
-        let anywhere = [f32::INFINITY; COUNT];
-        let mut kept = candidates.clone();
-        list.prune(&mut kept, &participants, &particles, &anywhere);
-        assert_eq!(kept.len(), candidates.len());
+        let execution = ExecutionContext { instructions: InstructionSet::best(), workers: None };
         list.pack(&candidates, &participants);
         let (mut touching, mut passing, mut passed_over) = (0, 0, 0);
         for substep in 0..200 {
@@ -424,7 +414,7 @@ mod tests {
             if let Some(poisoned) = poisoned {
                 particles.position[poisoned] *= Vec4::new(f32::NAN, 1.0, 1.0, 1.0);
             }
-            list.begin_substep(&participants, &particles);
+            list.begin_substep(&participants, &particles, execution);
             for _ in 0..6 {
                 list.update();
                 let mut listed = vec![false; candidates.len()];
@@ -442,7 +432,7 @@ mod tests {
                     let (from, to) = (at(&particles.start), at(&particles.position));
                     let four = Four { from, to, edges: candidate.edges };
                     let reach = largest(&participants.radius, candidate.four, candidate.edges);
-                    let touches = exact(&four) < f64::from(reach);
+                    let touches = distance(to, candidate.edges) < f64::from(reach);
                     let passes = four.crossing().is_some();
                     touching += u32::from(touches);
                     passing += u32::from(passes);
@@ -459,49 +449,5 @@ mod tests {
         }
         assert!(touching > 1000 && passing > 1000, "{touching}, {passing}");
         assert!(passed_over > 200 * 6 * 1501 / 3, "{passed_over}");
-    }
-
-    #[test]
-    fn candidates_that_are_not_kept_cannot_come_near() {
-        const COUNT: usize = 60;
-        let mut random = Random::new(5);
-        let mut particles = Particles::default();
-        let mut participants = TriangleParticipants::default();
-        for row in 0..COUNT as u32 {
-            particles.push(ParticleSeed::at(random.vector() * 0.4)).unwrap();
-            participants.rows.push(row);
-            participants.radius.push(0.02 + 0.01 * random.number());
-        }
-        let ranges: Vec<f32> = (0..COUNT).map(|_| 0.03 + 0.03 * random.number()).collect();
-        let all: Vec<_> = (0..4000)
-            .map(|number| TriangleCandidate {
-                four: [0; 4].map(|_| random.below(COUNT) as u32),
-                most: f32::INFINITY,
-                edges: number >= 1900,
-                pair: [number, 0],
-            })
-            .collect();
-        let mut list = CloseList::default();
-        let mut kept = all.clone();
-        list.prune(&mut kept, &participants, &particles, &ranges);
-        let taken: Vec<u32> = kept.iter().map(|candidate| candidate.pair[0]).collect();
-        let (mut left, mut near) = (taken.iter().peekable(), 0);
-        for (number, candidate) in (0..).zip(&all) {
-            if left.next_if(|next| **next == number).is_some() {
-                continue;
-            }
-            let reach = largest(&participants.radius, candidate.four, candidate.edges);
-            for _ in 0..20 {
-                let to = candidate.four.map(|i| {
-                    let by = random.vector().normalize_or_zero() * ranges[i as usize];
-                    (particles.position(i as usize) + by).as_dvec3()
-                });
-                let least = exact(&Four { from: to, to, edges: candidate.edges });
-                assert!(least >= f64::from(reach), "{candidate:?}");
-                near += u32::from(least < 3.0 * f64::from(reach));
-            }
-        }
-        assert!(left.next().is_none(), "in their order");
-        assert!((200..3800).contains(&taken.len()) && near > 10, "{} taken, {near}", taken.len());
     }
 }

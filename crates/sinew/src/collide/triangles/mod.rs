@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `participants` | triangles, their corners and edges, and particles that take part |
 //! | `neighbour_list` | candidate pairs with a margin, and whether a margin was exceeded |
+//! | `search` | the candidates of overlapping boxes |
 //! | `close_list` | the candidates that are close in this substep |
 //! | `least_distance` | lower bounds of distances, eight at a time |
 //! | `distance` | nearest points of a particle and a triangle, and of two edges |
@@ -53,6 +54,7 @@ mod least_distance;
 mod neighbour_list;
 mod participants;
 mod restitution;
+mod search;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -62,8 +64,8 @@ use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
 use super::restitution::threshold;
-use crate::lanes::InstructionSet;
 use crate::particles::Particles;
+use crate::threads::ExecutionContext;
 
 use neighbour_list::TriangleNeighbours;
 use participants::TriangleParticipants;
@@ -110,12 +112,6 @@ const MAX_REPEATS: u32 = 2;
 const NONE: u32 = u32::MAX;
 
 impl Triangles {
-    /// Selects the instruction set of the wide kernels. All give the same bits.
-    pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
-        self.state.close.instructions = instructions;
-        self.neighbours.instructions = instructions;
-    }
-
     /// Builds the neighbour list for a step of `dt` seconds, unless the last one is still valid.
     ///
     /// Ignored are bodies near no other body, and triangles with rows out of range, of several bodies or none, or marked in `excluded`, which may be shorter
@@ -127,6 +123,7 @@ impl Triangles {
         (filter, nearby): (&ContactFilter, &Nearby),
         excluded: &[bool],
         dt: f32,
+        execution: ExecutionContext<'_>,
     ) {
         self.reported.clear();
         self.hits.clear();
@@ -142,9 +139,9 @@ impl Triangles {
         let is_valid =
             participants.is_same_as(former) && neighbours.is_valid(participants, particles, filter);
         if !is_valid {
-            self.rebuild(particles, filter, false);
+            self.rebuild(particles, filter, false, execution);
         } else if neighbours.exceeds_margins(participants, particles, true) {
-            self.update(particles, filter, false);
+            self.update(particles, filter, false, execution);
         }
     }
 
@@ -169,7 +166,12 @@ impl Triangles {
     }
 
     /// Corrects overlaps and crossings of a substep whose start is in the particles. Returns the greatest overlap found, metres.
-    pub(crate) fn project(&mut self, particles: &mut Particles, filter: &ContactFilter) -> f64 {
+    pub(crate) fn project(
+        &mut self,
+        particles: &mut Particles,
+        filter: &ContactFilter,
+        execution: ExecutionContext<'_>,
+    ) -> f64 {
         self.hits.clear();
         // If rows were removed since, the list would refer to others.
         let last = self.participants.rows.last().map_or(0, |&row| row as usize);
@@ -178,7 +180,7 @@ impl Triangles {
         }
         self.neighbours.begin_substep();
         if self.neighbours.exceeds_margins(&self.participants, particles, true) {
-            self.update(particles, filter, true);
+            self.update(particles, filter, true, execution);
         }
         if self.neighbours.candidates.is_empty() {
             return 0.0;
@@ -191,7 +193,7 @@ impl Triangles {
             self.hit_of.resize(self.neighbours.candidates.len(), NONE);
             let Self { participants, state, .. } = self;
             if fresh {
-                state.close.begin_substep(participants, particles);
+                state.close.begin_substep(participants, particles, execution);
             }
             let (before, mut agree) = (sweep, false);
             for number in 0..SWEEPS {
@@ -229,7 +231,7 @@ impl Triangles {
                 self.earlier.clear();
                 self.earlier.extend(numbered.map(|(index, hit)| (hit.members, index)));
                 self.earlier.sort_unstable();
-                self.update(particles, filter, true);
+                self.update(particles, filter, true, execution);
             }
         }
         self.reset_hit_indices();
@@ -322,31 +324,34 @@ impl Triangles {
     }
 
     /// Brings the list up to date where members have exceeded their margins.
-    fn update(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
-        let Self { participants, neighbours, .. } = self;
-        if neighbours.few_exceed() {
-            participants.index_triangles();
-            neighbours.refresh((participants, filter), particles, self.dt, within);
-            self.take_found(particles);
-            self.refreshes += 1;
-        } else {
-            self.rebuild(particles, filter, within);
-        }
-    }
-
-    fn rebuild(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
-        let Self { participants, neighbours, .. } = self;
-        neighbours.rebuild((participants, filter), particles, self.dt, within);
-        self.take_found(particles);
-        self.rebuilds += 1;
-    }
-
-    /// Takes those of the candidates found into the list that can come into contact.
-    fn take_found(&mut self, particles: &Particles) {
+    fn update(
+        &mut self,
+        particles: &Particles,
+        filter: &ContactFilter,
+        within: bool,
+        execution: ExecutionContext<'_>,
+    ) {
         let Self { participants, neighbours, state, .. } = self;
-        let TriangleNeighbours { found, ranges, .. } = neighbours;
-        state.close.prune(found, participants, particles, ranges);
-        neighbours.merge();
+        if !neighbours.few_exceed() {
+            self.rebuild(particles, filter, within, execution);
+            return;
+        }
+        participants.index_triangles();
+        neighbours.refresh((participants, filter), particles, (self.dt, within), execution);
         state.close.pack(&neighbours.candidates, participants);
+        self.refreshes += 1;
+    }
+
+    fn rebuild(
+        &mut self,
+        particles: &Particles,
+        filter: &ContactFilter,
+        within: bool,
+        execution: ExecutionContext<'_>,
+    ) {
+        let Self { participants, neighbours, state, .. } = self;
+        neighbours.rebuild((participants, filter), particles, (self.dt, within), execution);
+        state.close.pack(&neighbours.candidates, participants);
+        self.rebuilds += 1;
     }
 }

@@ -4,35 +4,27 @@
 //! long as no particle exceeds its margin relative to the mean displacement of all, the list contains every pair that touches. A triangle's box is the union of
 //! those of its corners. The list is in the order of the triangles that own its features, and so in that of the rows, whatever the margins are.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
-use super::super::distance::{of_segments, to_triangle};
-use super::participants::{EDGES, TriangleParticipants, largest};
+use super::close_list::{ROUNDING, first_origin, place};
+use super::participants::{EDGES, TriangleParticipants};
+use super::search::{
+    CandidateSearch, FindCandidates, FoundCandidates, TriangleCandidate, boxes_of,
+};
 use crate::collide::filter::ContactFilter;
-use crate::collide::manifold::{Aabb, BlockSearch, NO_GROUP};
-use crate::lanes::InstructionSet;
+use crate::collide::manifold::{Aabb, BlockSearch, EightBoxes, NO_GROUP};
+use crate::lanes::with;
 use crate::particles::{NO_BODY, Particles};
-
-/// A particle and a triangle, or two edges, that may touch.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TriangleCandidate {
-    /// Members: the particle and the corners, or the ends of one edge and of the other.
-    pub(super) four: [u32; 4],
-    /// Upper limit of the contact distance, metres: their distance in the rest shape; infinite for two bodies.
-    pub(super) most: f32,
-    pub(super) edges: bool,
-    /// The two overlapping boxes that it was found for, by which candidates of a kind are sorted.
-    pub(super) pair: [u32; 2],
-}
+use crate::threads::{ExecutionContext, each_chunk};
 
 /// The neighbour list, and the state from which it was built. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TriangleNeighbours {
     /// Candidates of particles and triangles, then those of edges; each kind sorted by the pair of boxes.
     pub(super) candidates: Vec<TriangleCandidate>,
-    /// Candidates found by the last search, likewise; those of edges before they are appended; and the list with some of them replaced.
-    pub(super) found: Vec<TriangleCandidate>,
-    edges: Vec<TriangleCandidate>,
+    /// Candidates found by the last search, by chunk of the pairs, and all likewise; and the list with some of them replaced.
+    of_chunks: Vec<FoundCandidates>,
+    found: Vec<TriangleCandidate>,
     merged: Vec<TriangleCandidate>,
     /// Position of each member when the list was built, metres from its own origin, and its margin, metres.
     home: Vec<Vec3>,
@@ -50,7 +42,9 @@ pub(super) struct TriangleNeighbours {
     /// margin.
     pub(super) reserve: Vec<f32>,
     /// How far each member can be from its position: its displacement in this substep plus its margin, metres.
-    pub(super) ranges: Vec<f32>,
+    ranges: Vec<f32>,
+    /// Position of each member, metres from the first member's origin, and in `w` its range.
+    ends: Vec<Vec4>,
     /// Whether each member is pinned, and its origin, metres, when the list was built.
     pinned: Vec<bool>,
     origin: Vec<Vec3>,
@@ -58,14 +52,12 @@ pub(super) struct TriangleNeighbours {
     zero: Vec3,
     /// Version of the contact filter's [rules](ContactFilter::changes) for which the list was built; `None` if there is no list.
     rules: Option<u64>,
-    /// The boxes of members; those of the [`EDGES`] of each triangle, and of the whole triangle; and those of triangles and loose particles.
+    /// The boxes of members; those of the [features](super::search) of each triangle; and those of triangles and loose particles.
     own: Vec<Aabb>,
-    of_triangles: Vec<[Aabb; 4]>,
+    of_triangles: Vec<EightBoxes>,
     boxes: Vec<(Vec3, Vec3)>,
     pairs: Vec<[u32; 2]>,
     search: BlockSearch,
-    /// Instruction set of the kernels; all give the same bits.
-    pub(super) instructions: InstructionSet,
 }
 
 /// A member's margin is its reserve plus the path over `MARGIN_STEPS` steps relative to the mean motion, at its own speed or the mean speed, whichever is
@@ -98,6 +90,9 @@ const MAX_DRIFT: f32 = 10.0;
 
 /// The whole list is rebuilt if more than one in this many members has exceeded its margin; otherwise only their part of it.
 const REBUILD_DIVISOR: usize = 16;
+
+/// Number of pairs of boxes that are worth a task: it takes some 100 µs.
+const CHUNK: usize = 1024;
 
 impl TriangleNeighbours {
     pub(super) fn clear(&mut self) {
@@ -190,8 +185,8 @@ impl TriangleNeighbours {
         self.exceeded.len() * REBUILD_DIVISOR <= self.home.len() && !self.is_far_from_list()
     }
 
-    /// Searches for the candidates of the members that exceed their margins, and takes the present positions as theirs; otherwise as
-    /// [`rebuild`](Self::rebuild). The result is in `found`, and goes into the list by [`merge`](Self::merge).
+    /// Replaces the candidates of the members that exceed their margins, and takes the present positions as theirs; otherwise as
+    /// [`rebuild`](Self::rebuild).
     ///
     /// All boxes are of one frame, which moves along with the mean displacement: what has not exceeded its margin is in its box there, both when the substep
     /// began and as it ends, and so is what is put in anew.
@@ -199,8 +194,8 @@ impl TriangleNeighbours {
         &mut self,
         (participants, filter): (&TriangleParticipants, &ContactFilter),
         particles: &Particles,
-        dt: f32,
-        within: bool,
+        (dt, within): (f32, bool),
+        execution: ExecutionContext<'_>,
     ) {
         let speeds = Speeds::of(participants, particles);
         for place in 0..self.exceeded.len() {
@@ -227,24 +222,24 @@ impl TriangleNeighbours {
         for place in 0..self.exceeded.len() {
             self.enclose_member(participants, particles, self.exceeded[place] as usize, within);
         }
-        let Self { affected, own, of_triangles, boxes, search, instructions, pairs, .. } = self;
+        let Self { affected, is_affected, own, of_triangles, boxes, search, pairs, .. } = self;
         for &item in &*affected {
             let item = item as usize;
-            boxes[item] = match participants.triangles.get(item) {
-                Some(corners) => {
-                    of_triangles[item] = boxes_of(corners, own);
-                    of_triangles[item][3].corners()
-                }
-                None => own[participants.loose[item - count] as usize].corners(),
-            };
+            if item < count {
+                (of_triangles[item], boxes[item]) = boxes_of(participants, item, own);
+            } else {
+                boxes[item] = own[participants.loose[item - count] as usize].corners();
+            }
             search.put(item, &boxes[item]);
         }
-        search.around(affected, boxes, count, *instructions, pairs);
-        self.find_candidates(participants, filter);
+        affected.sort_unstable();
+        search.around((affected, is_affected), boxes, count, execution, pairs);
+        self.find_candidates((participants, filter), particles, execution);
+        self.merge();
     }
 
     /// Replaces the candidates of affected boxes by those found.
-    pub(super) fn merge(&mut self) {
+    fn merge(&mut self) {
         let Self { candidates, found, merged, is_affected, .. } = self;
         let is_affected = |candidate: &&TriangleCandidate| {
             candidate.pair.iter().any(|&item| is_affected[item as usize])
@@ -262,19 +257,19 @@ impl TriangleNeighbours {
         core::mem::swap(candidates, merged);
     }
 
-    /// Builds the list, at the beginning of a step of `dt` seconds, or `within` a substep that has been predicted. The result is in `found`.
+    /// Builds the list, at the beginning of a step of `dt` seconds, or `within` a substep that has been predicted.
     pub(super) fn rebuild(
         &mut self,
         (participants, filter): (&TriangleParticipants, &ContactFilter),
         particles: &Particles,
-        dt: f32,
-        within: bool,
+        (dt, within): (f32, bool),
+        execution: ExecutionContext<'_>,
     ) {
         self.rules = Some(filter.changes());
         (self.common, self.common_at_start) = (Vec3::ZERO, Vec3::ZERO);
         self.measure(participants, particles, dt);
         self.enclose(participants, particles, within);
-        let Self { boxes, pairs, search, instructions, .. } = self;
+        let Self { boxes, pairs, search, .. } = self;
         // Most boxes near a triangle are of the same cloth: if that does not collide with itself, the search skips them as a group.
         let group = |of: u32| {
             let body = participants.body[of as usize];
@@ -286,23 +281,36 @@ impl TriangleNeighbours {
             Some(&[corner, ..]) => corner,
             None => participants.loose[i - count],
         };
-        search.pairs(boxes, |i| group(member(i)), count, *instructions, pairs);
-        self.candidates.clear();
-        self.is_affected.clear();
-        self.find_candidates(participants, filter);
+        search.pairs(boxes, |i| group(member(i)), count, execution, pairs);
+        self.find_candidates((participants, filter), particles, execution);
+        core::mem::swap(&mut self.candidates, &mut self.found);
     }
 
     /// Finds the candidates of all pairs of boxes.
-    fn find_candidates(&mut self, participants: &TriangleParticipants, filter: &ContactFilter) {
-        let pairs = core::mem::take(&mut self.pairs);
-        self.found.clear();
-        self.edges.clear();
-        let mut cached = None;
-        for &pair in &pairs {
-            self.add_candidates((participants, filter), pair, &mut cached);
-        }
-        self.pairs = pairs;
-        self.found.append(&mut self.edges);
+    fn find_candidates(
+        &mut self,
+        (participants, filter): (&TriangleParticipants, &ContactFilter),
+        particles: &Particles,
+        execution: ExecutionContext<'_>,
+    ) {
+        let Self { of_chunks, found, ranges, ends, pinned, own, of_triangles, pairs, .. } = self;
+        let (zero, mut far) = (first_origin(participants, particles), 0.0_f32);
+        ends.clear();
+        ends.extend(participants.rows.iter().zip(&*ranges).map(|(&row, range)| {
+            let at = place(particles, row, zero);
+            far = far.max(at.abs().max_element());
+            at.extend(*range)
+        }));
+        let slack = 2.0 * ROUNDING * far;
+        let search =
+            CandidateSearch { participants, filter, pinned, own, of_triangles, ends, slack };
+        let of_chunks =
+            each_chunk(execution.workers, pairs, CHUNK, of_chunks, |_, pairs, found| {
+                with(execution.instructions, FindCandidates { search, pairs, found });
+            });
+        found.clear();
+        of_chunks.iter().for_each(|of_chunk| found.extend_from_slice(&of_chunk.corners));
+        of_chunks.iter().for_each(|of_chunk| found.extend_from_slice(&of_chunk.edges));
     }
 
     /// Computes the margins.
@@ -377,9 +385,12 @@ impl TriangleNeighbours {
         self.reach_of_all(participants, particles, within);
         let Self { own, of_triangles, boxes, .. } = self;
         of_triangles.clear();
-        of_triangles.extend(participants.triangles.iter().map(|corners| boxes_of(corners, own)));
         boxes.clear();
-        boxes.extend(of_triangles.iter().map(|[.., all]| all.corners()));
+        for triangle in 0..participants.triangles.len() {
+            let (features, whole) = boxes_of(participants, triangle, own);
+            of_triangles.push(features);
+            boxes.push(whole);
+        }
         boxes.extend(participants.loose.iter().map(|&i| own[i as usize].corners()));
     }
 
@@ -426,123 +437,6 @@ impl TriangleNeighbours {
             ranges.push(((at - *home).length() + margin).max(path + margin) * LONGER);
         }
     }
-
-    /// Adds the candidates of two overlapping boxes: of two triangles, or of a triangle and a particle. `cached` holds whether the last two bodies of triangles
-    /// may touch.
-    #[inline]
-    fn add_candidates(
-        &mut self,
-        (participants, filter): (&TriangleParticipants, &ContactFilter),
-        pair: [u32; 2],
-        cached: &mut Option<([u32; 2], bool)>,
-    ) {
-        let (count, [i, j]) = (participants.triangles.len(), pair.map(|item| item as usize));
-        let Some(&one) = participants.triangles.get(i) else { return };
-        if j >= count {
-            let particle = participants.loose[j - count];
-            if participants.may_touch(filter, particle, one[0]) {
-                self.add_corner(participants, particle, i, pair);
-            }
-            return;
-        }
-        let other = participants.triangles[j];
-        // Rows matter only for bodies of a single particle, which have no triangles.
-        let bodies = [one[0], other[0]].map(|corner| participants.body[corner as usize]);
-        let may = match *cached {
-            Some((last, may)) if last == bodies => may,
-            _ => participants.may_touch(filter, one[0], other[0]),
-        };
-        *cached = Some((bodies, may));
-        if !may {
-            return;
-        }
-        for (corners, which, against) in [(one, i, j), (other, j, i)] {
-            for (place, &corner) in corners.iter().enumerate() {
-                let owned = participants.own[which] & (1 << place) != 0;
-                if owned && participants.radius[corner as usize] > 0.0 {
-                    self.add_corner(participants, corner, against, pair);
-                }
-            }
-        }
-        let [of_one, of_other] = [&self.of_triangles[i], &self.of_triangles[j]];
-        for (place, [a, b]) in EDGES.into_iter().enumerate() {
-            let edge = &of_one[place];
-            if participants.own[i] & (8 << place) == 0 || !edge.overlaps(&of_other[3]) {
-                continue;
-            }
-            for (place, [c, d]) in EDGES.into_iter().enumerate() {
-                let owned = participants.own[j] & (8 << place) != 0;
-                if owned && edge.overlaps(&of_other[place]) {
-                    let four = [one[a], one[b], other[c], other[d]];
-                    let candidate = self.edge_candidate(participants, four, pair);
-                    self.edges.extend(candidate);
-                }
-            }
-        }
-    }
-
-    #[inline]
-    fn add_corner(
-        &mut self,
-        participants: &TriangleParticipants,
-        particle: u32,
-        triangle: usize,
-        pair: [u32; 2],
-    ) {
-        let corners = participants.triangles[triangle];
-        let [a, b, c] = corners;
-        if corners.contains(&particle)
-            || !self.own[particle as usize].overlaps(&self.of_triangles[triangle][3])
-        {
-            return;
-        }
-        let candidate = self.candidate(participants, [particle, a, b, c], false, pair);
-        self.found.extend(candidate);
-    }
-
-    /// The candidate of two edges whose boxes overlap.
-    #[inline]
-    fn edge_candidate(
-        &self,
-        participants: &TriangleParticipants,
-        four: [u32; 4],
-        pair: [u32; 2],
-    ) -> Option<TriangleCandidate> {
-        let [a, b, c, d] = four;
-        if a == c || a == d || b == c || b == d {
-            return None;
-        }
-        // The edge of lower numbers first, whichever triangle owns it.
-        let four = if [a, b] < [c, d] { four } else { [c, d, a, b] };
-        self.candidate(participants, four, true, pair)
-    }
-
-    /// The candidate, if the two may touch.
-    #[inline(always)]
-    fn candidate(
-        &self,
-        participants: &TriangleParticipants,
-        four: [u32; 4],
-        edges: bool,
-        pair: [u32; 2],
-    ) -> Option<TriangleCandidate> {
-        let mut most = f64::INFINITY;
-        if let Some(places) = participants.rest_of(four) {
-            most = distance(places, edges);
-        }
-        let pinned = |i: u32| self.pinned[i as usize];
-        let [i, j, k, l] = four;
-        // Features at the same place in the rest shape (a seam) never touch, nor do those without thickness; and there is nothing to correct where all members
-        // are pinned.
-        let reach = f64::from(largest(&participants.radius, four, edges)).min(most);
-        let stays = pinned(i) && pinned(j) && pinned(k) && pinned(l);
-        (reach > 0.0 && !stays).then_some(TriangleCandidate {
-            four,
-            most: most as f32,
-            edges,
-            pair,
-        })
-    }
 }
 
 /// Speeds relative to the mean motion.
@@ -566,13 +460,6 @@ impl Speeds {
     }
 }
 
-/// The boxes of the [`EDGES`] of a triangle, and of all of it.
-fn boxes_of(corners: &[u32; 3], own: &[Aabb]) -> [Aabb; 4] {
-    let corners = corners.map(|corner| own[corner as usize]);
-    let [a, b, c] = EDGES.map(|[i, j]| corners[i].and(&corners[j]));
-    [a, b, c, a.and(&c)]
-}
-
 /// The mean of some vectors, ignoring those that are not finite.
 pub(super) fn mean(all: impl Iterator<Item = Vec3>) -> Vec3 {
     let (mut sum, mut count) = (DVec3::ZERO, 0.0);
@@ -581,14 +468,4 @@ pub(super) fn mean(all: impl Iterator<Item = Vec3>) -> Vec3 {
         count += 1.0;
     }
     (sum / f64::max(count, 1.0)).as_vec3()
-}
-
-/// The distance of the two features, metres.
-#[inline(always)]
-fn distance([p, a, b, c]: [DVec3; 4], edges: bool) -> f64 {
-    if edges {
-        return of_segments([p, a], [b, c]);
-    }
-    let [i, j, k] = to_triangle(p, [a, b, c]);
-    (p - (a * i + b * j + c * k)).length()
 }

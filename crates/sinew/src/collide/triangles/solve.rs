@@ -36,8 +36,8 @@ use glam::{DVec3, Vec3};
 use super::super::distance::{of_lines, to_triangle};
 use super::close_list::CloseList;
 use super::crossing::{ContactShares, Four, gap};
-use super::neighbour_list::TriangleCandidate;
 use super::participants::TriangleParticipants;
+use super::search::TriangleCandidate;
 use crate::particles::Particles;
 
 /// Positions of the members in this substep, in double precision: scratch of it.

@@ -10,7 +10,7 @@
 
 use glam::DVec3;
 
-use super::neighbour_list::TriangleCandidate;
+use super::search::TriangleCandidate;
 use super::solve::SubstepState;
 use crate::lanes::SetLanes;
 use crate::union_find::UnionFind;

@@ -9,6 +9,7 @@ use crate::recipes::{
     Blueprint, BoxSpec, RagdollSpec, RopeSpec, SoftLatticeSpec, box_3d, ragdoll, rope, soft_lattice,
 };
 use crate::solve::PlanInput;
+use crate::threads::tests::Threads;
 use crate::{
     Bound, Collider, Constraint, ConstraintKind, Distance, Frame, InstructionSet, IslandReport,
     Material, ParticleSeed, Plane, Shape, Simulation, Softness, Workers,
@@ -382,19 +383,7 @@ fn instructions_and_threads_do_not_matter() {
         let best = run(InstructionSet::best(), None);
         assert_eq!(run(InstructionSet::Scalar, None), best);
         assert_eq!(run(InstructionSet::Simd128, None), best);
-        assert_eq!(run(InstructionSet::best(), Some(Arc::new(Three))), best);
-    }
-}
-
-#[derive(Debug)]
-struct Three;
-
-impl Workers for Three {
-    fn run(&self, work: &(dyn Fn() + Sync)) {
-        std::thread::scope(|scope| {
-            (0..2).for_each(|_| drop(scope.spawn(work)));
-            work();
-        });
+        assert_eq!(run(InstructionSet::best(), Some(Arc::new(Threads(3)))), best);
     }
 }
 

@@ -1,11 +1,15 @@
 //! Blocks of consecutive boxes that are close to each other, such as the triangles of a cloth or the bones of a ragdoll: up to eight boxes are searched as one,
 //! and the boxes of two nearby blocks are compared eight at a time.
 
+use core::ops::Range;
+
 use glam::Vec3;
 
+use super::eight::EightBoxes;
 use super::{Broad, NO_GROUP, are_compared, is_box};
-use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, Work, with};
+use crate::lanes::{LANES, Lanes, SetLanes, Work, with};
 use crate::not_cloned::NotCloned;
+use crate::threads::{ExecutionContext, each_chunk};
 
 /// Finds overlapping boxes of triangles and particles: all of them, and then those of boxes that are put elsewhere.
 #[derive(Clone, Debug, Default)]
@@ -18,15 +22,20 @@ pub(crate) struct BlockSearch {
     groups: Vec<u32>,
     near: Vec<[u32; 2]>,
     broad: NotCloned<Broad>,
+    /// The pairs of each chunk of a search.
+    of_chunks: Vec<Vec<[u32; 2]>>,
 }
 
-/// Consecutive boxes of one group. An invalid box or an empty lane has a least corner of +∞ and a greatest of -∞, so that nothing overlaps it.
+/// Least numbers of blocks, and of boxes that are put elsewhere, that are worth a task: each takes some 20 µs.
+const CHUNK_BLOCKS: usize = 256;
+const CHUNK_QUERIES: usize = 64;
+
+/// Consecutive boxes of one group.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxBlock {
     pub(super) first: u32,
     count: u32,
-    least: [[f32; LANES]; 3],
-    most: [[f32; LANES]; 3],
+    boxes: EightBoxes,
 }
 
 impl BlockSearch {
@@ -37,10 +46,10 @@ impl BlockSearch {
         boxes: &[(Vec3, Vec3)],
         of: impl Fn(usize) -> u32,
         last: usize,
-        instructions: InstructionSet,
+        execution: ExecutionContext<'_>,
         out: &mut Vec<[u32; 2]>,
     ) {
-        let Self { blocks, bounds, groups, near, broad, .. } = self;
+        let Self { blocks, bounds, groups, near, broad, of_chunks, .. } = self;
         blocks.clear();
         bounds.clear();
         groups.clear();
@@ -58,8 +67,20 @@ impl BlockSearch {
             }
         }
         broad.0.pairs_of_groups(bounds, groups, near);
+        let (blocks, groups, near, last) = (&blocks[..], &groups[..], &near[..], last as u32);
+        let found =
+            each_chunk(execution.workers, blocks, CHUNK_BLOCKS, of_chunks, |first, chunk, out| {
+                out.clear();
+                let range = first..first + chunk.len();
+                let from = near.partition_point(|pair| (pair[0] as usize) < first);
+                let near = &near[from..];
+                with(
+                    execution.instructions,
+                    CompareBlocks { blocks, range, groups, near, last, out },
+                );
+            });
         out.clear();
-        with(instructions, CompareBlocks { blocks, groups, near, last: last as u32, out });
+        found.iter().for_each(|found| out.extend_from_slice(found));
         self.build_tree();
     }
 
@@ -76,7 +97,7 @@ impl BlockSearch {
                     here[0].push(BoxBlock::new(number));
                 }
                 if let Some(top) = here[0].last_mut() {
-                    top.push(&block.bounds());
+                    top.push(&block.boxes.bounds());
                 }
             }
             if here[0].len() <= 1 {
@@ -89,82 +110,64 @@ impl BlockSearch {
     pub(crate) fn put(&mut self, i: usize, one: &(Vec3, Vec3)) {
         let mut number = self.blocks.partition_point(|block| block.first as usize <= i) - 1;
         let block = &mut self.blocks[number];
-        block.set(i - block.first as usize, one);
-        let mut bounds = block.bounds();
+        block.boxes.set(i - block.first as usize, one);
+        let mut bounds = block.boxes.bounds();
         for level in &mut self.levels {
             let Some(top) = level.get_mut(number / LANES) else { break };
-            top.set(number % LANES, &bounds);
-            (bounds, number) = (top.bounds(), number / LANES);
+            top.boxes.set(number % LANES, &bounds);
+            (bounds, number) = (top.boxes.bounds(), number / LANES);
         }
     }
 
-    /// Finds the pairs of [`pairs`](Self::pairs) of which one is among `these`, whose boxes are in `boxes`; sorted.
+    /// Finds the pairs of [`pairs`](Self::pairs) of which one is among `these`, each of which has a mark in `is_one`, and whose boxes are in `boxes`; sorted.
     pub(crate) fn around(
-        &self,
-        these: &[u32],
+        &mut self,
+        (these, is_one): (&[u32], &[bool]),
         boxes: &[(Vec3, Vec3)],
         last: usize,
-        instructions: InstructionSet,
+        execution: ExecutionContext<'_>,
         out: &mut Vec<[u32; 2]>,
     ) {
+        let (mut of_chunks, last) = (core::mem::take(&mut self.of_chunks), last as u32);
+        let search = &*self;
+        let found =
+            each_chunk(execution.workers, these, CHUNK_QUERIES, &mut of_chunks, |_, these, out| {
+                out.clear();
+                with(
+                    execution.instructions,
+                    QueryBlocks { search, these, is_one, boxes, last, out },
+                );
+            });
         out.clear();
-        with(instructions, QueryBlocks { search: self, these, boxes, last: last as u32, out });
-        out.sort_unstable();
-        out.dedup();
+        found.iter().for_each(|found| out.extend_from_slice(found));
+        // As one number, so that a comparison has no branch.
+        out.sort_unstable_by_key(|&[i, j]| u64::from(i) << 32 | u64::from(j));
+        self.of_chunks = of_chunks;
     }
 }
 
 impl BoxBlock {
     /// An empty block; its first box will be number `first`.
     pub(super) fn new(first: u32) -> Self {
-        let (least, most) = ([[f32::INFINITY; LANES]; 3], [[f32::NEG_INFINITY; LANES]; 3]);
-        Self { first, count: 0, least, most }
+        Self { first, count: 0, boxes: EightBoxes::EMPTY }
     }
 
     /// Adds a box to the next lane, and returns whether it is valid.
     pub(super) fn push(&mut self, one: &(Vec3, Vec3)) -> bool {
         let lane = self.count as usize;
         self.count += 1;
-        self.set(lane, one)
-    }
-
-    /// Sets the box of a lane, and returns whether it is valid.
-    fn set(&mut self, lane: usize, one: &(Vec3, Vec3)) -> bool {
-        let valid = is_box(one);
-        let (least, most) = if valid { *one } else { (Vec3::INFINITY, Vec3::NEG_INFINITY) };
-        for axis in 0..3 {
-            self.least[axis][lane] = least[axis];
-            self.most[axis][lane] = most[axis];
-        }
-        valid
-    }
-
-    /// The union of its boxes.
-    fn bounds(&self) -> (Vec3, Vec3) {
-        let least = self.least.map(|of_axis| of_axis.into_iter().fold(f32::INFINITY, f32::min));
-        let most = self.most.map(|of_axis| of_axis.into_iter().fold(f32::NEG_INFINITY, f32::max));
-        (least.into(), most.into())
-    }
-
-    /// A bit for each box of the block that a box overlaps or touches.
-    #[inline(always)]
-    fn overlapping<L: Lanes>(&self, least: [f32; 3], most: [f32; 3]) -> u32 {
-        let mut apart = L::zero();
-        for axis in 0..3 {
-            let (own_least, own_most) = (L::load(&self.least[axis]), L::load(&self.most[axis]));
-            apart = apart.or(own_most.lt(L::splat(least[axis])));
-            apart = apart.or(L::splat(most[axis]).lt(own_least));
-        }
-        !apart.bits() & ((1 << LANES) - 1)
+        self.boxes.set(lane, one)
     }
 }
 
 /// Adds the pairs of overlapping boxes, sorted, of nearby blocks and within each block.
 pub(super) struct CompareBlocks<'a> {
     pub(super) blocks: &'a [BoxBlock],
+    /// The blocks whose pairs with those after them are added.
+    pub(super) range: Range<usize>,
     /// The [group](NO_GROUP) of each block, whose boxes are not compared with each other; blocks beyond its end have none.
     pub(super) groups: &'a [u32],
-    /// Pairs of nearby blocks, sorted.
+    /// Pairs of nearby blocks, sorted, from those of the first block of the range on.
     pub(super) near: &'a [[u32; 2]],
     /// Blocks from this box on are compared only with those before.
     pub(super) last: u32,
@@ -176,8 +179,9 @@ impl Work for CompareBlocks<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { blocks, groups, mut near, last, out } = self;
-        for (number, block) in blocks.iter().enumerate() {
+        let Self { blocks, range, groups, mut near, last, out } = self;
+        for number in range {
+            let block = &blocks[number];
             if block.first >= last {
                 break;
             }
@@ -188,18 +192,17 @@ impl Work for CompareBlocks<'_> {
             let (own, others) = near.split_at(count);
             near = others;
             for lane in 0..block.count as usize {
-                let least = [block.least[0][lane], block.least[1][lane], block.least[2][lane]];
-                let most = [block.most[0][lane], block.most[1][lane], block.most[2][lane]];
+                let one = block.boxes.lane(lane);
                 let i = block.first + lane as u32;
                 if groups.get(number).is_none_or(|&group| group == NO_GROUP) {
                     let behind = u32::MAX << (lane + 1);
-                    for other in SetLanes(block.overlapping::<L>(least, most) & behind) {
+                    for other in SetLanes(block.boxes.overlapping::<L>(one) & behind) {
                         out.push([i, block.first + other as u32]);
                     }
                 }
                 for &[_, other] in own {
                     let theirs = &blocks[other as usize];
-                    for lane in SetLanes(theirs.overlapping::<L>(least, most)) {
+                    for lane in SetLanes(theirs.boxes.overlapping::<L>(one)) {
                         out.push([i, theirs.first + lane as u32]);
                     }
                 }
@@ -208,10 +211,11 @@ impl Work for CompareBlocks<'_> {
     }
 }
 
-/// Adds the pairs of some boxes and of all that they overlap, each perhaps twice.
+/// Adds the pairs of some boxes and of all that they overlap.
 struct QueryBlocks<'a> {
     search: &'a BlockSearch,
     these: &'a [u32],
+    is_one: &'a [bool],
     boxes: &'a [(Vec3, Vec3)],
     last: u32,
     out: &'a mut Vec<[u32; 2]>,
@@ -222,8 +226,8 @@ impl Work for QueryBlocks<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { search: BlockSearch { blocks, levels, groups, .. }, these, boxes, last, out } =
-            self;
+        let Self { search, these, is_one, boxes, last, out } = self;
+        let BlockSearch { blocks, levels, groups, .. } = search;
         let Some(root) = levels.iter().position(|level| level.len() == 1) else { return };
         for &i in these {
             let own = blocks.partition_point(|block| block.first <= i) - 1;
@@ -231,11 +235,11 @@ impl Work for QueryBlocks<'_> {
             if !is_box(one) {
                 continue;
             }
-            let (least, most) = (one.0.to_array(), one.1.to_array());
+            let one = [one.0.to_array(), one.1.to_array()];
             // For each level the number of the block visited there, and a bit for each of its lanes that is still to be.
             let mut path = [(0_usize, 0_u32); MAX_LEVELS];
             let mut level = root;
-            path[root] = (0, levels[root][0].overlapping::<L>(least, most));
+            path[root] = (0, levels[root][0].boxes.overlapping::<L>(one));
             loop {
                 let (number, lanes) = path[level];
                 if lanes == 0 {
@@ -249,16 +253,17 @@ impl Work for QueryBlocks<'_> {
                 let number = number * LANES + lanes.trailing_zeros() as usize;
                 if level > 0 {
                     level -= 1;
-                    path[level] = (number, levels[level][number].overlapping::<L>(least, most));
+                    path[level] = (number, levels[level][number].boxes.overlapping::<L>(one));
                     continue;
                 }
                 let block = &blocks[number];
                 if !are_compared(groups[own], groups[number]) || i.min(block.first) >= last {
                     continue;
                 }
-                for lane in SetLanes(block.overlapping::<L>(least, most)) {
+                for lane in SetLanes(block.boxes.overlapping::<L>(one)) {
                     let other = block.first + lane as u32;
-                    if other != i {
+                    // A pair of two of them is added for the first.
+                    if other > i || other < i && !is_one[other as usize] {
                         out.push([i.min(other), i.max(other)]);
                     }
                 }
@@ -273,6 +278,7 @@ const MAX_LEVELS: usize = 11;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::InstructionSet;
 
     #[test]
     fn it_finds_what_comparing_all_with_all_finds_in_the_same_order() {
@@ -306,16 +312,18 @@ mod tests {
                 }
             }
             for instructions in [InstructionSet::best(), InstructionSet::Scalar] {
+                let execution = ExecutionContext { instructions, workers: None };
                 let mut found = vec![[1, 1]];
                 let of = |i: usize| groups[i];
                 let mut search = BlockSearch::default();
-                search.pairs(&boxes, of, last, instructions, &mut found);
+                search.pairs(&boxes, of, last, execution, &mut found);
                 assert_eq!(found, expected);
                 // All are put elsewhere and back.
                 let these: Vec<u32> = (0..count as u32).step_by(7).collect();
                 (0..count).for_each(|i| search.put(i, &(Vec3::splat(2.0), Vec3::splat(3.0))));
                 (0..count).for_each(|i| search.put(i, &boxes[i]));
-                search.around(&these, &boxes, last, instructions, &mut found);
+                let is_one: Vec<bool> = (0..count).map(|i| i % 7 == 0).collect();
+                search.around((&these, &is_one), &boxes, last, execution, &mut found);
                 let of_these = |pair: &[u32; 2]| pair.iter().any(|i| i % 7 == 0);
                 assert_eq!(found, expected.iter().copied().filter(of_these).collect::<Vec<_>>());
             }

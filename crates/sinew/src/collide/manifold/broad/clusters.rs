@@ -84,7 +84,8 @@ impl ClusterSearch {
             block
         }));
         out.clear();
-        with(instructions, CompareBlocks { blocks, groups: &[], near, last: u32::MAX, out });
+        let (range, groups, last) = (0..blocks.len(), &[][..], u32::MAX);
+        with(instructions, CompareBlocks { blocks, range, groups, near, last, out });
     }
 
     /// Finds the pairs of clusters whose boxes overlap or touch, sorted.

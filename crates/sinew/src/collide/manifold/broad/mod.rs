@@ -13,6 +13,7 @@
 mod aabb;
 mod blocks;
 mod clusters;
+mod eight;
 mod grid;
 
 use glam::Vec3;
@@ -20,6 +21,7 @@ use glam::Vec3;
 pub(crate) use aabb::Aabb;
 pub(crate) use blocks::BlockSearch;
 pub(crate) use clusters::ClusterSearch;
+pub(crate) use eight::EightBoxes;
 pub(crate) use grid::NO_GROUP;
 use grid::{BoxGrid, are_compared};
 

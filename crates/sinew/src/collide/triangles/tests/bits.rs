@@ -1,9 +1,12 @@
 //! Determinism: the result depends on positions and the order of rows, and not on the order of triangles, on instruction sets, on the place in the world, or on
 //! unrelated objects.
 
+use core::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::Arc;
+
 use glam::Vec3;
 
-use super::{DT, Sheet, bits, body, colliding, empty, particle};
+use super::{ALONE, DT, Sheet, bits, body, colliding, empty, particle};
 use crate::collide::filter::ContactFilter;
 use crate::collide::nearby::Nearby;
 use crate::collide::triangles::Triangles;
@@ -12,6 +15,8 @@ use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
 use crate::simulation::Simulation;
+use crate::threads::Workers;
+use crate::threads::tests::Threads;
 
 /// A free sheet that folds up around balls that are shot at it, with an unrelated particle before the rows for which `is_after_unrelated` returns true. Returns
 /// the rows of the others.
@@ -89,6 +94,53 @@ fn all_instructions_give_the_same_bits() {
     assert!(results[0] == results[1] && results[0] == results[2]);
 }
 
+/// Searches are cut into tasks where they are large, as those of these sheets are. The first one has collisions with itself.
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    #[derive(Debug)]
+    struct Counted(Threads, AtomicUsize);
+
+    impl Workers for Counted {
+        fn run(&self, work: &(dyn Fn() + Sync)) {
+            self.1.fetch_add(1, Ordering::Relaxed);
+            self.0.run(work);
+        }
+    }
+
+    let run_with = |threads: usize| {
+        let mut world = empty(9.81);
+        let mut rows = Vec::new();
+        for (k, height) in [0.0, 0.012, 0.03].into_iter().enumerate() {
+            let contacts = colliding(k == 0);
+            let sheet = Sheet { radius: 0.004, contacts, ..Sheet::flat(24, 0.02, height) };
+            rows.extend(sheet.build(&mut world, |i, j| k == 0 && i % 24 == 0 && j % 24 == 0));
+        }
+        // One after the other, those in the middle faster, so that lists are refreshed and rebuilt.
+        for (number, &row) in rows.iter().enumerate() {
+            let [i, j] = [number % 25, number / 25 % 25].map(|k| k as f32 / 24.0 - 0.5);
+            let speed = -2.0 * (0.4 - i * i - j * j) * (number / 625) as f32;
+            world.particles.set_velocity(row, Vec3::new(0.0, speed, 0.3 * i));
+        }
+        let workers = Arc::new(Counted(Threads(threads), AtomicUsize::new(0)));
+        world.workers = (threads > 0).then(|| workers.clone() as Arc<dyn Workers>);
+        // What integration and constraints take.
+        let before = {
+            let mut apart = world.clone();
+            apart.forces.surfaces.clear();
+            run(&mut apart, 12);
+            workers.1.swap(0, Ordering::Relaxed)
+        };
+        run(&mut world, 12);
+        (bits(&world, &rows), workers.1.load(Ordering::Relaxed), before)
+    };
+    let (alone, ..) = run_with(0);
+    for threads in [1, 2, 3, 8] {
+        let (bits, calls, before) = run_with(threads);
+        assert!(bits == alone, "{threads} threads");
+        assert!(calls > before + 12 * 10, "{calls} calls, {before} without triangles");
+    }
+}
+
 #[test]
 fn five_kilometres_away_it_is_the_same_to_the_bit() {
     let run_at = |offset: Vec3| {
@@ -151,7 +203,7 @@ fn the_list_lasts_until_a_member_exceeds_its_margin_or_is_replaced() {
     update(&mut filter, particles, &[]);
     let mut triangles = Triangles::default();
     let mut looks = |particles: &Particles, filter: &ContactFilter| {
-        triangles.broad_phase(particles, surfaces, (filter, &nearby), &[], DT);
+        triangles.broad_phase(particles, surfaces, (filter, &nearby), &[], DT, ALONE);
         triangles.rebuilds + triangles.refreshes
     };
     assert_eq!(looks(particles, &filter), 1);

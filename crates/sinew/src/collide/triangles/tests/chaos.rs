@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::super::Triangles;
 use super::super::crossing::Four;
 use super::super::participants::EDGES;
-use super::colliding;
+use super::{ALONE, colliding};
 use crate::collide::ContactFilter;
 use crate::collide::nearby::Nearby;
 use crate::particles::{ParticleSeed, Particles};
@@ -95,9 +95,9 @@ fn whatever_is_thrown_through_each_other_in_a_substep_has_not_passed_when_it_end
         // All exceed the margins of a list built at the start positions.
         let (ends, start) = (particles.position.clone(), particles.start.clone());
         particles.position = start;
-        triangles.broad_phase(&particles, &surfaces, (&filter, &nearby), &[], 1.0 / 60.0);
+        triangles.broad_phase(&particles, &surfaces, (&filter, &nearby), &[], 1.0 / 60.0, ALONE);
         particles.position = ends;
-        triangles.project(&mut particles, &filter);
+        triangles.project(&mut particles, &filter, ALONE);
         let after = passing(&particles, &surfaces);
         println!(
             "{way} m: {before} passing, {after} after {} looks, {} rounds",

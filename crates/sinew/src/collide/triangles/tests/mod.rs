@@ -12,10 +12,16 @@ use glam::Vec3;
 
 use crate::collide::{BodyContacts, Material};
 use crate::constraints::Distance;
+use crate::lanes::InstructionSet;
 use crate::particles::ParticleSeed;
 use crate::simulation::Simulation;
+use crate::threads::ExecutionContext;
 
 const DT: f32 = 1.0 / 60.0;
+
+/// A single thread.
+const ALONE: ExecutionContext<'static> =
+    ExecutionContext { instructions: InstructionSet::Simd128, workers: None };
 
 /// An empty world with ten substeps.
 fn empty(gravity: f32) -> Simulation {
