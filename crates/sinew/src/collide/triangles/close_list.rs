@@ -216,7 +216,8 @@ impl WideCandidate {
 
     /// A block with one candidate.
     fn of(four: [u32; 4], reach: f32, edges: bool) -> Self {
-        let members = four.map(|member| [member; LANES]);
+        let [i, j, k, l] = four;
+        let members = [[i; LANES], [j; LANES], [k; LANES], [l; LANES]];
         let mut wide = Self { members, ..Self::new(edges) };
         wide.put(four, reach);
         wide

@@ -94,7 +94,7 @@ impl Work for FindCandidates<'_> {
         // Whether the last two bodies of triangles may touch.
         let mut cached = None;
         for &pair in pairs {
-            let (count, [i, j]) = (search.of_triangles.len(), pair.map(|item| item as usize));
+            let (count, [i, j]) = (search.of_triangles.len(), [pair[0] as usize, pair[1] as usize]);
             let Some(&one) = search.participants.triangles.get(i) else { continue };
             let of_one = &search.of_triangles[i];
             if j >= count {
@@ -133,10 +133,12 @@ impl Work for FindCandidates<'_> {
                 continue;
             }
             for place in SetLanes(near_one) {
-                let [a, b] = EDGES[place].map(|end| one[end]);
+                let [from, to] = EDGES[place];
+                let (a, b) = (one[from], one[to]);
                 let near = of_other.overlapping::<L>(of_one.lane(place)) & near_other;
                 for place in SetLanes(near) {
-                    let [c, d] = EDGES[place].map(|end| other[end]);
+                    let [from, to] = EDGES[place];
+                    let (c, d) = (other[from], other[to]);
                     if a != c && a != d && b != c && b != d {
                         // The edge of lower numbers first, whichever triangle owns it.
                         let four = if [a, b] < [c, d] { [a, b, c, d] } else { [c, d, a, b] };
@@ -154,7 +156,8 @@ impl CandidateSearch<'_> {
     /// Whether two bodies may touch, each given by a corner. Rows matter only for bodies of a single particle, which have no triangles.
     #[inline(always)]
     fn may_touch(&self, [a, b]: [u32; 2], cached: &mut Option<([u32; 2], bool)>) -> bool {
-        let bodies = [a, b].map(|corner| self.participants.body[corner as usize]);
+        let of_corner = &self.participants.body;
+        let bodies = [of_corner[a as usize], of_corner[b as usize]];
         let may = match *cached {
             Some((last, may)) if last == bodies => may,
             _ => self.participants.may_touch(self.filter, a, b),
@@ -166,8 +169,9 @@ impl CandidateSearch<'_> {
     /// Whether all members are pinned, so that there is nothing to correct.
     #[inline(always)]
     fn stays(&self, four: [u32; 4]) -> bool {
-        let [i, j, k, l] = four.map(|i| self.pinned[i as usize]);
-        i && j && k && l
+        let [i, j, k, l] = four;
+        let pinned = |i: u32| self.pinned[i as usize];
+        pinned(i) && pinned(j) && pinned(k) && pinned(l)
     }
 }
 
