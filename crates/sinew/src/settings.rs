@@ -153,7 +153,8 @@ pub struct BodySettings {
     pub keep_spin: Option<bool>,
     /// Damping rate of the motion of its particles relative to each other, 1/s, 0 and up, default 0: internal friction of joints and material. The motion of
     /// the body as a whole, as a rigid body, is not damped: it falls, flies and spins as without (Müller et al., *Position Based Dynamics*, 2007, section 3.5).
-    /// A negative or non-finite value counts as 0.
+    /// Pieces of a body that neither constraints nor springs connect any more, as after a tear, are damped each by itself. A negative or non-finite value counts
+    /// as 0.
     pub damping: f32,
     /// How its rigid parts are simulated within a step. Default [`Representation::Auto`].
     pub representation: Representation,

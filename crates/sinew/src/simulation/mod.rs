@@ -206,7 +206,8 @@ impl Simulation {
         self.put_to_sleep(dt);
         self.scratch.at_rest = self.is_at_rest();
         self.scratch.plan.islands.find_singles();
-        self.scratch.damping.apply(&mut self.particles, &self.bodies, dt);
+        let connected = (&self.scratch.plan.islands, &self.forces.springs[..]);
+        self.scratch.damping.apply(&mut self.particles, &self.bodies, connected, dt);
         self.scratch.moving.read(&self.particles, &self.compounds);
         self.begin_contacts();
         self.begin_rigid_states();

@@ -4,7 +4,7 @@ use glam::{DVec3, Quat, Vec3};
 
 use crate::collide::{BodyContacts, Collider, Frame, Shape};
 use crate::recipes::{RagdollSpec, ragdoll};
-use crate::{BodySettings, ParticleSeed, Simulation, Sleep};
+use crate::{BodySettings, Distance, ParticleSeed, Simulation, Sleep, Spring};
 
 /// Momentum, and angular momentum about the origin.
 fn momenta(world: &Simulation) -> (DVec3, DVec3) {
@@ -84,6 +84,52 @@ fn a_figure_falls_and_spins_as_without() {
     };
     let (with, without) = (fallen(20.0), fallen(0.0));
     assert!((with - without).length() < 1e-4, "{with} {without}");
+}
+
+/// The two halves of a body that was cut apart, one of which flew off at 10 m/s without gravity, still dragged each other along over any distance: after a
+/// second at the rate of 5/s both went at 5.5 m/s. The same for a limb that was held by springs alone. Beside a piece, single particles of the body are
+/// another one.
+#[test]
+fn what_has_come_off_a_body_flies_off_undamped() {
+    for by_springs in [false, true] {
+        let places: Vec<_> = (0..11).map(|i| (Vec3::Y * i as f32, Vec3::ZERO, 1.0)).collect();
+        let mut world = loose(&places, 5.0);
+        for i in 0..10 {
+            let spring = Spring { a: i, b: i + 1, rest: 1.0, stiffness: 100.0, damping: 0.0 };
+            if by_springs {
+                world.forces.springs.push(spring);
+            } else {
+                world.extend_distances([Distance::new(i, i + 1, 1.0)]);
+            }
+        }
+        let run = |world: &mut Simulation| {
+            for i in 0..11 {
+                let bent = Vec3::Z * (i % 2) as f32;
+                let away = if i > 4 { Vec3::X * 10.0 } else { Vec3::ZERO };
+                world.particles.set_velocity(i, bent + away);
+            }
+            for _ in 0..120 {
+                world.step(1.0 / 60.0).unwrap();
+            }
+            let mean = |mut rows: core::ops::Range<usize>| {
+                let count = rows.len() as f32;
+                rows.try_fold(Vec3::ZERO, |sum, i| Some(sum + world.particles.velocity(i) / count))
+            };
+            [mean(0..5), mean(5..11)].map(|v| v.unwrap().x)
+        };
+        let whole = run(&mut world.clone());
+        assert!((whole[1] - whole[0]).abs() < 9.0, "{whole:?}");
+        if by_springs {
+            world.forces.springs.remove(4);
+        } else {
+            world.remove_distance(4);
+        }
+        let [here, away] = run(&mut world);
+        assert!(here.abs() < 1e-4 && (away - 10.0).abs() < 1e-4, "{by_springs}: {here} {away}");
+        // Each piece is still damped.
+        let relative = world.particles.velocity(1) - world.particles.velocity(2);
+        assert!(relative.length() < 0.1, "{by_springs}: {relative}");
+    }
 }
 
 #[test]
