@@ -21,6 +21,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 use super::plan::{ClusterBatch, ConstraintGroup, Plan};
+use super::relaxation::may_relax;
 use super::remaining::Remaining;
 use super::report::IslandReport;
 use super::task_slice::TaskSlice;
@@ -104,6 +105,8 @@ impl TaskSlice<'_> {
             island.is_skipped() || island.rigid || island.free || island.groups.is_empty();
         // Spans would connect cluster batches at different stages.
         let excluded = excluded || plan.tethers.spans_of(island).is_some() || island.has_chains();
+        // Relaxation ends the step with sweeps of its own.
+        let excluded = excluded || (island.takes_microsteps() && may_relax(plan, island));
         let touches = !context.contacts.is_empty() || context.contacts.bounces();
         let fit = !excluded
             && !touches
