@@ -3,6 +3,7 @@
 
 use core::ops::Range;
 
+use crate::constraints::GradientAt;
 use crate::settings::SolverSettings;
 use crate::union_find::UnionFind;
 
@@ -119,10 +120,16 @@ impl Island {
         self.asleep || self.is_rigid_state
     }
 
+    /// Whether hard distances in it are also enforced over long ranges. Not where corrections along the start of the substep are to conserve energy: neither in
+    /// the substeps in which such an island falls back to the nearest point, where they would close at once what all substeps before have left open.
+    pub(crate) fn has_long_range(&self) -> bool {
+        self.settings.long_range && self.settings.gradient_at == GradientAt::Current
+    }
+
     /// Whether its chains are solved directly. In statics they are swept instead: solved directly, a rope between two pins still moved by micrometres after 20
     /// 000 such steps.
     pub(crate) fn has_chains(&self) -> bool {
-        self.settings.long_range && !self.settings.statics && !self.chains.is_empty()
+        self.has_long_range() && !self.settings.statics && !self.chains.is_empty()
     }
 
     /// Whether it goes through each substep in several microsteps.

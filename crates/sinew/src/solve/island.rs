@@ -192,9 +192,8 @@ fn sweep_until_converged(
 }
 
 /// Projects, before the rods are swept, what they would only reach over many sweeps: tethers, and chains by a direct solve. Returns how far outside its tether
-/// the farthest particle was, metres. For a chain only a violation counts, since its rods then have next to no error left. Does nothing with corrections along
-/// the start of the substep, which are to conserve energy. Small islands have their tethers projected in the first sweep of a substep only, after which little
-/// is left.
+/// the farthest particle was, metres. For a chain only a violation counts, since its rods then have next to no error left. Small islands have their tethers
+/// projected in the first sweep of a substep only, after which little is left.
 pub(super) fn project_tethers_and_chains(
     plan: &Plan,
     island: &Island,
@@ -202,7 +201,7 @@ pub(super) fn project_tethers_and_chains(
     mode: SolveMode,
     scratch: &mut SweepScratch,
 ) -> f32 {
-    if mode.gradient_at == GradientAt::StepStart || mode.relaxation.is_some() {
+    if mode.relaxation.is_some() {
         return 0.0;
     }
     let mut worst = 0.0_f32;
@@ -230,7 +229,7 @@ pub(super) fn project_tethers_and_spans(
     scratch: &mut SweepScratch,
 ) {
     let Some(spans) = plan.tethers.spans_of(island) else { return };
-    if mode.project_tethers && mode.gradient_at == GradientAt::Current {
+    if mode.project_tethers {
         project_tethers(plan, island, places, mode, scratch);
         spans.project(places.position, places.first, execution);
     }

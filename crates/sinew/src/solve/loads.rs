@@ -23,7 +23,6 @@ use super::plan::{GroupKind, Plan};
 use super::report::IslandReport;
 use super::task_slice::IslandSlice;
 use crate::collide::{NormalImpulse, NormalImpulses};
-use crate::constraints::GradientAt;
 use crate::islands::Island;
 use crate::particles::{Particles, Places};
 
@@ -257,16 +256,14 @@ impl Loads {
         let Self { constraint_refs, local, eliminated, distances, constraints, tethers, .. } = self;
         let tethers = &mut tethers[first..first + island.members.len()];
         let mut worst = 0.0_f32;
-        // As for other islands: not where corrections are to conserve energy.
         if mode.project_tethers
-            && mode.gradient_at == GradientAt::Current
             && let Some(made) = plan.tethers.of(island)
         {
             let members = &plan.islands.members[island.members.clone()];
             let pins: Vec<_> = made.pins(places.position, places.first).collect();
             worst = made.project_noting(places, members, &pins, tethers);
         }
-        if mode.gradient_at == GradientAt::Current && island.has_chains() {
+        if island.has_chains() {
             let columns = (&mut *places.position, places.first);
             let found =
                 plan.chains.project_noting(island, columns, eliminated, |rod, row, pull| {

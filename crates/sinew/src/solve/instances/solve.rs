@@ -125,21 +125,15 @@ impl BatchContext<'_> {
         let LaneStorage { now, tethers, eliminated, .. } = storage;
         if tethers.iter().any(|tethers| !tethers.is_empty()) {
             let first = bits(storage.convergence.sweeps, |sweeps| sweeps == 0.0);
-            let going = first & !(inactive | along_start);
+            let going = first & !inactive;
             if going != 0 {
                 worst = rods::project_tethers(now, tethers, going, instructions);
             }
         }
-        if chained && inactive | along_start != u32::MAX {
+        if chained && inactive != u32::MAX {
             let (chains, links) =
                 (&instance_batches.chains[batch.chains.clone()], &instance_batches.links[..]);
-            let work = chains::ProjectInstancedChains {
-                chains,
-                links,
-                now,
-                eliminated,
-                inactive: inactive | along_start,
-            };
+            let work = chains::ProjectInstancedChains { chains, links, now, eliminated, inactive };
             let found = with(instructions, work);
             for (worst, found) in worst.iter_mut().zip(found) {
                 *worst = if violation < found && *worst < found { found } else { *worst };

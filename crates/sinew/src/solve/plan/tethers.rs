@@ -28,8 +28,7 @@ impl Plan {
         }
         for number in 0..self.islands.list.len() {
             let island = &self.islands.list[number];
-            let spans =
-                island.microsteps > 1 && island.settings.long_range && island.spans.is_none();
+            let spans = island.microsteps > 1 && island.has_long_range() && island.spans.is_none();
             if spans {
                 tethers.spans.push(self.spans(number));
                 self.islands.list[number].spans = Some(tethers.spans.len() as u32 - 1);
@@ -45,7 +44,7 @@ impl Plan {
             if small {
                 island.tethers = None;
             }
-            if small || island.groups.is_empty() || island.rigid || !island.settings.long_range {
+            if small || island.groups.is_empty() || island.rigid || !island.has_long_range() {
                 continue;
             }
             let island = &self.islands.list[number];

@@ -106,13 +106,13 @@ impl Tethers {
     pub(super) fn of(&self, island: &Island) -> Option<&IslandTethers> {
         let settings = &island.settings;
         let is_small_statics = settings.statics && island.members.len() <= SMALL_IN_STATICS;
-        let wanted = settings.long_range && !is_small_statics;
+        let wanted = island.has_long_range() && !is_small_statics;
         self.made(island).filter(|own| wanted && !own.blocks.is_empty())
     }
 
     /// The spans by which an island is to be solved, if any.
     pub(super) fn spans_of(&self, island: &Island) -> Option<&Spans> {
-        let wanted = island.settings.long_range && island.microsteps > 1;
+        let wanted = island.has_long_range() && island.microsteps > 1;
         let own = self.spans.get(island.spans? as usize);
         own.filter(|own| wanted && !own.is_empty())
     }
