@@ -126,7 +126,7 @@ pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RecipeFault> {
         body.distances.push(Distance::new(a, b, touching).with_bound(Bound::AtLeast));
     }
     for (limit, mirror) in LIMITS.iter().flat_map(|limit| [(limit, false), (limit, true)]) {
-        let limit = limited(limit, mirror);
+        let limit = limited(limit, mirror, height);
         // Limits in the middle are their own mirror image.
         body.constraints.extend(limit.filter(|limit| !body.constraints.contains(limit)));
     }
@@ -145,10 +145,11 @@ fn both_sides(
     })
 }
 
-/// A limit of the table, or its mirror image; angles do not depend on the height.
-fn limited(limit: &Limit, mirror: bool) -> Option<Constraint> {
+/// A limit of the table, or its mirror image, for a figure of this height. Angles do not depend on it, but the coefficients of the axis of a cone do: they
+/// combine lengths with a cross product of lengths.
+fn limited(limit: &Limit, mirror: bool, height: f64) -> Option<Constraint> {
     let side = |p: RagdollParticle| if mirror { p.mirrored() } else { p };
-    let at = |p: RagdollParticle| FIGURE[p.index() as usize].position.as_vec3();
+    let at = |p: RagdollParticle| (FIGURE[p.index() as usize].position * height).as_vec3();
     let turn = |rows: [RagdollParticle; 4], below: f64, above: f64, from: Option<f64>| {
         let rows = rows.map(side);
         let now = || f64::from(Hinge::rest(rows.map(at)).min);
