@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::equation::{Bound, Equation, Points, change};
+use super::equation::{Bound, Equation, Points, change, unfinished};
 use super::softness::{Softness, SubstepContext};
 
 /// Keeps particles `a` and `b` at the distance `rest`.
@@ -184,8 +184,8 @@ pub(crate) fn project_rod_from_start(
     0.0
 }
 
-/// Projects any distance, hard or soft, equality or inequality. Returns the error before the projection, metres; for a soft distance, the relative displacement
-/// of the projection.
+/// Projects any distance, hard or soft, equality or inequality. Returns the error before the projection, metres; for a soft distance, what
+/// it [counts as](unfinished).
 ///
 /// A soft distance accumulates its multiplier over the sweeps of a substep in `lambda`. A hard equality uses the formula of [`project_rod`].
 ///
@@ -215,8 +215,7 @@ pub(crate) fn project(
     match (softness.is_hard(), bound.holds(value)) {
         (true, true) => 0.0,
         (true, false) => value.abs(),
-        // A soft constraint is not expected to reach zero error. It requests another sweep as long as sweeps still move it.
-        (false, _) => (change * weights).abs(),
+        (false, _) => unfinished(softness, value.abs(), (change * weights).abs()),
     }
 }
 

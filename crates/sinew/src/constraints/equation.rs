@@ -191,9 +191,16 @@ pub(crate) fn project(
     match (softness.is_hard(), bound.holds(value)) {
         (true, true) => 0.0,
         (true, false) => error,
-        // A soft constraint is not expected to reach zero error. It requests another sweep as long as sweeps still move it.
-        (false, _) => farthest,
+        (false, _) => unfinished(softness, error, farthest),
     }
+}
+
+/// What a soft constraint counts as among the errors of a sweep, metres. It is not expected to reach zero error, and requests another sweep as long as sweeps
+/// still move it, by `moved`. A share requests all sweeps until what a substep is to remove of its error is within the tolerance, since each sweep removes a
+/// part of that which depends on their number.
+#[inline]
+pub(super) fn unfinished(softness: Softness, error: f32, moved: f32) -> f32 {
+    if let Softness::Share(share) = softness { share * error } else { moved }
 }
 
 /// The change of the multiplier by one projection, from the value, its weights and how far it has [moved](multiplier); the accumulated sum is kept in `lambda`.

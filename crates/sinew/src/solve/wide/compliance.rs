@@ -167,6 +167,16 @@ impl PackedCompliance {
         below.or(flag::<L>(&self.at_least).and(zero.le(value)))
     }
 
+    /// What soft constraints count as among the errors of a sweep, metres, as `unfinished` in `equation.rs` does.
+    #[inline(always)]
+    pub(super) fn unfinished<L: Lanes>(&self, error: L, moved: L) -> L {
+        if !self.shares {
+            return moved;
+        }
+        let share = L::load(&self.share);
+        share.lt(L::splat(1.0)).select(share * error, moved)
+    }
+
     /// Mask of the hard constraints.
     #[inline(always)]
     pub(super) fn hard<L: Lanes>(&self) -> L {

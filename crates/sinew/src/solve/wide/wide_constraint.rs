@@ -152,11 +152,12 @@ impl<W: Wide<N>, const N: usize> WideKernel<N> for WideConstraint<W> {
             particles.put(i, (points[i] - step).with(inverse[i]));
             farthest = step.length_squared().max(farthest);
         });
-        // A compliant constraint is not meant to reach zero error. It keeps the sweeps going as long as they still move it.
         let error = if packed_compliance.all_hard {
             found.error::<W>()
-        } else if packed_compliance.some_hard {
-            packed_compliance.hard::<L>().select(found.error::<W>(), farthest.sqrt())
+        } else if packed_compliance.some_hard || packed_compliance.shares {
+            let error = found.error::<W>();
+            let soft = packed_compliance.unfinished(error, farthest.sqrt());
+            packed_compliance.hard::<L>().select(error, soft)
         } else {
             farthest.sqrt()
         };

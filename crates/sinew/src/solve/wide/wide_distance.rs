@@ -102,8 +102,7 @@ impl WideKernel<2> for WideDistance {
         if packed_compliance.limited {
             hard = holds.select(zero, hard);
         }
-        // A compliant distance is not meant to reach zero error. It keeps the sweeps going as long as they still move it.
-        let soft = (change * weights).abs();
+        let soft = packed_compliance.unfinished(value.abs(), (change * weights).abs());
         let error = if packed_compliance.all_hard {
             hard
         } else if packed_compliance.some_hard {
