@@ -8,7 +8,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
 
-use crate::support::{TICK, app, busy_scene, hash, mesh_of, tick};
+use crate::support::{TICK, app, busy_scene, hash, hash_of, mesh_of, tick};
 
 fn set_speed(app: &mut App, speed: f32) {
     app.world_mut().resource_mut::<SinewControl>().relative_speed = speed;
@@ -197,5 +197,25 @@ fn a_lift_carries_a_crate_at_any_speed() {
             let off = world.get::<Particle>(held).unwrap().position.y - (top - 0.0);
             assert!(off.abs() < 1e-4 + late, "{speed}: {off}");
         }
+    }
+}
+
+/// At the speed 0 a single step never counted as taken: after one call of `step`, ten fixed ticks ran ten ticks instead of one.
+#[test]
+fn a_single_step_at_the_speed_zero_is_one_tick() {
+    for speed in [0.0, -1.0, f32::NAN] {
+        let mut app = app();
+        let body = app.world_mut().spawn(RigidBox::default()).id();
+        tick(&mut app, 3);
+        set_speed(&mut app, speed);
+        tick(&mut app, 3);
+        let before = (ticks(&app), hash_of(&app, &[body]));
+        for steps in 1..=3 {
+            app.world_mut().resource_mut::<SinewControl>().step();
+            tick(&mut app, 10);
+            assert_eq!(ticks(&app) - before.0, steps, "{speed}");
+        }
+        assert_ne!(hash_of(&app, &[body]), before.1, "{speed}");
+        assert!(!app.world().resource::<SinewControl>().running(), "{speed}");
     }
 }

@@ -100,7 +100,7 @@ pub struct SubstepSchedule;
 pub struct SinewControl {
     /// Whether time is paused. Bodies that are spawned meanwhile are built. Default false.
     pub paused: bool,
-    /// Number of ticks to run while paused; each tick decrements it. Default 0.
+    /// Number of ticks to run while paused, or at the speed 0; each tick decrements it. Default 0.
     pub single_steps: u32,
     /// Simulated seconds per second of the schedule that runs the tick, 0 (as paused) to [`MAX_SPEED`](Self::MAX_SPEED), to which it is clamped; NaN counts as
     /// 0. Default 1. The number of ticks in a frame is bounded by `Time<Virtual>::max_delta` (0.25 s by default) times this.
@@ -121,7 +121,12 @@ impl SinewControl {
 
     /// Whether the simulation advances: it is not paused and its speed is not 0, or it has single steps to run.
     pub fn running(&self) -> bool {
-        (!self.paused && self.speed() > 0.0) || self.single_steps > 0
+        !self.stands() || self.single_steps > 0
+    }
+
+    /// Whether only single steps advance the simulation: it is paused, or its speed is 0.
+    pub(crate) fn stands(&self) -> bool {
+        self.paused || self.speed() == 0.0
     }
 
     /// Pauses the simulation.
@@ -312,7 +317,7 @@ fn ticks_due(world: &mut World) -> u32 {
     let control = *world.resource::<SinewControl>();
     let mut clock = world.resource_mut::<SinewClock>();
     let before = clock.ahead;
-    let due = if control.paused || control.speed() == 0.0 {
+    let due = if control.stands() {
         // The simulated state is drawn.
         clock.ahead = 0.0;
         control.single_steps.min(1)
@@ -426,7 +431,7 @@ fn count_tick(
     }
     clock.tick += 1;
     clock.seconds = world.simulation.time;
-    if control.paused {
+    if control.stands() {
         control.single_steps = control.single_steps.saturating_sub(1);
     }
 }

@@ -67,7 +67,7 @@ impl PhaseSteps {
     pub fn step(&mut self, control: &mut SinewControl) {
         if self.records_next || self.actual.is_some() {
             self.requested = self.requested.saturating_add(1);
-        } else if control.paused {
+        } else if control.stands() {
             self.records_next = true;
             control.step();
         }
@@ -116,7 +116,7 @@ pub(super) fn choose(world: &mut World) {
             steps.current = Some(core::mem::replace(&mut sinew.simulation.particles, actual));
         }
         // A tick that is due shows its phases if the first step requested it, and its end otherwise.
-        if steps.ended || !control.paused || (control.single_steps > 0) != steps.records_next {
+        if steps.ended || !control.stands() || (control.single_steps > 0) != steps.records_next {
             steps.forget();
         } else if !steps.records_next && steps.requested > 0 {
             steps.requested -= 1;
