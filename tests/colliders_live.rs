@@ -3,7 +3,10 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyContacts, ColliderFault, ColliderMotion, Refusal, SinewClock, SinewSnapshot};
+use bevy_sinew::{
+    BodyContacts, ColliderFault, ColliderMotion, ContactsDisabled, Refusal, SinewClock,
+    SinewSnapshot,
+};
 
 use crate::bad_input::refused;
 use crate::snapshot::{hashes, roll_back_in_every_tick};
@@ -276,4 +279,57 @@ fn a_pause_moves_nothing_and_a_collider_moved_meanwhile_pushes_in_one_tick() {
     tick(&mut app, 1);
     assert_ne!(motion(&app), before);
     assert!(position(&app, ball).x >= 1.1 - 1e-3, "pushed: {}", position(&app, ball));
+}
+
+/// A collider that was switched off, or removed, kept its last placement, and swept from there to where it took part again, as it did as a clone of another one:
+/// a crate on the way was thrown away at 359 m/s.
+#[test]
+fn a_collider_that_takes_part_again_or_is_cloned_sweeps_nothing_along() {
+    type Edit = fn(&mut EntityWorldMut);
+    let cases: [(&str, Edit, Edit); 2] = [
+        (
+            "switched off",
+            |door| _ = door.insert(ContactsDisabled),
+            |door| _ = door.remove::<ContactsDisabled>(),
+        ),
+        (
+            "removed",
+            |door| _ = door.remove::<Collider>(),
+            |door| _ = door.insert(Collider::cuboid(Vec3::ONE)),
+        ),
+    ];
+    let scene = || {
+        let mut app = app();
+        let world = app.world_mut();
+        world.spawn(Ground);
+        let door = (Collider::cuboid(Vec3::ONE), Transform::from_xyz(-3.0, 0.5, 0.0));
+        let door = world.spawn(door).id();
+        let body = (RigidBox::new(Vec3::splat(0.5)), Transform::from_xyz(0.0, 0.25, 0.0));
+        let body = world.spawn(body).id();
+        tick(&mut app, 30);
+        (app, door, body)
+    };
+    let assert_unmoved = |app: &App, body: Entity, name: &str| {
+        let place = app.world().get::<Transform>(body).unwrap().translation;
+        assert!(place.distance(Vec3::Y * 0.25) < 1e-3, "{name}: {place}");
+    };
+    for (name, off, on) in cases {
+        let (mut app, door, body) = scene();
+        off(&mut app.world_mut().entity_mut(door));
+        tick(&mut app, 2);
+        app.world_mut().get_mut::<Transform>(door).unwrap().translation.x = 3.0;
+        tick(&mut app, 2);
+        on(&mut app.world_mut().entity_mut(door));
+        tick(&mut app, 3);
+        assert_unmoved(&app, body, name);
+        // It is a collider as any other again.
+        app.world_mut().get_mut::<Transform>(door).unwrap().translation.x = 0.7;
+        tick(&mut app, 2);
+        assert!(app.world().get::<Transform>(body).unwrap().translation.x < -0.04, "{name}");
+    }
+    let (mut app, door, body) = scene();
+    let clone = app.world_mut().entity_mut(door).clone_and_spawn();
+    app.world_mut().get_mut::<Transform>(clone).unwrap().translation.x = 3.0;
+    tick(&mut app, 3);
+    assert_unmoved(&app, body, "cloned");
 }

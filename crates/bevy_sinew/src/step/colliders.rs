@@ -199,7 +199,11 @@ fn fault(collider: &sinew::Collider) -> Option<ColliderFault> {
     }
 }
 
-/// Stores where each collider was in this tick. A collider that is set aside has no stored placement, so it starts where it is corrected.
+/// What was a collider: its component was removed, or its contacts are switched off.
+type NoCollider = Or<(Without<Collider>, With<ContactsDisabled>)>;
+
+/// Stores where each collider was in this tick. A collider that took no part, because it is set aside, switched off or removed, has no stored placement: when
+/// it takes part again, it starts where it then is, and sweeps nothing along on the way there.
 pub(crate) fn store_motion(
     mut commands: Commands,
     world: Res<SinewWorld>,
@@ -208,9 +212,13 @@ pub(crate) fn store_motion(
         (Entity, &PlacedCollider, Option<&mut ColliderMotion>),
         (With<Collider>, StaticOrKinematic),
     >,
+    mut others: Query<&mut ColliderMotion, NoCollider>,
 ) {
     if !clock.is_behind(&world) {
         return;
+    }
+    for mut motion in &mut others {
+        motion.set_if_neq(ColliderMotion(None));
     }
     for (entity, placed, motion) in &mut colliders {
         let now = ColliderMotion(placed.valid().map(|_| isometry(&placed.at)));

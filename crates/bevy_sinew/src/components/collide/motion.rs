@@ -11,6 +11,8 @@ use crate::components::CreationOrder;
 /// For a jump that carries nothing along, set it to `None` (or remove it) when you move the `Transform`. It is `None` until the first tick.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+// A clone starts where it is put, not where its original was.
+#[component(clone_behavior = Ignore)]
 pub struct ColliderMotion(pub Option<Isometry3d>);
 
 /// The solver's collider for the current tick. Scratch: computed again where something has changed.
