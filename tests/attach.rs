@@ -467,3 +467,29 @@ fn a_snapped_part_goes_to_its_anchor_and_a_slack_rope_is_longer_than_its_gap() {
     let corner = place_in(&app, body, Vec3::splat(0.1));
     assert!(corner.abs_diff_eq(Vec3::new(1.0, 0.0, 1.0), 2e-3), "{corner}");
 }
+
+/// A clone of an attached body had a copy of what the original held, and released it when it was attached itself: the original fell.
+#[test]
+fn a_clone_of_an_attached_body_is_attached_by_itself_and_leaves_its_original_attached() {
+    let mut app = app();
+    let world = app.world_mut();
+    let hook = world.spawn(Transform::from_xyz(0.0, 3.0, 0.0)).id();
+    let edge = Vec3::new(1.0, 0.01, 0.1);
+    let edge = Anchor::InBox { center: Vec3::Y * 0.5, half_size: edge };
+    let banner = (Cloth::grid(1.0, 1.0, 6, 6), AttachTo::new(hook).part(edge));
+    let banner = world.spawn((banner, Transform::from_xyz(0.0, 2.5, 0.0))).id();
+    let lamp = (RigidBox::new(Vec3::splat(0.2)), AttachTo::new(hook).with_compliance(1e-4));
+    let lamp = world.spawn((lamp, Transform::from_xyz(0.0, 2.5, 3.0))).id();
+    tick(&mut app, 30);
+    let pins = |app: &mut App| app.world_mut().query::<&PinnedTo>().iter(app.world()).count();
+    let before = pins(&mut app);
+    for body in [banner, lamp] {
+        let clone = app.world_mut().entity_mut(body).clone_and_spawn();
+        app.world_mut().get_mut::<Transform>(clone).unwrap().translation.x += 3.0;
+        tick(&mut app, 3);
+        assert_eq!(app.world().get::<Attached>(clone).unwrap().body, clone);
+        assert_eq!(app.world().get::<Attached>(body).unwrap().body, body);
+    }
+    assert_eq!(pins(&mut app), 2 * before);
+    assert!(heard(&app).is_empty());
+}

@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyConstraints, BodyParts, BoxParticles, ContactsDisabled, MeshFollow, RigidPose, TubeMesh,
-    WindSurface, WorldCenterOfMass,
+    BodyConstraints, BodyPart, BodyParts, BoxParticles, ContactsDisabled, MeshFollow, RigidPose,
+    TubeMesh, WindSurface, WorldCenterOfMass,
 };
 
 use crate::support::{app, assert_finite, heard, mesh_of, particles_of, position, tick, vertices};
@@ -315,4 +315,36 @@ fn meshes_drawn_after_several_ticks_follow_rows_that_moved_in_the_first() {
     };
     let one_by_one = drawn(1);
     assert!(one_by_one[0].len() == 25 && one_by_one == drawn(4));
+}
+
+/// A clone of a body was not built, since its list of particles, which is cloned empty, counted as what its recipe had built: a cloned box had no particles, and
+/// its transform followed those of its original. Cloned ropes shared one mesh.
+#[test]
+fn a_clone_of_a_body_is_built_where_it_is() {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0));
+    let world = app.world_mut();
+    let bodies = [
+        world.spawn((RigidBox::default(), LinearVelocity(Vec3::X))).id(),
+        world.spawn((Rope::default(), Transform::from_xyz(5.0, 0.0, 0.0))).id(),
+        world.spawn((Cloth::grid(1.0, 1.0, 4, 4), Transform::from_xyz(10.0, 0.0, 0.0))).id(),
+        world.spawn((Ragdoll::default(), Transform::from_xyz(15.0, 0.0, 0.0))).id(),
+    ];
+    tick(&mut app, 10);
+    for body in bodies {
+        let clone = app.world_mut().entity_mut(body).clone_and_spawn();
+        app.world_mut().get_mut::<Transform>(clone).unwrap().translation.z += 3.0;
+        tick(&mut app, 2);
+        let [own, others] = [clone, body].map(|one| particles_of(&app, one));
+        assert_eq!(own.len(), others.len());
+        assert!(own.iter().all(|particle| !others.contains(particle)));
+        let world = app.world();
+        let centre = |body| world.get::<WorldCenterOfMass>(body).unwrap().position;
+        assert!((centre(clone).z - centre(body).z - 3.0).abs() < 0.1, "{}", centre(clone));
+        let velocity = |body| world.get::<LinearVelocity>(body).unwrap().0;
+        assert!(velocity(clone).distance(velocity(body)) < 1e-3);
+        let mesh = |body| world.get::<Mesh3d>(body).map(|mesh| mesh.0.id());
+        assert!(mesh(clone).is_none() || mesh(clone) != mesh(body));
+    }
+    assert!(heard(&app).is_empty());
 }

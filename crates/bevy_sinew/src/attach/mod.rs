@@ -153,6 +153,8 @@ pub struct AttachmentJoints(Vec<Entity>);
 /// Marks an [`AttachTo`] that is in effect, and how it was made. Kept by the plugin; part of the state.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
+// A clone is attached by itself. With a copy of this it would take what its original holds for its own, and release it.
+#[component(clone_behavior = Ignore)]
 pub struct Attached {
     /// The attached body.
     #[entities]

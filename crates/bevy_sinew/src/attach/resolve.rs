@@ -138,9 +138,13 @@ fn attach(
         return Err(AttachFault::Itself);
     }
     // All checks passed: the world is modified from here on.
-    if let Some(before) = &before {
-        let joints = joints_of(world, attachment);
-        release(world, before, joints);
+    let joints = joints_of(world, attachment);
+    match &before {
+        Some(before) => release(world, before, joints),
+        // It was cloned with its joints.
+        None => joints.into_iter().for_each(|joint| {
+            world.try_despawn(joint).ok();
+        }),
     }
     let mut pinned = Vec::new();
     let pins = to.softness == Softness::Hard && world.get::<BreakAt>(attachment).is_none();

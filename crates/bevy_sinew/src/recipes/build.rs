@@ -243,7 +243,9 @@ fn awaits_place(
 
 /// Whether the body is built as its current recipe, mesh and scale describe it.
 fn is_as_built<R: Recipe>(world: &World, body: Entity, recipe: &R) -> bool {
-    let built = world.get::<Built<R>>(body).filter(|_| world.get::<BodyParticles>(body).is_some());
+    // A clone of a body has an empty list: its particles were not cloned.
+    let is_there = world.get::<BodyParticles>(body).is_some_and(|list| !list.is_empty());
+    let built = world.get::<Built<R>>(body).filter(|_| is_there);
     built.is_some_and(|built| {
         let same_mesh = match built.mesh {
             SourceMesh::Elsewhere => true,

@@ -31,8 +31,10 @@ pub(crate) fn draw_tubes(
     transforms: TransformHelper,
     mut middle: Local<Vec<Vec3>>,
     mut skin: Local<Skin>,
+    mut drawn_meshes: Local<Vec<AssetId<Mesh>>>,
 ) {
     let Some(mut meshes) = meshes else { return };
+    drawn_meshes.clear();
     for (entity, tube, mut rows, handle, eased) in &mut tubes {
         let drawn = handle.is_some() && !tube.is_changed() && rows.drawn == clock.tick;
         if drawn && !eased && easing.running() {
@@ -54,7 +56,15 @@ pub(crate) fn draw_tubes(
             skin.trade_lists(mesh);
             skin.put_triangles(mesh, tube.is_changed());
         };
-        if let Some(handle) = handle {
+        // A clone of a rope has the mesh of its original, and is given one of its own.
+        let is_own = |handle: &&Mesh3d| match drawn_meshes.binary_search(&handle.id()) {
+            Ok(_) => false,
+            Err(at) => {
+                drawn_meshes.insert(at, handle.id());
+                true
+            }
+        };
+        if let Some(handle) = handle.filter(is_own) {
             if let Some(mut mesh) = meshes.get_mut(&handle.0) {
                 draw(&mut mesh);
             }

@@ -46,7 +46,7 @@ pub enum ContactEvents {
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[component(on_remove = end_all)]
+#[component(clone_behavior = Ignore, on_remove = end_all)]
 pub struct Touching(#[entities] pub Vec<Entity>);
 
 /// Lists contacts in the [report](crate::SinewWorld::report) for entities without [`ContactEvents`], for debugging tools. No events are sent, and neither the
