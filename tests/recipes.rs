@@ -348,3 +348,31 @@ fn a_clone_of_a_body_is_built_where_it_is() {
     }
     assert!(heard(&app).is_empty());
 }
+
+/// A ball that replaced a box kept the box as its collider, since a collider that another recipe had added counted as one of the game.
+#[test]
+fn a_recipe_that_replaces_another_one_leaves_nothing_of_it() {
+    let mut app = app();
+    let world = app.world_mut();
+    world.spawn(Ground);
+    let [ball, cloth, own] = [0.0, 5.0, 10.0]
+        .map(|x| world.spawn((RigidBox::default(), Transform::from_xyz(x, 2.0, 0.0))).id());
+    tick(&mut app, 3);
+    let sphere = RigidMesh::default().shaped(RigidShape::Sphere { radius: 0.2 });
+    let chosen = Collider::cuboid(Vec3::splat(0.8));
+    let world = app.world_mut();
+    world.entity_mut(ball).remove::<RigidBox>().insert(sphere.clone());
+    world.entity_mut(cloth).remove::<RigidBox>().insert(Cloth::grid(1.0, 1.0, 4, 4));
+    world.entity_mut(own).insert(chosen.clone()).remove::<RigidBox>().insert(sphere);
+    tick(&mut app, 120);
+    let world = app.world();
+    assert!((transform(&app, ball).translation.y - 0.2).abs() < 1e-3, "it lies on its own radius");
+    assert!(world.get::<BodyPart>(ball).is_none(), "it is no box");
+    assert!(world.get::<Collider>(cloth).is_none() && world.get::<RigidPose>(cloth).is_none());
+    assert_eq!(world.get::<Collider>(own), Some(&chosen), "the game's collider stays");
+    // Back again.
+    app.world_mut().entity_mut(ball).remove::<RigidMesh>().insert(RigidBox::default());
+    tick(&mut app, 120);
+    assert!((transform(&app, ball).translation.y - 0.5).abs() < 1e-3);
+    assert!(heard(&app).is_empty());
+}

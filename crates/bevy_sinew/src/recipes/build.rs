@@ -10,9 +10,9 @@ use bevy::reflect::{FromReflect, GetTypeRegistration, TypePath};
 use sinew::recipes::Blueprint;
 
 use crate::components::{
-    BodyContacts, BodyParticles, BodyParts, BuiltBody, Collider, ConstraintOf, CreationOrder, Drag,
-    ExtractedTransform, ExtractedVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf,
-    Pinned, Radius, RestPlace, WindSurface,
+    BodyContacts, BodyPart, BodyParticles, BodyParts, BuiltBody, Collider, ConstraintOf,
+    CreationOrder, Drag, ExtractedTransform, ExtractedVelocity, Mass, MeshFollow, Particle,
+    ParticleBody, ParticleOf, Pinned, Radius, RestPlace, RigidPose, TubeMesh, WindSurface,
 };
 use crate::config::BodySolver;
 use crate::frames::{Frames, Misplaced, in_world, is_even};
@@ -22,6 +22,7 @@ use crate::recipes::bind::{ListRelationship, attach, bind, insert_related, spawn
 use crate::recipes::bind_mesh::source_mesh;
 use crate::recipes::built::JustBuilt;
 
+use crate::recipes::{built_collider, forget_replaced};
 /// A component that describes a body, and builds it.
 pub(crate) trait Recipe:
     Component<Mutability = Mutable> + Clone + PartialEq + FromReflect + TypePath + GetTypeRegistration
@@ -204,13 +205,14 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
                 let built = Built { recipe, mesh: SourceMesh::Here(mesh), scale, collider };
                 entity.insert(built).remove::<(AwaitsMesh<R>, AwaitsPlace)>();
                 world.get_resource_or_init::<JustBuilt>().0.push(body);
+                forget_replaced(&mut entity);
             }
             Ok(BuildOutcome::Waiting) => {
                 entity.insert_if_new(AwaitsMesh::<R>(PhantomData));
             }
             Ok(BuildOutcome::Gone) => {}
             Err(reason) => {
-                if entity.get::<Collider>() == recipe_collider::<R>(&entity) {
+                if entity.get::<Collider>() == built_collider(&entity) {
                     entity.remove::<Collider>();
                 }
                 entity.remove::<(AwaitsMesh<R>, Built<R>, BuiltBody)>();
@@ -261,21 +263,17 @@ fn wanted_mesh<R: Recipe>(world: &World, body: Entity, recipe: &R) -> Option<Ass
     source_mesh(world, body).filter(|_| recipe.wants_mesh()).map(Handle::id)
 }
 
-/// The collider that the last build of a body added.
-fn recipe_collider<'a, R: Recipe>(body: &'a EntityWorldMut) -> Option<&'a Collider> {
+/// The collider that the last build of a body from this recipe added.
+pub(super) fn recipe_collider<'a, R: Recipe>(body: &'a EntityWorldMut) -> Option<&'a Collider> {
     body.get::<Built<R>>().and_then(|built| built.collider.as_ref())
 }
 
 /// Adds the collider of the recipe, unless the game has added one; returns the recipe's collider if it is used.
-fn put_collider<R: Recipe>(
-    world: &mut World,
-    body: Entity,
-    own: Option<Collider>,
-) -> Option<Collider> {
+fn put_collider(world: &mut World, body: Entity, own: Option<Collider>) -> Option<Collider> {
     let mut entity = world.get_entity_mut(body).ok()?;
     let has = entity.get::<Collider>();
     // A collider equal to that of the recipe may have been restored.
-    if has.is_some() && has != recipe_collider::<R>(&entity) && has != own.as_ref() {
+    if has.is_some() && has != built_collider(&entity) && has != own.as_ref() {
         return None;
     }
     match &own {
@@ -343,7 +341,7 @@ fn build_one<R: Recipe>(
     if world.get_entity(body).is_ok() {
         recipe.finish(world, body, &placed, &particles);
     }
-    let collider = put_collider::<R>(world, body, recipe.collider(&blueprint));
+    let collider = put_collider(world, body, recipe.collider(&blueprint));
     if world.get_entity(body).is_ok() {
         return Ok(BuildOutcome::Built(transform.scale, collider));
     }
@@ -354,12 +352,14 @@ fn build_one<R: Recipe>(
     Ok(BuildOutcome::Gone)
 }
 
-/// Despawns the entities of an earlier build of this body.
+/// Despawns the entities of an earlier build of this body, from this recipe or another one, and removes the components that refer to them.
 fn despawn_built(world: &mut World, body: Entity) {
     despawn_related::<ParticleOf>(world, body);
     despawn_related::<ConstraintOf>(world, body);
     let Ok(mut entity) = world.get_entity_mut(body) else { return };
-    entity.despawn_related::<BodyParts>().remove::<(WindSurface, MeshFollow)>();
+    entity
+        .despawn_related::<BodyParts>()
+        .remove::<(RigidPose, BodyPart, WindSurface, MeshFollow, TubeMesh)>();
 }
 
 /// Despawns all entities of one relationship of a body. The list is taken out first: otherwise each entity would search the list for itself, and move all

@@ -1,4 +1,4 @@
-//! Recipes as components: spawning one builds a body, changing it rebuilds the body, and despawning the entity removes it.
+//! Recipes as components: spawning one builds a body, changing it or replacing it by another one rebuilds the body, and despawning the entity removes it.
 
 mod articulated;
 mod bind;
@@ -31,7 +31,25 @@ pub use soft::{SoftBody, SoftShape};
 use bevy::prelude::*;
 
 use crate::changes::any_body_may_have_moved;
+use crate::components::Collider;
 use crate::schedule::{SinewSystems, SinewTick};
+
+/// Functions of all recipes: the body of an entity may have been built from another recipe than the one that it has now.
+macro_rules! all_recipes {
+    ($($recipe:ty),*) => {
+        /// The collider that the last build of a body added.
+        fn built_collider<'a>(body: &'a EntityWorldMut) -> Option<&'a Collider> {
+            None$(.or_else(|| build::recipe_collider::<$recipe>(body)))*
+        }
+
+        /// Removes what the plugin keeps of recipes that a body no longer has.
+        fn forget_replaced(body: &mut EntityWorldMut) {
+            $(build::forget_recipe::<$recipe>(body);)*
+        }
+    };
+}
+
+all_recipes!(Cloth, SoftBody, Ragdoll, Articulated, RigidMesh, RigidBox, Rope);
 
 /// Adds the systems that build the recipes.
 pub(crate) fn add(app: &mut App) {
