@@ -2,10 +2,13 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyPart, BoxParticles, PendingEdits, RigidPose, WorldCenterOfMass};
+use bevy_sinew::{BodyPart, BodyParts, BoxParticles, PendingEdits, RigidPose, WorldCenterOfMass};
 
-use crate::support::{app, bare_app, hash, hash_of, heard, mesh_of, particles_of, position, tick};
+use crate::support::{
+    app, bare_app, bits, fnv, hash, hash_of, heard, mesh_of, particles_of, position, tick,
+};
 
 /// An impulse, N·s, or a velocity, m/s.
 pub(crate) const PUSH: Vec3 = Vec3::new(12.0, -5.0, 3.0);
@@ -332,4 +335,82 @@ fn edits_of_a_body_that_is_not_built_yet_are_applied_when_it_is() {
     let at = app.world().get::<Transform>(body).unwrap().translation;
     assert!(at.abs_diff_eq(Vec3::Y * 9.0 + PUSH / 360.0, 1e-4), "{at}");
     assert_eq!(heard(&app), []);
+}
+
+/// A velocity that was written before a command of the same frame was applied after it, and replaced what the command had done: who set a running speed and then
+/// jumped by an impulse did not jump.
+#[test]
+fn a_velocity_written_before_or_after_a_command_keeps_what_the_command_does() {
+    let run = Vec3::new(3.0, 0.0, 0.0);
+    let write = |app: &mut App, body: Entity| {
+        let mut velocity = app.world_mut().get_mut::<LinearVelocity>(body).unwrap();
+        velocity.0.x = run.x;
+    };
+    type Edit = fn(&mut EntityCommands);
+    let cases: [(&str, Edit, Vec3, Vec3); 5] = [
+        ("an impulse", |body| _ = body.apply_impulse(Vec3::Y * 30.0), run, Vec3::Y * 5.0),
+        ("a velocity", |body| _ = body.set_linear_velocity(Vec3::Y), Vec3::ZERO, Vec3::Y),
+        ("a spin", |body| _ = body.set_angular_velocity(Vec3::Y), run, Vec3::ZERO),
+        ("a stop", |body| _ = body.set_motion(Vec3::ZERO, Vec3::ZERO), Vec3::ZERO, Vec3::ZERO),
+        (
+            "a turn",
+            |body| _ = body.turn(Quat::from_rotation_y(-core::f32::consts::FRAC_PI_2)),
+            Vec3::Z * 3.0,
+            Vec3::ZERO,
+        ),
+    ];
+    for (name, edit, kept, added) in cases {
+        let mut app = space();
+        let body = built(&mut app, brick(), Transform::default());
+        write(&mut app, body);
+        command(&mut app, body, edit);
+        let velocity = |app: &App| app.world().get::<LinearVelocity>(body).unwrap().0;
+        let at_once = velocity(&app);
+        assert!(at_once.distance(kept + added) < 1e-4, "{name}: at once {at_once}");
+        tick(&mut app, 2);
+        let found = velocity(&app);
+        assert!(found.distance(kept + added) < 1e-4, "{name}: {found}");
+    }
+    // In the other order, whether the body had a velocity or not.
+    let mut app = space();
+    let body = built(&mut app, brick(), Transform::default());
+    command(&mut app, body, |body| _ = body.apply_impulse(Vec3::Y * 30.0));
+    write(&mut app, body);
+    tick(&mut app, 2);
+    let found = app.world().get::<LinearVelocity>(body).unwrap().0;
+    assert!(found.distance(run + Vec3::Y * 5.0) < 1e-4, "{found}");
+    // A body that is not built yet starts with its velocity, and is pushed then.
+    let body = (brick(), LinearVelocity(run), Transform::from_xyz(0.0, 0.0, 50.0));
+    let body = app.world_mut().spawn(body).id();
+    command(&mut app, body, |body| _ = body.apply_impulse(Vec3::Y * 30.0));
+    tick(&mut app, 2);
+    let found = app.world().get::<LinearVelocity>(body).unwrap().0;
+    assert!(found.distance(run + Vec3::Y * 5.0) < 1e-4, "{found}");
+}
+
+/// A limb, and a particle of its own.
+#[test]
+fn a_velocity_written_before_a_limb_or_a_particle_is_pushed_is_kept() {
+    let mut app = space();
+    let figure = built(&mut app, Ragdoll::default(), Transform::default());
+    let limb = app.world().get::<BodyParts>(figure).unwrap().iter().next().unwrap();
+    let mass = app.world().get::<WorldCenterOfMass>(figure).unwrap().mass;
+    app.world_mut().get_mut::<LinearVelocity>(figure).unwrap().0.x = 3.0;
+    command(&mut app, limb, |limb| _ = limb.apply_impulse(Vec3::Y * mass));
+    tick(&mut app, 1);
+    let found = app.world().get::<LinearVelocity>(figure).unwrap().0;
+    assert!(found.distance(Vec3::new(3.0, 1.0, 0.0)) < 0.01, "{found}");
+    let marble = app.world_mut().spawn((Particle::default(), LinearVelocity(Vec3::ZERO))).id();
+    tick(&mut app, 1);
+    app.world_mut().get_mut::<LinearVelocity>(marble).unwrap().0.x = 3.0;
+    command(&mut app, marble, |marble| _ = marble.apply_impulse(Vec3::Y));
+    tick(&mut app, 1);
+    let found = app.world().get::<LinearVelocity>(marble).unwrap().0;
+    assert!(found.distance(Vec3::new(3.0, 1.0, 0.0)) < 1e-4, "{found}");
+}
+
+/// Hash of the particles of these bodies.
+fn hash_of_particles(app: &App, bodies: &[Entity]) -> u64 {
+    let particles = bodies.iter().flat_map(|&body| particles_of(app, body));
+    fnv(particles.flat_map(|one| bits(app.world().get::<Particle>(one).unwrap())))
 }

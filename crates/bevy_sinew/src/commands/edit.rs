@@ -36,6 +36,23 @@ pub enum BodyEdit {
 }
 
 impl BodyEdit {
+    /// The edits that carry out velocities that the game wrote: the linear and the angular one, where they differ from those that the simulation `left`. A body
+    /// without extracted velocities starts with those that it was spawned with, unless both are zero: its particles may have velocities of their own.
+    pub(crate) fn of_written(
+        (linear, angular): (Vec3, Vec3),
+        left: Option<(Vec3, Vec3)>,
+    ) -> [Option<Self>; 2] {
+        match left {
+            None if (linear, angular) == (Vec3::ZERO, Vec3::ZERO) => [None, None],
+            None => [Some(Self::Motion(linear, angular)), None],
+            Some((velocity, spin)) => {
+                let moved = (velocity != linear).then_some(Self::LinearVelocity(linear));
+                let spun = (spin != angular).then_some(Self::AngularVelocity(angular));
+                [moved, spun]
+            }
+        }
+    }
+
     /// Whether all numbers are finite and all rotations have a length.
     pub fn is_valid(&self) -> bool {
         let rotates = |q: Quat| q.is_finite() && q.to_array().iter().any(|&part| part != 0.0);

@@ -9,7 +9,8 @@ use sinew::{ParticleSeed, Particles};
 use super::{BodyEdit, PendingEdits};
 use crate::carry::RigidMotion;
 use crate::components::{
-    BodyParticles, CreationOrder, ExtractedTransform, Mass, Particle, ParticleBody, Pinned,
+    AngularVelocity, BodyParticles, CreationOrder, ExtractedTransform,
+    ExtractedVelocity, LinearVelocity, Mass, PartOf, Particle, ParticleBody, ParticleOf, Pinned,
     PinnedTo, RigidPose, TickForces,
 };
 use crate::frames::{to_local, world_transform};
@@ -42,7 +43,7 @@ fn edit_now(
         };
         return refuse(&mut messages, entity, Refusal::Edit(reason));
     }
-    let reason = match editor.apply(entity, edit) {
+    let reason = match editor.apply_now(entity, edit) {
         Ok(true) => return,
         Ok(false) => match pending.get_mut(entity) {
             Ok(list) if list.0.len() >= PendingEdits::MOST => EditFault::TooMany,
@@ -120,6 +121,16 @@ pub(crate) struct Editor<'w, 's> {
     particles: Query<'w, 's, (&'static mut Particle, &'static Mass, Has<Pinned>, Has<PinnedTo>)>,
     transforms: Query<'w, 's, &'static mut Transform>,
     parents: Query<'w, 's, &'static ChildOf>,
+    velocities: Query<
+        'w,
+        's,
+        (
+            &'static mut LinearVelocity,
+            Option<&'static mut AngularVelocity>,
+            &'static mut ExtractedVelocity,
+        ),
+    >,
+    owners: Query<'w, 's, (Option<&'static PartOf>, Option<&'static ParticleOf>)>,
 }
 
 impl Editor<'_, '_> {
@@ -142,6 +153,79 @@ impl Editor<'_, '_> {
         }
     }
 
+    /// Executes an edit between two ticks. Velocities that the game wrote before are applied first, as the next tick would do it: otherwise a jump would be lost
+    /// when the running speed is set in the same frame. For the same reason the extracted velocities of the body follow the edit at once.
+    fn apply_now(&mut self, target: Entity, edit: BodyEdit) -> Result<bool, EditFault> {
+        self.check(target, edit)?;
+        let body = match self.owners.get(target) {
+            Ok((Some(&PartOf(body)), _) | (None, Some(&ParticleOf(body)))) => body,
+            _ => target,
+        };
+        self.apply_written(body)?;
+        let before = self.velocity(body);
+        let done = self.apply(target, edit)?;
+        if let (Some(before), Some(after)) = (before, self.velocity(body)) {
+            self.note_velocity(body, before, after);
+        }
+        Ok(done)
+    }
+
+    /// Applies the velocities that the game wrote to a body since the last tick. Numbers that are not finite are left for the next tick, which refuses them.
+    fn apply_written(&mut self, body: Entity) -> Result<(), EditFault> {
+        let Ok((linear, angular, known)) = self.velocities.get(body) else { return Ok(()) };
+        let now = (linear.0, angular.map_or(Vec3::ZERO, |angular| angular.0));
+        if !(now.0.is_finite() && now.1.is_finite()) {
+            return Ok(());
+        }
+        for written in BodyEdit::of_written(now, known.0).into_iter().flatten() {
+            // A body that is not built yet has them as its initial velocities.
+            if !self.apply(body, written)? {
+                return Ok(());
+            }
+            if let Ok((.., mut known)) = self.velocities.get_mut(body) {
+                known.0 = Some(now);
+            }
+        }
+        Ok(())
+    }
+
+    /// The velocity and the angular velocity of all particles of a body with extracted velocities, and whether those of its free particles are of this instant.
+    fn velocity(&self, body: Entity) -> Option<(Vec3, Vec3, bool)> {
+        let (.., known) = self.velocities.get(body).ok()?;
+        known.0?;
+        let group = match self.wholes.get(body) {
+            Ok((Some(members), ..)) => self.group(members.iter()),
+            _ => self.group([body].into_iter()),
+        };
+        let (found, _) = group.motion(true)?;
+        let is_free = |member: &&Member| !member.is_pinned;
+        let mut free = group.valid.iter().filter(is_free);
+        let is_instant = free.all(|member| member.particle.lag == 0.0);
+        Some((found.velocity, found.angular_velocity, is_instant))
+    }
+
+    /// Updates the extracted velocities of a body by what an edit changed.
+    fn note_velocity(
+        &mut self,
+        body: Entity,
+        before: (Vec3, Vec3, bool),
+        after: (Vec3, Vec3, bool),
+    ) {
+        let Ok((mut linear, angular, mut known)) = self.velocities.get_mut(body) else { return };
+        let (velocity, spin, is_instant) = after;
+        if (before.0, before.1) == (velocity, spin) {
+            return;
+        }
+        // The extracted velocities are those of this instant, half a substep later than those of particles with a lag.
+        linear.0 = if is_instant { velocity } else { linear.0 + (velocity - before.0) };
+        let mut now = (linear.0, Vec3::ZERO);
+        if let Some(mut angular) = angular {
+            angular.0 = if is_instant { spin } else { angular.0 + (spin - before.1) };
+            now.1 = angular.0;
+        }
+        known.0 = Some(now);
+    }
+
     /// Executes an edit; on an error nothing changes. `Ok(false)` if the body has no particles yet.
     pub(crate) fn apply(&mut self, target: Entity, edit: BodyEdit) -> Result<bool, EditFault> {
         if !edit.is_valid() {
@@ -161,7 +245,7 @@ impl Editor<'_, '_> {
             (None, None) => return Err(EditFault::NoParticles),
         };
         let known = known.and_then(|known| known.0);
-        let own = self.transforms.get(target).ok().copied();
+        let own = self.own(target);
         let now = own.and_then(|own| self.place(target, own));
         // A teleport specifies the entity's own transform, which its parents then move elsewhere.
         let edit = match (edit, own) {
@@ -190,10 +274,13 @@ impl Editor<'_, '_> {
         Ok(true)
     }
 
+    fn own(&self, entity: Entity) -> Option<Transform> {
+        self.transforms.get(entity).ok().copied()
+    }
+
     /// The world transform of an entity whose own transform is `own`; `None` if its parents shear it.
     fn place(&self, entity: Entity, own: Transform) -> Option<Transform> {
-        let of = |entity| self.transforms.get(entity).ok().copied();
-        world_transform(own, entity, of, &self.parents).ok()
+        world_transform(own, entity, |entity| self.own(entity), &self.parents).ok()
     }
 
     /// Stores the new placement of an entity: its transform, if the edit `moves` it, and the extracted transform, if that is `known`.

@@ -42,7 +42,8 @@ pub(crate) use relax::{any_relax, run_relax};
 /// A command that cannot be executed changes nothing and is refused with one [`Refused`](crate::Refused) message ([`EditFault`](crate::EditFault) is the
 /// reason). A command on an entity that no longer exists is ignored.
 ///
-/// The extracted components of the body ([`LinearVelocity`](crate::LinearVelocity), …) are updated in the next tick.
+/// A velocity that the game wrote to [`LinearVelocity`](crate::LinearVelocity) or [`AngularVelocity`](crate::AngularVelocity) before counts as set before the
+/// command, and both follow the command at once. The other extracted components of the body are updated in the next tick.
 pub trait BodyCommandsExt {
     /// Executes one edit. All other methods but [`relax`](Self::relax) call it.
     fn edit_body(&mut self, edit: BodyEdit) -> &mut Self;

@@ -33,40 +33,33 @@ pub(crate) fn any_velocity_changed(
 ///
 /// A velocity that is not finite is refused and reset to that of the body.
 pub(crate) fn follow_velocities(
-    mut bodies: Query<
-        (
-            Entity,
-            Option<&CreationOrder>,
-            &mut LinearVelocity,
-            // A particle has none: it is a point.
-            Option<&mut AngularVelocity>,
-            &mut ExtractedVelocity,
-            Option<&mut Sleep>,
-        ),
-        (HasVelocity, VelocityWritten),
-    >,
-    mut editor: Editor,
+    mut written: ParamSet<(
+        Query<
+            (
+                Entity,
+                Option<&CreationOrder>,
+                &mut LinearVelocity,
+                // A particle has none: it is a point.
+                Option<&mut AngularVelocity>,
+                &mut ExtractedVelocity,
+                Option<&mut Sleep>,
+            ),
+            (HasVelocity, VelocityWritten),
+        >,
+        Editor,
+    )>,
     mut messages: MessageWriter<Refused>,
     mut requests: Local<Vec<Request>>,
 ) {
     requests.clear();
-    for (entity, order, linear, angular, mut known, sleep) in &mut bodies {
+    for (entity, order, linear, angular, mut known, sleep) in &mut written.p0() {
         let now = (linear.0, angular.as_ref().map_or(Vec3::ZERO, |angular| angular.0));
-        if known.0 == Some(now) {
+        let edits = BodyEdit::of_written(now, known.0);
+        if edits == [None, None] {
             continue;
         }
         let mut linear = linear;
         let order = order.copied();
-        let edits = match known.0 {
-            // The particles of a body with zero velocity may have velocities of their own, which have not been extracted yet.
-            None if now == (Vec3::ZERO, Vec3::ZERO) => continue,
-            None => [Some(BodyEdit::Motion(now.0, now.1)), None],
-            Some((velocity, spin)) => {
-                let moved = (velocity != now.0).then_some(BodyEdit::LinearVelocity(now.0));
-                let spun = (spin != now.1).then_some(BodyEdit::AngularVelocity(now.1));
-                [moved, spun]
-            }
-        };
         if now.0.is_finite() && now.1.is_finite() {
             known.0 = Some(now);
         } else {
@@ -81,7 +74,7 @@ pub(crate) fn follow_velocities(
             sleep.wake();
         }
     }
-    carry_out(&mut requests, &mut editor, &mut messages);
+    carry_out(&mut requests, &mut written.p1(), &mut messages);
 }
 
 /// Applies the impulses that a game has put on bodies, rigid parts and particles, and resets them.
