@@ -512,3 +512,24 @@ fn interpolation_between_ticks_is_not_state() {
         .collect();
     assert_eq!(again, expected, "in a fresh app");
 }
+
+/// Of an interpolated body that the game moved in `Update`, a snapshot had the transform from before that.
+#[test]
+fn a_snapshot_has_what_the_game_did_to_an_interpolated_transform() {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let frame = core::time::Duration::from_micros(6_944);
+    app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(frame));
+    let body = (RigidBox::default(), LinearVelocity(Vec3::X * 3.0), Interpolate);
+    let body = app.world_mut().spawn(body).id();
+    (0..20).for_each(|_| app.update());
+    let height = |app: &App| app.world().get::<Transform>(body).unwrap().translation.y;
+    let before = SinewSnapshot::capture(app.world());
+    app.world_mut().get_mut::<Transform>(body).unwrap().translation = Vec3::Y * 100.0;
+    let moved = SinewSnapshot::capture(app.world());
+    for (snapshot, expected) in [(before, 0.0), (moved, 100.0)] {
+        snapshot.restore(app.world_mut()).unwrap();
+        (0..20).for_each(|_| app.update());
+        assert!((height(&app) - expected).abs() < 1e-3, "{}", height(&app));
+    }
+}

@@ -8,7 +8,7 @@ use bevy_sinew::{StateRole, StateTypes};
 use crate::support::app;
 
 /// Components and resources that are not state, and why.
-const NO_STATE: [(&str, &str); 21] = [
+const NO_STATE: [(&str, &str); 22] = [
     ("ParticleRow", "scratch: given anew whenever particles come or go"),
     ("ResolvedRows", "scratch: resolved anew where what it is of has changed"),
     ("ResolvedShape", "scratch: found again where what it follows from has changed"),
@@ -24,6 +24,7 @@ const NO_STATE: [(&str, &str); 21] = [
     ("PhaseSteps", "what is shown of a tick that was taken"),
     ("FixedTick", "scratch: counted anew in each fixed tick"),
     ("PlayedTransform", "what is drawn between two ticks"),
+    ("DrawnTransform", "what is drawn between two ticks"),
     ("RelaxWorld", "a command: done and taken off in the next tick"),
     ("MouseDrag", "settings of a tool"),
     ("PointerState", "where the mouse is"),

@@ -52,10 +52,12 @@ pub struct EasePlugin;
 #[cfg(feature = "interpolation")]
 impl Plugin for EasePlugin {
     fn build(&self, app: &mut App) {
+        use crate::components::DrawnTransform;
         use crate::show::ease;
         use bevy_transform_interpolation::TransformEasingSystems as Easing;
         use bevy_transform_interpolation::prelude::TransformInterpolationPlugin;
-        app.add_systems(SinewTick, ease::opt_in.after(SinewSystems::Extract))
+        // After the ends of a tick are noted: an end without a start would undo what the game does with a new body before the next tick.
+        app.add_systems(FixedLast, ease::opt_in.after(Easing::UpdateEnd))
             .add_observer(ease::opt_out);
         app.add_systems(
             SinewTick,
@@ -71,6 +73,11 @@ impl Plugin for EasePlugin {
                 .after(Easing::Ease)
                 .before(Easing::UpdateEasingTick)
                 .run_if(schedule::is_time_scaled),
+        )
+        .add_systems(FixedFirst, ease::forget_drawn.run_if(any_with_component::<DrawnTransform>))
+        .add_systems(
+            RunFixedMainLoop,
+            ease::note_drawn.after(Easing::Ease).after(ease::ease_played).run_if(anything_eased),
         );
         // A game may have added the plugin for its own transforms; its settings then apply.
         if app.is_plugin_added::<TransformInterpolationPlugin>() {

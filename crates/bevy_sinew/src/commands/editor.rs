@@ -9,7 +9,7 @@ use sinew::{ParticleSeed, Particles};
 use super::{BodyEdit, PendingEdits};
 use crate::carry::RigidMotion;
 use crate::components::{
-    AngularVelocity, BodyParticles, CreationOrder, ExtractedTransform,
+    AngularVelocity, BodyParticles, CreationOrder, DrawnTransform, ExtractedTransform,
     ExtractedVelocity, LinearVelocity, Mass, PartOf, Particle, ParticleBody, ParticleOf, Pinned,
     PinnedTo, RigidPose, TickForces,
 };
@@ -120,6 +120,7 @@ pub(crate) struct Editor<'w, 's> {
     >,
     particles: Query<'w, 's, (&'static mut Particle, &'static Mass, Has<Pinned>, Has<PinnedTo>)>,
     transforms: Query<'w, 's, &'static mut Transform>,
+    drawn: Query<'w, 's, &'static DrawnTransform>,
     parents: Query<'w, 's, &'static ChildOf>,
     velocities: Query<
         'w,
@@ -274,8 +275,10 @@ impl Editor<'_, '_> {
         Ok(true)
     }
 
+    /// The transform of an entity at the end of the last tick, and with what the game has changed since; not where it is drawn between two ticks.
     fn own(&self, entity: Entity) -> Option<Transform> {
-        self.transforms.get(entity).ok().copied()
+        let own = *self.transforms.get(entity).ok()?;
+        Some(self.drawn.get(entity).map_or(own, |drawn| drawn.actual(own)))
     }
 
     /// The world transform of an entity whose own transform is `own`; `None` if its parents shear it.

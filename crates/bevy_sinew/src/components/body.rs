@@ -188,6 +188,19 @@ impl Default for TubeMesh {
 #[reflect(Component, Default, Clone)]
 pub struct Interpolate;
 
+/// Where an entity is drawn between two ticks, if its transform is interpolated, and its transform at the end of the last tick; `None` within the fixed
+/// schedules. Scratch.
+#[derive(Component, Clone, Copy, Debug, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct DrawnTransform(pub(crate) Option<(Transform, Transform)>);
+
+impl DrawnTransform {
+    /// What is meant by the transform `now`: that at the end of the last tick, unless the game has changed it since.
+    pub(crate) fn actual(&self, now: Transform) -> Transform {
+        self.0.filter(|(drawn, _)| *drawn == now).map_or(now, |(_, at_end)| at_end)
+    }
+}
+
 /// The world transform at which the simulation last left the entity. If its `Transform` and those of its parents differ from it, the game moved the entity, and
 /// its particles are moved along. Part of the state: save and restore it together with `Transform`.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]

@@ -33,6 +33,7 @@ pub use particle::{
 pub use sleep::{Sleep, SleepingDisabled};
 pub use softness::Softness;
 
+pub(crate) use body::DrawnTransform;
 pub(crate) use collide::{Orphans, PlacedCollider, ResolvedShape};
 pub(crate) use control::ResolvedTarget;
 pub(crate) use order::{CreationCounter, TopologyChanged, fill_sorted};

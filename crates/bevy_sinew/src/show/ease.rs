@@ -3,10 +3,10 @@
 
 use bevy::prelude::*;
 use bevy_transform_interpolation::prelude::TransformInterpolation;
-use bevy_transform_interpolation::{RotationEasingState, TranslationEasingState};
+use bevy_transform_interpolation::{RotationEasingState, ScaleEasingState, TranslationEasingState};
 
 use crate::bevy_version::OnRemove;
-use crate::components::{BodyParts, Interpolate, PartOf, Particle, RigidPose};
+use crate::components::{BodyParts, DrawnTransform, Interpolate, PartOf, Particle, RigidPose};
 use crate::schedule::SinewClock;
 
 /// The transforms between which an entity is drawn where the simulation has a speed of its own. The interpolation crate interpolates from one end of a fixed
@@ -72,6 +72,48 @@ pub(crate) fn ease_played(
     }
 }
 
+/// The components by which the interpolation crate interpolates a transform.
+type Eased = (
+    Option<&'static TranslationEasingState>,
+    Option<&'static RotationEasingState>,
+    Option<&'static ScaleEasingState>,
+);
+
+type IsEased =
+    Or<(With<TranslationEasingState>, With<RotationEasingState>, With<ScaleEasingState>)>;
+
+/// Stores where interpolated transforms are drawn, and what they were at the end of the tick, until the next tick begins.
+pub(crate) fn note_drawn(
+    mut commands: Commands,
+    mut eased: Query<(Entity, &Transform, Eased, Option<&mut DrawnTransform>), IsEased>,
+) {
+    for (entity, &drawn, (translation, rotation, scale), noted) in &mut eased {
+        let mut at_end = drawn;
+        // A transform that the game has changed since is not interpolated.
+        if let Some(TranslationEasingState { start: Some(_), end: Some(end) }) = translation {
+            at_end.translation = *end;
+        }
+        if let Some(RotationEasingState { start: Some(_), end: Some(end) }) = rotation {
+            at_end.rotation = *end;
+        }
+        if let Some(ScaleEasingState { start: Some(_), end: Some(end) }) = scale {
+            at_end.scale = *end;
+        }
+        let now = DrawnTransform(Some((drawn, at_end)));
+        match noted {
+            Some(mut noted) => *noted = now,
+            None => drop(commands.entity(entity).try_insert(now)),
+        }
+    }
+}
+
+/// Forgets what was drawn: within a tick, transforms are those of the simulation.
+pub(crate) fn forget_drawn(mut eased: Query<&mut DrawnTransform>) {
+    for mut drawn in &mut eased {
+        drawn.0 = None;
+    }
+}
+
 fn between(from: &Transform, to: &Transform, share: f32) -> Transform {
     Transform {
         translation: from.translation.lerp(to.translation, share),
@@ -118,7 +160,7 @@ pub(crate) fn opt_out(
         if let Ok(mut eased) = commands.get_entity(eased) {
             eased.queue_silenced(|mut eased: EntityWorldMut| {
                 eased.remove_with_requires::<TransformInterpolation>();
-                eased.remove::<PlayedTransform>();
+                eased.remove::<(PlayedTransform, DrawnTransform)>();
             });
         }
     }
