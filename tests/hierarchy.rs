@@ -4,7 +4,7 @@ use core::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{Attractor, Charge, ElectricField, Touching};
+use bevy_sinew::{Attractor, BuiltBody, Charge, ElectricField, Touching, sinew};
 use bevy_sinew::{Refusal, Region, WorldCenterOfMass};
 
 use crate::support::{app, forget, heard, particles_of, position, tick};
@@ -277,5 +277,72 @@ fn a_body_that_loses_its_parent_moves_to_its_transform_without_one() {
         assert!(middle.abs_diff_eq(own.translation, 1e-4), "it is at {middle}");
         let reach = corners.iter().map(|&corner| corner.distance(middle)).fold(0.0, f32::max);
         assert!((reach - 0.75_f32.sqrt()).abs() < 1e-3, "its corners are {reach} m from there");
+    }
+}
+
+/// Modelling tools write scales such as 0.99999994 and 1.0000001. They counted as non-uniform: a ragdoll, a rope, a round region, and a box within such a parent
+/// were refused, and a ball became a hull with 24 sides.
+#[test]
+fn a_scale_that_is_uniform_within_round_off_is_uniform() {
+    let mut app = space();
+    let scale = Vec3::new(2.0, 2.0000002, 1.9999998);
+    let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0).with_scale(scale);
+    let ball = RigidMesh::default().shaped(RigidShape::Sphere { radius: 0.5 });
+    let world = app.world_mut();
+    let ball = world.spawn((ball, at(0.0))).id();
+    let parent = world.spawn(at(5.0).with_rotation(Quat::from_rotation_y(0.4))).id();
+    let turned = Transform::from_rotation(Quat::from_rotation_x(0.7));
+    let inner = world.spawn((RigidBox::default(), ChildOf(parent), turned)).id();
+    let spin = AngularVelocity(Vec3::new(0.3, 2.0, 1.0));
+    world.entity_mut(inner).insert(spin);
+    world.spawn((Ragdoll::default(), at(12.0)));
+    world.spawn((Rope::default(), at(16.0)));
+    world.spawn((Wind::default(), Region::sphere(1.0), at(20.0)));
+    world.spawn((Collider::sphere(0.5), at(24.0)));
+    tick(&mut app, 60);
+    assert_eq!(heard(&app), []);
+    let round = |shape: &sinew::Shape| shape == &sinew::Shape::sphere(1.0).unwrap();
+    let solver = app.world().resource::<SinewWorld>().simulation();
+    assert!(round(&solver.colliders[0].shape));
+    let own = app.world().get::<Collider>(ball).unwrap().shape().unwrap();
+    assert!(round(&own), "{own:?}");
+    let built = app.world().get::<BuiltBody>(inner).unwrap().builds;
+    assert_eq!(built, 1, "it is not rebuilt as it turns");
+    // A scale that is clearly not uniform is still refused.
+    app.world_mut().get_mut::<Transform>(parent).unwrap().scale.y = 2.1;
+    tick(&mut app, 2);
+    assert!(heard(&app).contains(&(inner, Refusal::Sheared)), "{:?}", heard(&app));
+}
+
+/// Getting a parent in place takes the scale from a matrix, which is another one by its last digits: the body was rebuilt, and cloth lost its folds.
+#[test]
+fn a_body_that_changes_its_parent_in_place_is_not_rebuilt() {
+    let mut app = space();
+    let world = app.world_mut();
+    let turned = Quat::from_euler(EulerRot::XYZ, 0.3, 1.0, 0.7);
+    let parent = Transform::from_xyz(0.3, 0.1, 0.2).with_rotation(turned);
+    let parent = world.spawn(parent.with_scale(Vec3::splat(1.7))).id();
+    let motion = (LinearVelocity(Vec3::X), AngularVelocity(Vec3::new(0.3, 1.0, 0.2)));
+    let bodies = [
+        world.spawn((RigidBox::default(), motion.clone())).id(),
+        world.spawn((Cloth::grid(1.0, 1.0, 4, 4), motion, Transform::from_xyz(9.0, 0.0, 0.0))).id(),
+    ];
+    tick(&mut app, 10);
+    for turn in 0..6 {
+        for body in bodies {
+            let before = all_positions(&app, body);
+            let mut commands = app.world_mut().commands();
+            if turn % 2 == 0 {
+                commands.entity(body).set_parent_in_place(parent);
+            } else {
+                commands.entity(body).remove_parent_in_place();
+            }
+            tick(&mut app, 3);
+            let moved: Vec<Vec3> = before.iter().map(|at| *at + Vec3::X * 0.05).collect();
+            let now = all_positions(&app, body);
+            let far = now.iter().zip(&moved).map(|(now, moved)| now.distance(*moved));
+            assert!(far.fold(0.0, f32::max) < 0.1);
+            assert_eq!(app.world().get::<BuiltBody>(body).unwrap().builds, 1);
+        }
     }
 }

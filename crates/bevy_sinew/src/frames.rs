@@ -6,6 +6,7 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use sinew::collide::is_uniform;
 
 /// Read access to transforms and parents.
 #[derive(SystemParam)]
@@ -74,19 +75,22 @@ pub(crate) fn in_world(world: &World, entity: Entity) -> Result<Transform, Mispl
 /// The factor of a uniform scale, without its sign; an error for any other scale.
 pub(crate) fn even_factor(scale: Vec3) -> Result<f32, Misplaced> {
     let factor = scale.abs();
-    if is_even(factor) { Ok(factor.x) } else { Err(Misplaced::NonUniform) }
+    if is_uniform(factor) { Ok(factor.x) } else { Err(Misplaced::NonUniform) }
 }
 
-/// Whether a scale is the same in all directions.
-pub(crate) fn is_even(scale: Vec3) -> bool {
-    scale.x == scale.y && scale.y == scale.z
+/// Relative difference up to which two scales are the same: that of a scale that Bevy has taken from a matrix, as when an entity gets another parent in place.
+const SCALE_ROUND_OFF: f32 = 2e-6;
+
+/// Whether two scales are the same, within round-off. Otherwise a body would be rebuilt in a size that it has.
+pub(crate) fn is_same_scale(a: Vec3, b: Vec3) -> bool {
+    (a - b).abs().cmple(b.abs() * SCALE_ROUND_OFF).all()
 }
 
 /// The composition of two transforms; `None` if `outer` shears `inner`.
 pub fn compose(outer: &Transform, inner: &Transform) -> Option<Transform> {
     let translation = outer.transform_point(inner.translation);
     let (s, r) = (outer.scale, inner.rotation);
-    if is_even(s) || r == Quat::IDENTITY {
+    if is_uniform(s) || r == Quat::IDENTITY {
         let (rotation, scale) = (outer.rotation * r, s * inner.scale);
         return Some(Transform { translation, rotation, scale });
     }

@@ -7,6 +7,7 @@ use bevy::ecs::component::Mutable;
 use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
 use bevy::reflect::{FromReflect, GetTypeRegistration, TypePath};
+use sinew::collide::is_uniform;
 use sinew::recipes::Blueprint;
 
 use crate::components::{
@@ -15,14 +16,14 @@ use crate::components::{
     ParticleBody, ParticleOf, Pinned, Radius, RestPlace, RigidPose, TubeMesh, WindSurface,
 };
 use crate::config::BodySolver;
-use crate::frames::{Frames, Misplaced, in_world, is_even};
+use crate::frames::{Frames, Misplaced, in_world, is_same_scale};
 use crate::mesh::{positions, triangles};
 use crate::messages::{Refusal, refuse_in};
 use crate::recipes::bind::{ListRelationship, attach, bind, insert_related, spawn_related};
 use crate::recipes::bind_mesh::source_mesh;
 use crate::recipes::built::JustBuilt;
-
 use crate::recipes::{built_collider, forget_replaced};
+
 /// A component that describes a body, and builds it.
 pub(crate) trait Recipe:
     Component<Mutability = Mutable> + Clone + PartialEq + FromReflect + TypePath + GetTypeRegistration
@@ -150,7 +151,7 @@ pub(crate) fn notice_scale(
     for (body, known, transform, parented) in &built {
         let Some(known) = known.0 else { continue };
         let now = if parented { frames.of(body) } else { Ok(*transform) };
-        if now.map(|now| now.scale) != Ok(known.scale) {
+        if !now.is_ok_and(|now| is_same_scale(now.scale, known.scale)) {
             commands.entity(body).insert(Rescaled);
         }
     }
@@ -204,8 +205,8 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
             Ok(BuildOutcome::Built(scale, collider)) => {
                 let built = Built { recipe, mesh: SourceMesh::Here(mesh), scale, collider };
                 entity.insert(built).remove::<(AwaitsMesh<R>, AwaitsPlace)>();
-                world.get_resource_or_init::<JustBuilt>().0.push(body);
                 forget_replaced(&mut entity);
+                world.get_resource_or_init::<JustBuilt>().0.push(body);
             }
             Ok(BuildOutcome::Waiting) => {
                 entity.insert_if_new(AwaitsMesh::<R>(PhantomData));
@@ -255,7 +256,7 @@ fn is_as_built<R: Recipe>(world: &World, body: Entity, recipe: &R) -> bool {
         };
         built.recipe == *recipe
             && same_mesh
-            && in_world(world, body).map(|at| at.scale) == Ok(built.scale)
+            && in_world(world, body).is_ok_and(|at| is_same_scale(at.scale, built.scale))
     })
 }
 
@@ -266,6 +267,13 @@ fn wanted_mesh<R: Recipe>(world: &World, body: Entity, recipe: &R) -> Option<Ass
 /// The collider that the last build of a body from this recipe added.
 pub(super) fn recipe_collider<'a, R: Recipe>(body: &'a EntityWorldMut) -> Option<&'a Collider> {
     body.get::<Built<R>>().and_then(|built| built.collider.as_ref())
+}
+
+/// Removes what the plugin keeps of a recipe that the body no longer has.
+pub(super) fn forget_recipe<R: Recipe>(body: &mut EntityWorldMut) {
+    if body.contains::<Built<R>>() && !body.contains::<R>() {
+        body.remove::<(Built<R>, AwaitsMesh<R>)>();
+    }
 }
 
 /// Adds the collider of the recipe, unless the game has added one; returns the recipe's collider if it is used.
@@ -310,7 +318,7 @@ fn build_one<R: Recipe>(
     // A rigid body may rotate later, whatever its current rotation is.
     let parent = world.get::<ChildOf>(body).map(ChildOf::parent);
     let above = parent.map_or(Ok(Transform::IDENTITY), |parent| in_world(world, parent))?;
-    if !blueprint.parts.is_empty() && !is_even(above.scale) {
+    if !blueprint.parts.is_empty() && !is_uniform(above.scale) {
         return Err(Refusal::Sheared);
     }
     let placed = blueprint.transformed(transform.rotation, transform.translation);

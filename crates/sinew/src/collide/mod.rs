@@ -60,7 +60,7 @@ pub use collider::Collider;
 pub use frame::Frame;
 pub use impact::{ContactParticipant, Impact};
 pub use material::{BodyContacts, Combine, CombinedMaterial, Layers, Material};
-pub use shape::{Nearest, RayHit, Shape, ShapeFault};
+pub use shape::{Nearest, RayHit, Shape, ShapeFault, is_uniform};
 
 pub(crate) use body_contact::{RigidStep, Written, half_spaces};
 pub(crate) use filter::ContactFilter;

@@ -42,6 +42,7 @@ use std::sync::{Arc, OnceLock};
 use glam::Vec3;
 
 pub use fault::ShapeFault;
+pub use scale::is_uniform;
 
 pub(crate) use closed_form::ClosedForm;
 pub(crate) use convert::{from_parry, pose};

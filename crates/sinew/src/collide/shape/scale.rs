@@ -11,18 +11,29 @@ use crate::collide::shape::height::Heights;
 /// the width farther out.
 const SIDES: usize = 24;
 
+/// Relative difference up to which factors count as equal: round-off. Modelling tools write factors such as 0.99999994 and 1.0000001, and more of it comes from
+/// the product of several parents' scales.
+const ROUND_OFF: f32 = 1e-4;
+
+/// Whether a scale is the same along all axes, within round-off. No scale with a NaN is.
+pub fn is_uniform(scale: Vec3) -> bool {
+    let allowed = ROUND_OFF * scale.abs().max_element();
+    let near = |a: f32, b: f32| (a - b).abs() <= allowed;
+    near(scale.x, scale.y) && near(scale.y, scale.z) && near(scale.z, scale.x)
+}
+
 impl Shape {
     /// The same shape scaled by a positive factor along each of its own axes. Boxes, hulls, meshes and heightfields take any factors; a half-space does not
-    /// change. A sphere or a capsule stays one if all three factors are equal, and a cylinder if those along x and z are. With other factors they become a hull
-    /// with 24 sides, whose vertices are on the true surface.
+    /// change. A sphere or a capsule stays one if all three factors are equal ([`is_uniform`]), and a cylinder if those along x and z are. With other factors
+    /// they become a hull with 24 sides, whose vertices are on the true surface.
     ///
     /// # Errors
     /// [`ShapeFault::Scale`] if a factor is NaN, infinite, zero or negative, or the error of the constructor for the result.
     pub fn scaled(&self, factor: Vec3) -> Result<Self, ShapeFault> {
         let positive = factor.is_finite() && factor.min_element() > 0.0;
         positive.then_some(()).ok_or(ShapeFault::Scale)?;
-        let across = factor.x == factor.z;
-        let even = across && factor.x == factor.y;
+        let across = is_uniform(factor.with_y(factor.x));
+        let even = is_uniform(factor);
         let stretch = |points: &[Vec3]| points.iter().map(|&p| p * factor).collect::<Vec<_>>();
         match &self.form {
             Form::HalfSpace => Ok(self.clone()),
