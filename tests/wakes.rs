@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{AirFlow, Attractor, BodyParticles, ControlForce, ElectricField, SinewWorld};
-use bevy_sinew::{Charge, Electric, PhaseSystems, SleepingDisabled, SubstepSchedule};
+use bevy_sinew::{Charge, Electric, Flatland, PhaseSystems, Region};
+use bevy_sinew::{SleepingDisabled, SubstepSchedule};
 
 use crate::support::{app, particles_of, tick};
 
@@ -306,4 +307,40 @@ fn a_body_that_gusts_may_move_does_not_sleep_in_them() {
     assert_eq!(asleep(&app, all), [false, false, true], "since it freshened");
     let (app, _, all) = app_in(40.0);
     assert_eq!(asleep(&app, all), [false, false, true], "in gusts");
+}
+
+/// A body that floats asleep, and one in the air of a 2D world, slept on when the hull was removed or the plane was moved.
+#[test]
+fn a_hull_and_the_plane_of_a_2d_world_wake_what_they_hold() {
+    let mut app = app();
+    let world = app.world_mut();
+    let lid = Collider::cuboid(Vec3::new(20.0, 1.0, 20.0));
+    world.spawn((lid.clone(), Transform::from_xyz(0.0, 2.5, 0.0)));
+    world.spawn(Ground);
+    world.spawn((Fluid { density: 3000.0, ..default() }, Transform::from_xyz(0.0, 5.0, 0.0)));
+    let raft = (RigidBox::default(), Floats::default(), Transform::from_xyz(0.0, 1.5, 0.0));
+    let raft = world.spawn(raft).id();
+    let sunk = world.spawn((RigidBox::default(), Transform::from_xyz(5.0, 0.5, 0.0))).id();
+    tick(&mut app, 180);
+    let sleeps = |app: &App, body: Entity| app.world().get::<Sleep>(body).unwrap().asleep;
+    assert!(sleeps(&app, raft) && sleeps(&app, sunk));
+    app.world_mut().entity_mut(raft).remove::<Floats>();
+    tick(&mut app, 3);
+    assert!(!sleeps(&app, raft) && sleeps(&app, sunk), "only what lost its hull wakes");
+    app.world_mut().entity_mut(sunk).insert(Floats::default());
+    tick(&mut app, 3);
+    assert!(!sleeps(&app, sunk), "what gets one wakes, too");
+
+    let mut app = crate::support::app();
+    let world = app.world_mut();
+    world.spawn(Ground);
+    let square = RigidBox { flat: true, ..default() };
+    let square = world.spawn((square, Transform::from_xyz(0.0, 0.5, 0.0))).id();
+    let plane = world.spawn(Flatland).id();
+    tick(&mut app, 180);
+    assert!(sleeps(&app, square));
+    app.world_mut().get_mut::<Transform>(plane).unwrap().translation.z = 0.3;
+    tick(&mut app, 60);
+    let z = app.world().get::<Transform>(square).unwrap().translation.z;
+    assert!((z - 0.3).abs() < 1e-3, "{z}");
 }

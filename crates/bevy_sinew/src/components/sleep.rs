@@ -12,10 +12,11 @@ use bevy::prelude::*;
 ///
 /// - a moving body or [`Collider`](crate::Collider) comes near it, or what it rests or hangs on is gone;
 /// - the game moves it, its parent or one of its particles, or applies a velocity, an impulse, a force or a [`ControlForce`](crate::ControlForce);
-/// - one of its constraints, springs or attachments is added, changed or removed, a pin is removed, or a mass, a radius or a
-///   [`GravityScale`](crate::GravityScale) changes;
+/// - one of its constraints, springs or attachments is added, changed or removed, a pin is removed, or a mass, a radius, a
+///   [`GravityScale`](crate::GravityScale) or the hull by which it [`Floats`](crate::Floats) changes;
 /// - the shape, the surface or the layers of a collider next to it change;
-/// - something in the environment changes or moves: gravity, air, winds, fluids, fields, attractors. Then all bodies wake;
+/// - something in the environment changes or moves: gravity, air, winds, fluids, fields, attractors, the plane of a [`Flatland`](crate::Flatland). Then all
+///   bodies wake;
 /// - a custom system adds a force to it within a tick, or moves it ([`ParticlesMut`](crate::SinewWorld::particles_mut)): it wakes in the next tick.
 ///
 /// The following do not sleep: bodies with charges, since the forces between charges change with each of them; bodies with a surface

@@ -6,7 +6,7 @@
 //!
 //! - when one of its particles was given a velocity, a force or a control, or was [marked to wake](crate::Particles::wake);
 //! - when something that moves comes near, or a collider near it moves;
-//! - when its support changes: positions, masses, constraints, springs, and the static geometry beside it (`support`).
+//! - when its support changes: positions, masses, constraints, springs, hulls, and the static geometry beside it (`support`).
 //!
 //! Bodies that gusts could move stay awake in them (`gusts`). Groups that have slept for long and have nothing moving near them are dormant: they are not even
 //! visited (`dormant`).
@@ -104,7 +104,7 @@ pub(super) struct SleepScratch {
     /// Support hash of each island; at the first island of a group, of all that sleep in the group.
     hashes: Vec<u64>,
     /// [Edits](crate::Particles::edits) of the particles, the revision of `contacts`, and the hashes of [static geometry](support::of_surfaces) and of
-    /// [springs](support::of_springs) when supports were last compared; `None` if constraints or particles were added or removed since.
+    /// [springs and hulls](support::of_springs_and_hulls) when supports were last compared; `None` if constraints or particles were added or removed since.
     compared: Option<[u64; 4]>,
 }
 
@@ -166,7 +166,7 @@ impl Simulation {
         let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch.0);
         if self.sleep.iter().any(|body| body.allowed) {
             let standing = support::of_surfaces(&self.colliders, &self.boundaries);
-            let springs = support::of_springs(&self.forces.springs);
+            let springs = support::of_springs_and_hulls(&self.forces);
             let now = [self.particles.edits(), self.contacts.revision(), standing, springs];
             let changed = sleepers.compared.replace(now) != Some(now);
             let inputs = self.sleep_inputs(dt, now);
@@ -514,7 +514,7 @@ impl Simulation {
         let islands = &self.scratch.plan.islands;
         hashes.clear();
         hashes.resize(islands.list.len(), 0);
-        self.add_springs(hashes);
+        self.add_springs_and_hulls(hashes);
         for number in visited.iter().map(|&number| number as usize) {
             let (island, hash) = (&islands.list[number], &mut hashes[number]);
             *hash = if island.asleep {

@@ -53,6 +53,7 @@ impl BoundingBox {
 }
 
 /// Makes the world two-dimensional: all particles stay in the entity's local xy plane, by default the plane z = 0. Only pinned particles may be outside of it.
+/// Its bodies must be flat (`RigidBox { flat: true, .. }`, ropes, loose particles): the rods of any other one contradict the plane, and it flies away.
 ///
 /// There is one world, and so one plane: of several entities, the valid one that was created first.
 ///

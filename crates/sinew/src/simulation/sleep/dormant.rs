@@ -235,7 +235,7 @@ mod tests {
     use super::*;
     use crate::collide::{BodyContacts, Collider, Combine, Frame, Shape};
     use crate::constraints::{Distance, InsideBox, Pin, Plane};
-    use crate::forces::{Control, Spring, Wind};
+    use crate::forces::{Control, Hull, Skin, Spring, Wind};
     use crate::particles::ParticleSeed;
     use crate::recipes::{BoxSpec, box_3d};
     use crate::rigid::Compound;
@@ -319,11 +319,18 @@ mod tests {
         assert!(world.sleep.iter().all(|body| body.asleep), "{:?}", world.sleep);
     }
 
+    /// A triangle between three corners of a box.
+    fn hull(first: u32) -> Hull {
+        let rows = vec![first, first + 1, first + 2];
+        Hull::new(rows, vec![[0, 1, 2]], Skin::Carriers).unwrap()
+    }
+
     /// Planes and boxes, the rules by which materials combine, and drags were missing in the support hash: sleepers stayed in the air when the ground was gone.
+    /// So were the plane of a 2D world, which did not move sleepers into it, and hulls: what floated asleep did not sink when it lost its hull.
     #[test]
     fn a_change_of_bounds_or_of_materials_wakes_sleepers() {
         type Change = fn(&mut Simulation);
-        let changes: [(&str, Change, bool); 9] = [
+        let changes: [(&str, Change, bool); 12] = [
             ("nothing", |_| {}, false),
             ("no ground", |world| world.boundaries.planes.clear(), true),
             ("lower ground", |world| world.boundaries.planes[0].offset = -1.0, true),
@@ -333,6 +340,13 @@ mod tests {
             ("a sticky ground", |world| world.boundaries.planes[0].drag.along = 0.9, true),
             ("a rule", |world| world.contacts[0].material.friction_rule = Combine::Max, true),
             ("a drag", |world| world.contacts[0].material.drag.across = 0.5, true),
+            (
+                "two dimensions",
+                |world| world.boundaries.plane_constraint = Plane::new(Vec3::Z, Vec3::Z),
+                true,
+            ),
+            ("a hull", |world| world.forces.hulls.push(hull(0)), true),
+            ("another body's hull", |world| world.forces.hulls.push(hull(16)), false),
         ];
         for (name, change, wakes) in changes {
             let mut world = level();

@@ -1,10 +1,10 @@
-//! Support hash: a hash of what a sleeper is made of, lies on and hangs on. If it changes, something was changed, added or removed, and the sleeper wakes.
+//! Support hash: a hash of what a sleeper is made of, lies on, hangs on and floats by. If it changes, something was changed, added or removed, and the sleeper wakes.
 
 use glam::{Vec3, Vec4};
 
 use crate::collide::{BodyContacts, Collider, Frame, Material};
 use crate::constraints::{Boundaries, InsideBox, Plane, Points, Softness};
-use crate::forces::Spring;
+use crate::forces::{Forces, Hull, Spring};
 use crate::hash::fnv;
 use crate::islands::{Island, member_index};
 use crate::simulation::Simulation;
@@ -19,6 +19,8 @@ const COLLIDER: u32 = 5;
 const PLANE: u32 = 6;
 const BODY: u32 = 7;
 const BOX: u32 = 8;
+const HULL: u32 = 9;
+const FLATLAND: u32 = 10;
 
 impl Simulation {
     /// The hash of an island: positions and masses of its particles, and its constraints, independent of where they are in the columns. Of a constraint the
@@ -92,16 +94,28 @@ impl Simulation {
             bounds.0.cmple(high).all() && bounds.1.cmpge(low).all()
         };
         let colliders = self.colliders.iter().filter(|one| !one.sensor && one.is_valid());
-        let Boundaries { planes, boxes, .. } = &self.boundaries;
+        let Boundaries { planes, boxes, plane_constraint, .. } = &self.boundaries;
+        let flatland = plane_constraint.iter().map(of_flatland);
         let planes = planes.iter().filter(|plane| plane.is_valid() && reaches(plane, bounds));
         let boxes = boxes.iter().filter(|one| one.is_valid() && is_at_wall(one, bounds));
         let near = colliders.filter(is_near).map(of_collider);
-        near.chain(planes.map(of_plane)).chain(boxes.map(of_box)).fold(sum, u64::wrapping_add)
+        let standing = near.chain(planes.map(of_plane)).chain(boxes.map(of_box));
+        standing.chain(flatland).fold(sum, u64::wrapping_add)
     }
 
-    /// Adds to the hashes of all islands the springs that act on them.
-    pub(super) fn add_springs(&self, hashes: &mut [u64]) {
+    /// Adds to the hashes of all islands the springs that act on them, and the hulls that they float by.
+    pub(super) fn add_springs_and_hulls(&self, hashes: &mut [u64]) {
         let islands = &self.scratch.plan.islands;
+        for hull in &self.forces.hulls {
+            for &row in &hull.rows {
+                let Some(&number) = islands.of.get(row as usize) else { continue };
+                let members = &islands.members[islands.list[number as usize].members.clone()];
+                let own = fnv([HULL, member_index(members)(row)]
+                    .into_iter()
+                    .chain(words(hull.content_hash())));
+                hashes[number as usize] = hashes[number as usize].wrapping_add(own);
+            }
+        }
         for spring in &self.forces.springs {
             for end in [spring.a, spring.b] {
                 let Some(&number) = islands.of.get(end as usize) else { continue };
@@ -114,12 +128,20 @@ impl Simulation {
     }
 }
 
-/// The hash of all springs, by the rows that they connect.
-pub(super) fn of_springs(springs: &[Spring]) -> u64 {
+/// The hash of all springs, by the rows that they connect, and of all hulls, by the rows that carry them.
+pub(super) fn of_springs_and_hulls(Forces { springs, hulls, .. }: &Forces) -> u64 {
     let each = springs
         .iter()
         .map(|spring| fnv([SPRING, spring.a, spring.b].into_iter().chain(numbers_of(spring))));
-    each.fold(0, u64::wrapping_add)
+    let of_hull = |hull: &Hull| {
+        let rows = hull.rows.iter().copied();
+        fnv([HULL].into_iter().chain(rows).chain(words(hull.content_hash())))
+    };
+    each.chain(hulls.iter().map(of_hull)).fold(0, u64::wrapping_add)
+}
+
+fn words(hash: u64) -> [u32; 2] {
+    [hash as u32, (hash >> 32) as u32]
 }
 
 fn numbers_of(spring: &Spring) -> impl Iterator<Item = u32> {
@@ -152,21 +174,26 @@ fn of_box(inside: &InsideBox) -> u64 {
     fnv([BOX].into_iter().chain(corners).chain(bits([inside.friction, inside.restitution])))
 }
 
+fn of_flatland(plane: &Plane) -> u64 {
+    let numbers = bits(plane.normal.to_array()).chain(bits([plane.offset]));
+    fnv([FLATLAND].into_iter().chain(numbers))
+}
+
 /// The hash of all static geometry. Moving colliders wake sleepers by coming near; in the hash they would make every step compare all supports.
 pub(super) fn of_surfaces(colliders: &[Collider], boundaries: &Boundaries) -> u64 {
     let planes = boundaries.planes.iter().map(of_plane);
     let boxes = boundaries.boxes.iter().map(of_box);
+    let flatland = boundaries.plane_constraint.iter().map(of_flatland);
     let standing = colliders.iter().filter(|one| !one.sensor && one.start == one.end);
-    planes.chain(boxes).chain(standing.map(of_collider)).fold(0, u64::wrapping_add)
+    planes.chain(boxes).chain(flatland).chain(standing.map(of_collider)).fold(0, u64::wrapping_add)
 }
 
 fn of_collider(collider: &Collider) -> u64 {
     let Collider { shape, end: Frame { translation: at, rotation }, material, layers, .. } =
         collider;
-    let hash = shape.content_hash();
+    let [low, high] = words(shape.content_hash());
     let asks = u32::from(collider.events);
-    let kind =
-        [COLLIDER, asks, hash as u32, (hash >> 32) as u32, layers.memberships, layers.filters];
+    let kind = [COLLIDER, asks, low, high, layers.memberships, layers.filters];
     let (place, turn) = (bits(at.to_array()), bits(rotation.to_cols_array()));
     fnv(kind.into_iter().chain(numbers_of_material(material)).chain(place).chain(turn))
 }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::coincident::first_coincident;
+use crate::hash::fnv;
 
 /// The surface mesh of a body that floats by its shape, and the particles that carry it.
 ///
@@ -15,6 +16,8 @@ pub struct Hull {
     triangles: Vec<[u32; 3]>,
     skin: Skin,
     rim: Vec<[u32; 2]>,
+    /// Hash of the triangles and the skin.
+    hash: u64,
 }
 
 /// How the skin of a hull is attached to its carriers.
@@ -86,8 +89,8 @@ impl Hull {
             let one = first_coincident(vertices);
             triangles.iter_mut().flatten().for_each(|v| *v = one[*v as usize]);
         }
-        let rim = rim_of(&triangles);
-        Ok(Self { rows, triangles, skin, rim })
+        let (rim, hash) = (rim_of(&triangles), content_hash(&triangles, &skin));
+        Ok(Self { rows, triangles, skin, rim, hash })
     }
 
     /// Why this hull cannot float among `particles` rows, or `None` if it can.
@@ -122,9 +125,25 @@ impl Hull {
         !self.rim.is_empty()
     }
 
+    /// Hash of its shape, whatever carries it.
+    pub(crate) fn content_hash(&self) -> u64 {
+        self.hash
+    }
+
     /// The edges of the rim, each in the direction of its triangle.
     pub(super) fn rim(&self) -> &[[u32; 2]] {
         &self.rim
+    }
+}
+
+fn content_hash(triangles: &[[u32; 3]], skin: &Skin) -> u64 {
+    let corners = triangles.iter().flatten().copied();
+    match skin {
+        Skin::Carriers => fnv(corners),
+        Skin::Posed { vertices, rest } => {
+            let places = vertices.iter().chain(rest).flat_map(Vec3::to_array);
+            fnv(corners.chain(places.map(f32::to_bits)))
+        }
     }
 }
 
