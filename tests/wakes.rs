@@ -344,3 +344,26 @@ fn a_hull_and_the_plane_of_a_2d_world_wake_what_they_hold() {
     let z = app.world().get::<Transform>(square).unwrap().translation.z;
     assert!((z - 0.3).abs() < 1e-3, "{z}");
 }
+
+/// A body whose particles were all pinned counted as still meanwhile, and slept where it was as soon as it was released: a crate stayed in the air.
+#[test]
+fn a_body_that_was_held_falls_when_it_is_released() {
+    for pins in 1..=8 {
+        let mut app = app();
+        let body = (RigidBox::default(), Transform::from_xyz(0.0, 5.0, 0.0));
+        let body = app.world_mut().spawn(body).id();
+        tick(&mut app, 1);
+        let corners = particles_of(&app, body);
+        for &corner in &corners[..pins] {
+            app.world_mut().entity_mut(corner).insert(Pinned::HERE);
+        }
+        tick(&mut app, 120);
+        let before = app.world().get::<Transform>(body).unwrap().translation.y;
+        for &corner in &corners[..pins] {
+            app.world_mut().entity_mut(corner).remove::<Pinned>();
+        }
+        tick(&mut app, 60);
+        let fallen = before - app.world().get::<Transform>(body).unwrap().translation.y;
+        assert!(fallen > 3.0, "{pins} pins: {fallen} m");
+    }
+}

@@ -488,8 +488,13 @@ impl Simulation {
                 let is_first = sleepers.first_of[particles.body[i] as usize] == number as u32;
                 if is_first && !dormant.is_of_body(particles.body[i]) {
                     sleepers.first_of[particles.body[i] as usize] = u32::MAX;
-                    body.still =
-                        if group.active { 0.0 } else { (body.still + dt).min(2.0 * TIME_TO_SLEEP) };
+                    // If all of it is pinned, it is not still, but held: when it is released it must not sleep in the air at once.
+                    let is_held = group.still == f32::INFINITY && activities[number].allowed;
+                    body.still = if group.active || is_held {
+                        0.0
+                    } else {
+                        (body.still + dt).min(2.0 * TIME_TO_SLEEP)
+                    };
                     body.asleep = island.asleep;
                     body.support_hash = match (island.asleep, compare) {
                         (true, true) => hashes[root],
