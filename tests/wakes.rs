@@ -345,6 +345,35 @@ fn a_hull_and_the_plane_of_a_2d_world_wake_what_they_hold() {
     assert!((z - 0.3).abs() < 1e-3, "{z}");
 }
 
+/// A wind that acts everywhere, on an entity that moves (a camera, a player), kept everything awake: a crate slept in 3 of 120 ticks.
+#[test]
+fn a_field_without_a_region_may_be_on_an_entity_that_moves() {
+    let mut all = asleep();
+    let world = all.app.world_mut();
+    let calm = Wind { pressure: Vec3::X, gusts: 0.0, ..default() };
+    let wind = world.spawn((calm, Transform::default())).id();
+    let sea = world.spawn((Fluid::default(), Transform::from_xyz(0.0, -1.0, 0.0))).id();
+    let charged = world.spawn((ElectricField { field: Vec3::Y }, Transform::default())).id();
+    tick(&mut all.app, 120);
+    for _ in 0..10 {
+        for field in [wind, sea, charged] {
+            all.app.world_mut().get_mut::<Transform>(field).unwrap().translation.x += 0.1;
+        }
+        tick(&mut all.app, 1);
+        assert!(all.sleeps(all.upper) && all.sleeps(all.far));
+    }
+    all.app.world_mut().get_mut::<Transform>(sea).unwrap().translation.y += 0.1;
+    tick(&mut all.app, 2);
+    assert!(!all.sleeps(all.upper), "the level of a sea counts");
+    tick(&mut all.app, 120);
+    assert!(all.sleeps(all.upper));
+    all.app.world_mut().entity_mut(wind).insert(Region::sphere(5.0));
+    tick(&mut all.app, 120);
+    all.app.world_mut().get_mut::<Transform>(wind).unwrap().translation.x += 0.1;
+    tick(&mut all.app, 2);
+    assert!(!all.sleeps(all.upper), "so does the place of a region");
+}
+
 /// A body whose particles were all pinned counted as still meanwhile, and slept where it was as soon as it was released: a crate stayed in the air.
 #[test]
 fn a_body_that_was_held_falls_when_it_is_released() {

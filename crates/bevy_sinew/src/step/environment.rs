@@ -157,7 +157,7 @@ fn plane_constraint(
 }
 
 /// The plane through an entity's origin that is perpendicular to one of its axes: its normal, and its distance from the world's origin along that.
-fn plane(frame: &Transform, axis: Vec3) -> (Vec3, f32) {
+pub(super) fn plane(frame: &Transform, axis: Vec3) -> (Vec3, f32) {
     // Not `Transform::up`, which asserts that the rotation is normalised: an invalid one must be refused, not panic.
     let normal = (frame.rotation * axis).normalize_or_zero();
     (normal, normal.dot(frame.translation))

@@ -12,6 +12,7 @@ use crate::components::{Fluid, Wind};
 use crate::frames::Frames;
 use crate::rows::{GONE, ResolvedRows};
 use crate::state::{FNV_START, fnv};
+use crate::step::environment::plane;
 use crate::world::SinewWorld;
 
 /// The environment: a change wakes all bodies.
@@ -40,7 +41,8 @@ impl Environment<'_, '_> {
             .chain(electric.field.to_array());
         let mut sum = mixed(1, everywhere);
         let mut add = |kind, entity, region: Option<&Region>, numbers: &[f32]| {
-            let numbers = numbers.iter().copied().chain(self.place_of(entity, region));
+            let place = region.map(|region| self.place_of(entity, region));
+            let numbers = numbers.iter().copied().chain(place.into_iter().flatten());
             sum = sum.wrapping_add(mixed(kind, numbers));
         };
         for (entity, &Wind { pressure: p, gusts, gust_length, gust_period }, region) in &self.winds
@@ -48,7 +50,8 @@ impl Environment<'_, '_> {
             add(4, entity, region, &[p.x, p.y, p.z, gusts, gust_length, gust_period]);
         }
         for (entity, &Fluid { density, drag, current: c, .. }, region) in &self.fluids {
-            add(5, entity, region, &[density, drag, c.x, c.y, c.z]);
+            let (up, level) = plane(&self.frames.of(entity).unwrap_or_default(), Vec3::Y);
+            add(5, entity, region, &[density, drag, c.x, c.y, c.z, up.x, up.y, up.z, level]);
         }
         for (entity, air, region) in &self.air {
             let AirFlow {
@@ -69,24 +72,23 @@ impl Environment<'_, '_> {
             add(7, entity, region, &[f.x, f.y, f.z]);
         }
         for (entity, Attractor { strength, softening }) in &self.attractors {
-            add(8, entity, None, &[*strength, *softening]);
+            let at = self.frames.of(entity).unwrap_or_default().translation;
+            add(8, entity, None, &[*strength, *softening, at.x, at.y, at.z]);
         }
         sum.max(1)
     }
 
-    /// The placement of a field, and the size of its region.
-    fn place_of(&self, entity: Entity, region: Option<&Region>) -> impl Iterator<Item = f32> {
+    /// The placement of a region, and its size. A field without a region is the same everywhere, wherever its entity is.
+    fn place_of(&self, entity: Entity, region: &Region) -> impl Iterator<Item = f32> + use<> {
         let at = self.frames.of(entity).unwrap_or_default();
-        let size = match region.map(|region| region.shape) {
-            None => [0.0; 4],
-            Some(RegionShape::Box { size }) => [1.0, size.x, size.y, size.z],
-            Some(RegionShape::Sphere { radius }) => [2.0, radius, 0.0, 0.0],
-            Some(RegionShape::Cylinder { radius, height }) => [3.0, radius, height, 0.0],
-            Some(RegionShape::Capsule { radius, length }) => [4.0, radius, length, 0.0],
+        let size = match region.shape {
+            RegionShape::Box { size } => [1.0, size.x, size.y, size.z],
+            RegionShape::Sphere { radius } => [2.0, radius, 0.0, 0.0],
+            RegionShape::Cylinder { radius, height } => [3.0, radius, height, 0.0],
+            RegionShape::Capsule { radius, length } => [4.0, radius, length, 0.0],
         };
         let numbers = at.translation.to_array().into_iter().chain(at.rotation.to_array());
-        let fade = region.map(|region| region.fade);
-        numbers.chain(at.scale.to_array()).chain(size).chain(fade)
+        numbers.chain(at.scale.to_array()).chain(size).chain([region.fade])
     }
 }
 
