@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyContacts, SinewWorld};
+use bevy_sinew::{BodyContacts, ContactsDisabled, SinewWorld, SleepingDisabled};
 use bevy_sinew::{BodyParticles, ParticleOf, QueryFilter, Touching, WorldCenterOfMass};
 
 use crate::support::{app, heard, tick};
@@ -206,4 +206,34 @@ fn falling_asleep_and_waking_end_and_start_no_contact() {
     tick(&mut app, 2);
     assert_eq!(app.world().resource::<Seen>().0, [(lower, upper, false)]);
     assert_eq!(app.world().get::<Touching>(lower).unwrap().0, [ground]);
+}
+
+/// The transform of a sleeping body with a parent was written in every tick in which anything was awake.
+#[test]
+fn the_transform_of_a_sleeping_child_is_not_written() {
+    #[derive(Resource, Default)]
+    struct Written(Vec<Entity>);
+    let mut app = app();
+    app.init_resource::<Written>();
+    let note = |mut written: ResMut<Written>,
+                all: Query<Entity, (Changed<Transform>, With<Sleep>)>| {
+        written.0 = all.iter().collect();
+    };
+    app.add_systems(Last, note);
+    let world = app.world_mut();
+    world.spawn(floor());
+    let turned = Transform::from_rotation(Quat::from_rotation_y(0.7));
+    let level = world.spawn(turned.with_translation(Vec3::X)).id();
+    let child = (crate_at(0.0, 0.2), ChildOf(level));
+    let child = world.spawn(child).insert(turned.with_translation(Vec3::Y * 0.2)).id();
+    let awake = world.spawn((crate_at(4.0, 0.2), SleepingDisabled)).id();
+    tick(&mut app, 180);
+    assert!(app.world().get::<Sleep>(child).unwrap().asleep);
+    assert_eq!(app.world().resource::<Written>().0, [awake]);
+    // It is still moved with its parent.
+    let before = app.world().get::<WorldCenterOfMass>(child).unwrap().position;
+    app.world_mut().get_mut::<Transform>(level).unwrap().translation.x += 0.5;
+    tick(&mut app, 1);
+    let moved = app.world().get::<WorldCenterOfMass>(child).unwrap().position - before;
+    assert!(moved.distance(Vec3::X * 0.5) < 1e-3, "{moved}");
 }

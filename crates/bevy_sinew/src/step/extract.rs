@@ -26,7 +26,10 @@ pub(crate) fn extract_poses(
         >,
         Query<&mut Transform>,
     )>,
-    mut children: Query<(Entity, Posed, Option<&mut ExtractedTransform>), With<ChildOf>>,
+    mut children: Query<
+        (Entity, Posed, Option<&mut ExtractedTransform>, Has<Interpolate>),
+        With<ChildOf>,
+    >,
     parents: Query<&ChildOf>,
     fixed_tick: Res<FixedTick>,
     mut order: Local<Vec<(usize, Entity)>>,
@@ -71,12 +74,21 @@ pub(crate) fn extract_poses(
     fill_sorted(&mut order, children.iter().map(|(child, ..)| (depth(child), child)));
     let mut transforms = roots.p1();
     for &(_, child) in &*order {
-        let Ok((_, (rigid, mut rows), known)) = children.get_mut(child) else { continue };
+        let Ok((_, (rigid, mut rows), known, eased)) = children.get_mut(child) else { continue };
+        // If a parent had moved, the body would have been moved along.
+        if !eased && !rigid.is_changed() && world.are_unmoved(rows.current(&world.tables.layout)) {
+            continue;
+        }
         let of = |entity| transforms.get(entity).ok().copied();
         let Ok(above) = world_transform(Transform::IDENTITY, child, of, &parents) else { continue };
         let Some(own) = of(child) else { continue };
         let before = above.rotation * own.rotation;
         let Some(found) = found(&world, &rigid, &mut rows, before) else { continue };
+        let is_there =
+            known.as_deref().and_then(|known| known.0).is_some_and(|known| is_at(&known, &found));
+        if !eased && is_there && world.slept_through(rows.get()) {
+            continue;
+        }
         if stays(known.as_deref(), &found).is_some() {
             continue;
         }
