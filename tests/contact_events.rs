@@ -208,6 +208,33 @@ fn falling_asleep_and_waking_end_and_start_no_contact() {
     assert_eq!(app.world().get::<Touching>(lower).unwrap().0, [ground]);
 }
 
+/// When contact events were switched off, the list of what the entity touched stayed as it was, wherever the entity went.
+#[test]
+fn switching_contact_events_off_ends_the_contacts() {
+    let mut app = app();
+    app.init_resource::<Seen>();
+    app.add_observer(|on: On<ContactEnded>, mut seen: ResMut<Seen>| {
+        seen.0.push((on.entity, on.other, false));
+    });
+    let world = app.world_mut();
+    let ground = world.spawn(floor()).id();
+    let body = world.spawn((crate_at(0.0, 0.2), ContactEvents::default())).id();
+    tick(&mut app, 10);
+    let touched = |app: &App| app.world().get::<Touching>(body).unwrap().0.clone();
+    assert_eq!(touched(&app), [ground]);
+    app.world_mut().entity_mut(body).remove::<ContactEvents>();
+    tick(&mut app, 1);
+    assert_eq!(touched(&app), []);
+    assert_eq!(app.world().resource::<Seen>().0, [(body, ground, false)]);
+    app.world_mut().entity_mut(body).insert(ContactEvents::default());
+    tick(&mut app, 2);
+    assert_eq!(touched(&app), [ground]);
+    // With the entity, they end once.
+    app.world_mut().despawn(body);
+    tick(&mut app, 1);
+    assert_eq!(app.world().resource::<Seen>().0.len(), 2);
+}
+
 /// The transform of a sleeping body with a parent was written in every tick in which anything was awake.
 #[test]
 fn the_transform_of_a_sleeping_child_is_not_written() {

@@ -23,6 +23,7 @@ use bevy::prelude::*;
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Touching)]
+#[component(on_remove = end_all)]
 pub enum ContactEvents {
     /// When contacts begin and when they end. The default.
     #[default]
@@ -32,8 +33,8 @@ pub enum ContactEvents {
 }
 
 /// The entities that this one touched in the last tick: bodies, then loose particles, then colliders, each in the order of creation. Kept by the plugin on
-/// every entity with [`ContactEvents`]. Part of the state: save and restore it with the rest, or contacts that continue are reported as new. When it is
-/// removed, for instance with its entity, its contacts end.
+/// every entity with [`ContactEvents`]. Part of the state: save and restore it with the rest, or contacts that continue are reported as new. When it or
+/// `ContactEvents` is removed, for instance with its entity, its contacts end.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -151,7 +152,7 @@ pub struct ContactEnded {
     pub other: Entity,
 }
 
-/// Hook: ends the contacts of an entity that loses the component.
+/// Hook: ends the contacts of an entity that loses one of the components.
 fn end_all(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     let Some(mut touching) = world.get_mut::<Touching>(entity) else { return };
