@@ -264,3 +264,39 @@ fn the_transform_of_a_sleeping_child_is_not_written() {
     let moved = app.world().get::<WorldCenterOfMass>(child).unwrap().position - before;
     assert!(moved.distance(Vec3::X * 0.5) < 1e-3, "{moved}");
 }
+
+/// A sensor that was switched off, moved away or given other layers still counted as touching what slept in it.
+#[test]
+fn the_overlap_of_a_sensor_with_a_sleeping_body_begins_and_ends_as_with_any_other() {
+    type Edit = fn(&mut EntityWorldMut);
+    let ends: [(&str, Edit); 4] = [
+        ("switched off", |sensor| _ = sensor.insert(ContactsDisabled)),
+        ("moved", |sensor| _ = sensor.insert(Transform::from_xyz(50.0, 0.0, 0.0))),
+        ("other layers", |sensor| _ = sensor.insert(CollisionLayers::NONE)),
+        ("smaller", |sensor| _ = sensor.insert(Collider::sphere(0.05))),
+    ];
+    for (name, end) in ends {
+        let mut app = app();
+        app.init_resource::<Seen>();
+        app.add_observer(|on: On<ContactStarted>, mut seen: ResMut<Seen>| {
+            seen.0.push((on.entity, on.other, true));
+        });
+        app.add_observer(|on: On<ContactEnded>, mut seen: ResMut<Seen>| {
+            seen.0.push((on.entity, on.other, false));
+        });
+        let world = app.world_mut();
+        world.spawn(floor());
+        let body = world.spawn(crate_at(0.0, 0.2)).id();
+        tick(&mut app, 240);
+        assert!(app.world().get::<Sleep>(body).unwrap().asleep);
+        let zone = (Collider::cuboid(Vec3::splat(0.3)), Sensor, ContactEvents::default());
+        let zone = app.world_mut().spawn((zone, Transform::from_xyz(0.0, 0.5, 0.0))).id();
+        tick(&mut app, 300);
+        assert_eq!(app.world().resource::<Seen>().0, [(zone, body, true)], "{name}");
+        end(&mut app.world_mut().entity_mut(zone));
+        tick(&mut app, 2);
+        let all = [(zone, body, true), (zone, body, false)];
+        assert_eq!(app.world().resource::<Seen>().0, all, "{name}");
+        assert!(app.world().get::<Sleep>(body).unwrap().asleep, "{name}: it sleeps on");
+    }
+}

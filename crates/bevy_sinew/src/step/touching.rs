@@ -6,8 +6,8 @@ use sinew::Impact;
 
 use crate::bevy_version::OnRemove;
 use crate::components::{
-    Collider, ContactEnded, ContactEvents, ContactImpulse, ContactStarted, CreationOrder, Orphans,
-    Particle, ParticleBody, Sleep, Touching, fill_sorted,
+    Collider, ContactEnded, ContactEvents, ContactImpulse, ContactStarted, ContactsDisabled,
+    CreationOrder, Orphans, Particle, ParticleBody, Sensor, Sleep, Touching, fill_sorted,
 };
 use crate::recipes::Rescaled;
 use crate::world::SinewWorld;
@@ -117,11 +117,12 @@ pub(crate) struct Lists {
 #[derive(SystemParam)]
 pub(crate) struct Resting<'w, 's> {
     sleepers: Query<'w, 's, &'static Sleep>,
-    colliders: Query<'w, 's, (), With<Collider>>,
+    colliders: Query<'w, 's, (), (With<Collider>, Without<Sensor>, Without<ContactsDisabled>)>,
 }
 
 impl Resting<'_, '_> {
-    /// Whether one of the two sleeps, and the other sleeps or is a static or kinematic collider.
+    /// Whether one of the two sleeps, and the other sleeps or is a static or kinematic collider, of which any change wakes the sleeper. What a sensor overlaps is
+    /// reported in every tick, asleep or not.
     fn do_rest(&self, one: Entity, other: Entity) -> bool {
         let asleep = |entity| self.sleepers.get(entity).map(|sleep| sleep.asleep);
         match (asleep(one), asleep(other)) {

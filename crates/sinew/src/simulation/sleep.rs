@@ -26,7 +26,7 @@ use dormant::Dormant;
 use pieces::Pieces;
 
 use super::Simulation;
-use crate::collide::Broad;
+use crate::collide::{Broad, Collider};
 use crate::islands::Island;
 use crate::particles::NO_BODY;
 use crate::union_find::UnionFind;
@@ -283,7 +283,9 @@ impl Simulation {
             sleepers.activities[island as usize].active |=
                 particles.relative_to(i, pin.target).length() > 1e-6;
         }
-        for collider in self.colliders.iter().filter(|one| one.start != one.end && one.is_valid()) {
+        // A sensor lets everything through.
+        let moving = |one: &&Collider| one.start != one.end && !one.sensor && one.is_valid();
+        for collider in self.colliders.iter().filter(moving) {
             let (start, end) = (
                 collider.shape.bounds_in(&collider.start),
                 collider.shape.bounds_in(&collider.end),
