@@ -2,8 +2,9 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyContacts, ContactsDisabled, SinewWorld, SleepingDisabled};
+use bevy_sinew::{BodyContacts, BodyParts, ContactsDisabled, SinewWorld, SleepingDisabled};
 use bevy_sinew::{BodyParticles, ParticleOf, QueryFilter, Touching, WorldCenterOfMass};
+use bevy_sinew::{SinewPlugin, SinewSystems, SinewTick};
 
 use crate::support::{app, heard, tick};
 
@@ -298,5 +299,55 @@ fn the_overlap_of_a_sensor_with_a_sleeping_body_begins_and_ends_as_with_any_othe
         let all = [(zone, body, true), (zone, body, false)];
         assert_eq!(app.world().resource::<Seen>().0, all, "{name}");
         assert!(app.world().get::<Sleep>(body).unwrap().asleep, "{name}: it sleeps on");
+    }
+}
+
+/// In a tick without a step (of no length, or with a condition on the substeps) the contacts of the last step were compared by the numbers that bodies had in it:
+/// after a body was despawned, others seemed to touch what they did not, and to let go of each other.
+#[test]
+fn a_tick_without_a_step_begins_and_ends_no_contact() {
+    #[derive(Resource)]
+    struct Stopped(bool);
+    for by_time in [true, false] {
+        let mut app = App::new();
+        app.add_plugins(MinimalPlugins);
+        let frame = core::time::Duration::from_millis(16);
+        app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(frame));
+        app.add_plugins(SinewPlugin::in_schedule(Update)).insert_resource(Stopped(false));
+        let goes = |stopped: Res<Stopped>| !stopped.0;
+        app.configure_sets(SinewTick, SinewSystems::Substeps.run_if(goes));
+        app.init_resource::<Seen>();
+        app.add_observer(|on: On<ContactStarted>, mut seen: ResMut<Seen>| {
+            seen.0.push((on.entity, on.other, true));
+        });
+        app.add_observer(|on: On<ContactEnded>, mut seen: ResMut<Seen>| {
+            seen.0.push((on.entity, on.other, false));
+        });
+        app.finish();
+        let world = app.world_mut();
+        world.spawn(floor());
+        let [first, _, lower, upper] =
+            [(0.0, 0.2), (2.0, 0.2), (4.0, 0.2), (4.0, 0.6)].map(|(x, y)| {
+                world.spawn((crate_at(x, y), ContactEvents::default(), SleepingDisabled)).id()
+            });
+        (0..30).for_each(|_| app.update());
+        let stop = |app: &mut App, stopped: bool| match by_time {
+            false => app.world_mut().resource_mut::<Stopped>().0 = stopped,
+            true if stopped => app.world_mut().resource_mut::<Time<Virtual>>().pause(),
+            true => app.world_mut().resource_mut::<Time<Virtual>>().unpause(),
+        };
+        stop(&mut app, true);
+        app.world_mut().despawn(first);
+        app.world_mut().resource_mut::<Seen>().0.clear();
+        (0..3).for_each(|_| app.update());
+        assert_eq!(app.world().resource::<Seen>().0, [], "by time: {by_time}");
+        app.world_mut().despawn(lower);
+        app.world_mut().resource_mut::<Seen>().0.clear();
+        (0..3).for_each(|_| app.update());
+        assert_eq!(app.world().resource::<Seen>().0, [], "by time: {by_time}");
+        stop(&mut app, false);
+        (0..3).for_each(|_| app.update());
+        let seen = &app.world().resource::<Seen>().0;
+        assert_eq!(*seen, [(upper, lower, false)], "by time: {by_time}");
     }
 }

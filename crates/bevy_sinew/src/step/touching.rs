@@ -10,6 +10,7 @@ use crate::components::{
     CreationOrder, Orphans, Particle, ParticleBody, Sensor, Sleep, Touching, fill_sorted,
 };
 use crate::recipes::Rescaled;
+use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
 
 /// A contact of an entity in this tick: the entity, the other one, the impact, and the sign of its normal.
@@ -29,6 +30,7 @@ pub(crate) fn note_orphan(
 /// Compares the current contacts of each entity with [`ContactEvents`] with its previous ones, and sends what began and ended.
 pub(crate) fn write_contact_messages(
     world: Res<SinewWorld>,
+    clock: Res<SinewClock>,
     mut commands: Commands,
     mut started: MessageWriter<ContactStarted>,
     mut ended: MessageWriter<ContactEnded>,
@@ -42,6 +44,10 @@ pub(crate) fn write_contact_messages(
     mut order: Local<Vec<(Option<CreationOrder>, Entity)>>,
     mut lists: Local<Lists>,
 ) {
+    // Without a step the report is that of an earlier one, whose bodies and colliders had other numbers.
+    if !clock.is_behind(&world) {
+        return;
+    }
     fill_sorted(&mut anew, moved.iter().chain(rescaled.read()).chain(orphans.0.drain(..)));
     if with_events.is_empty() {
         return;
