@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{DistanceFault, ParticleFault, SpringFault};
 use bevy_sinew::{Charge, Drag, Refusal, Refused, SinewClock};
-use bevy_sinew::{ParticleRow, PhaseSystems, SubstepSchedule};
+use bevy_sinew::{ParticleRow, PhaseSystems, SinewSystems, SinewTick, SubstepSchedule};
 
 use crate::support::{app, assert_finite, busy_scene, forget, hash_of, heard, tick};
 
@@ -269,4 +269,32 @@ fn a_refusal_reads_as_a_sentence_about_its_entity() {
     assert_eq!(texts[0], "entity 7v1 is set aside: its mass is not a positive number of kilograms");
     assert_eq!(texts[1], "entity 7v1 is set aside: both its ends are the same particle");
     assert!(texts.iter().all(|text| !text.ends_with('.') && text.len() > 20), "{texts:?}");
+}
+
+/// While a condition of the game kept the substeps from running, the rows of particles that had diverged in the last step were reported in every tick, and looked
+/// up among the particles of now: a panic if there were fewer.
+#[test]
+fn particles_that_diverged_and_are_gone_before_the_next_step_do_no_harm() {
+    #[derive(Resource)]
+    struct Stopped(bool);
+    let mut app = app();
+    let break_last = |mut world: ResMut<SinewWorld>| {
+        let last = world.particles().len() - 1;
+        world.particles_mut().set_velocity(last, Vec3::NAN);
+    };
+    let goes = |stopped: Res<Stopped>| !stopped.0;
+    app.insert_resource(Stopped(false))
+        .add_systems(SubstepSchedule, break_last.in_set(PhaseSystems::AccumulateForces))
+        .configure_sets(SinewTick, SinewSystems::Substeps.run_if(goes));
+    let particles: Vec<Entity> =
+        (0..3).map(|x| app.world_mut().spawn(Particle::at(Vec3::X * x as f32)).id()).collect();
+    tick(&mut app, 5);
+    assert!(!app.world().resource::<SinewWorld>().report().frozen.is_empty());
+    app.world_mut().resource_mut::<Stopped>().0 = true;
+    forget(&mut app);
+    tick(&mut app, 3);
+    assert_eq!(heard(&app), [], "nothing diverges without a step");
+    particles[1..].iter().for_each(|&particle| _ = app.world_mut().despawn(particle));
+    tick(&mut app, 3);
+    assert!(app.world().get::<Particle>(particles[0]).unwrap().position.is_finite());
 }

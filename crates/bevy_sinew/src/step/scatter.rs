@@ -45,8 +45,11 @@ pub(crate) fn scatter(
             columns.states(row..row + 1).for_each(|from| *to = from.into());
         }
     }
-    for &row in &world.simulation.report().frozen {
-        refuse(&mut messages, tables.entities[row as usize], Refusal::Diverged);
+    // Without a step the report is that of an earlier one, with other rows.
+    if tables.stepped {
+        for &row in &world.simulation.report().frozen {
+            refuse(&mut messages, tables.entities[row as usize], Refusal::Diverged);
+        }
     }
 }
 
