@@ -351,3 +351,25 @@ fn a_tick_without_a_step_begins_and_ends_no_contact() {
         assert_eq!(*seen, [(upper, lower, false)], "by time: {by_time}");
     }
 }
+
+/// A limb as the exception of a query excepted nothing.
+#[test]
+fn a_query_that_leaves_out_a_limb_leaves_out_its_body() {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let figure = app.world_mut().spawn(Ragdoll::default()).id();
+    tick(&mut app, 2);
+    let limbs: Vec<Entity> = app.world().get::<BodyParts>(figure).unwrap().iter().collect();
+    let world = app.world();
+    for &limb in &limbs {
+        let place = world.get::<Transform>(limb).unwrap().translation;
+        let ray = Ray3d::new(place + Vec3::Z * 3.0, Dir3::NEG_Z);
+        let hit = |except| {
+            let filter = QueryFilter { except, ..default() };
+            let hit = world.resource::<SinewWorld>().cast_ray(ray, 10.0, &filter);
+            hit.map(|hit| hit.entity)
+        };
+        let found = [None, Some(figure), Some(limb), Some(limbs[0])].map(hit);
+        assert_eq!(found, [Some(figure), None, None, None]);
+    }
+}

@@ -18,7 +18,7 @@ pub struct QueryFilter {
     pub no_bodies: bool,
     /// Whether sensors are included.
     pub sensors: bool,
-    /// One entity to leave out, for instance the one that moves.
+    /// One entity to leave out, for instance the one that moves. A rigid part of a body, such as a limb, stands for the body.
     pub except: Option<Entity>,
 }
 
@@ -169,6 +169,11 @@ impl SinewWorld {
         let body = among(&tables.bodies).map(|number| ContactParticipant::Body(number as u32));
         body.or_else(|| {
             among(&tables.colliders).map(|number| ContactParticipant::Collider(number as u32))
+        })
+        .or_else(|| {
+            let part = among(&tables.parts)?;
+            let row = *self.simulation.body_colliders().get(part)?.rows.first()?;
+            self.simulation.particles.body(row as usize).map(ContactParticipant::Body)
         })
         .or_else(|| tables.layout.row_of.get(&entity).map(|&row| ContactParticipant::Particle(row)))
     }
