@@ -421,7 +421,7 @@ fn a_command_acts_on_an_interpolated_body_as_on_any_other() {
         let spin = (LinearVelocity(Vec3::X * 3.0), AngularVelocity(SPIN));
         let parent = app.world_mut().spawn(Transform::from_xyz(0.0, 1.0, 0.0)).id();
         let [body, child] = [0.0, 9.0].map(|z| {
-            let body = (brick(), spin.clone(), Transform::from_xyz(0.0, 0.0, z));
+            let body = (brick(), spin, Transform::from_xyz(0.0, 0.0, z));
             app.world_mut().spawn(body).id()
         });
         app.world_mut().entity_mut(child).insert(ChildOf(parent));

@@ -324,7 +324,7 @@ fn a_body_that_changes_its_parent_in_place_is_not_rebuilt() {
     let parent = world.spawn(parent.with_scale(Vec3::splat(1.7))).id();
     let motion = (LinearVelocity(Vec3::X), AngularVelocity(Vec3::new(0.3, 1.0, 0.2)));
     let bodies = [
-        world.spawn((RigidBox::default(), motion.clone())).id(),
+        world.spawn((RigidBox::default(), motion)).id(),
         world.spawn((Cloth::grid(1.0, 1.0, 4, 4), motion, Transform::from_xyz(9.0, 0.0, 0.0))).id(),
     ];
     tick(&mut app, 10);
