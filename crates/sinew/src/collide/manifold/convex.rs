@@ -10,12 +10,13 @@ use parry3d::query::details::NormalConstraints;
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d::shape::{Shape as ParryShape, Triangle, TrianglePseudoNormals};
 
-use super::super::shape::{Kind, Shape, from_parry, pose};
+use super::super::distance::to_triangle;
+use super::super::shape::{Kind, Shape, from_parry, pose, to_parry};
 use super::boxes::BoxPairs;
 use super::features::{ShapeOrTriangle, best_face, contacts, of_face};
 use super::reduce::reduced;
 use super::round::{limit, rim};
-use super::{Frame, Manifold, Point};
+use super::{FLAT_COSINE, FLAT_SINE, Frame, Manifold, Point};
 
 /// Buffers reused between calls; they do not influence results.
 #[derive(Default)]
@@ -39,6 +40,56 @@ pub(super) fn collide(
     touch((b.parry(), &of), None, a, a_in_b, &pose(a_in_b), reach, scratch)
 }
 
+/// The normals that a triangle of a mesh or heightfield may have: those of its pseudo-normals, on the side where the shape is.
+///
+/// A shape that lies on coplanar triangles touches the next one at an edge, from the side: the direction of their nearest points is level, and rounding
+/// decides whether it points up or down. On a solid that contact is dropped if it points down, on a sheet it would be one from below.
+#[derive(Clone)]
+struct TriangleNormals {
+    pseudo_normals: TrianglePseudoNormals,
+    /// The face normal on the side of the shape.
+    face: Vector,
+    /// Height of the lowest point of the shape above the triangle's plane on that side, metres.
+    height: f32,
+}
+
+impl TriangleNormals {
+    /// Which side of a sheet the shape is on is where its overlap with the plane of the triangle is least.
+    fn new(
+        pseudo_normals: TrianglePseudoNormals,
+        a: &ShapeOrTriangle,
+        a_in_b: &Frame,
+        p: Vec3,
+    ) -> Self {
+        let face = from_parry(pseudo_normals.face);
+        let height = above(a, a_in_b, face, p);
+        let behind =
+            if pseudo_normals.two_sided { above(a, a_in_b, -face, p) } else { f32::NEG_INFINITY };
+        let (face, height) = if height >= behind {
+            (pseudo_normals.face, height)
+        } else {
+            (-pseudo_normals.face, behind)
+        };
+        Self { pseudo_normals, face, height }
+    }
+}
+
+impl NormalConstraints for TriangleNormals {
+    fn project_local_normal_mut(&self, normal: &mut Vector) -> bool {
+        let up = normal.dot(self.face);
+        // A level one, or one of the face, on the wrong side. Others are those of a sheet's rim.
+        if up < 0.0 && (up > -FLAT_SINE || self.pseudo_normals.two_sided && up < -FLAT_COSINE) {
+            *normal -= self.face * (2.0 * up);
+        }
+        self.pseudo_normals.project_local_normal_mut(normal)
+    }
+}
+
+/// Height of the lowest point of a shape above the plane through `p` with the unit normal `up`, metres; in the coordinates of the second shape.
+fn above(a: &ShapeOrTriangle, a_in_b: &Frame, up: Vec3, p: Vec3) -> f32 {
+    up.dot(a_in_b.translation - p) - a.reach(a_in_b.turn_back(-up))
+}
+
 /// A convex shape on each nearby triangle of a mesh or heightfield.
 pub(super) fn on_triangles(
     a: &Shape,
@@ -53,10 +104,17 @@ pub(super) fn on_triangles(
     }
     let pose = pose(a_in_b);
     let bounds = a.parry().compute_aabb(&pose).loosened(reach);
+    let own = ShapeOrTriangle::Shape(a);
     let mut on = |part: u32, triangle: &Triangle, normals: Option<TrianglePseudoNormals>| {
-        let normals = normals.as_ref().map(|normals| normals as &dyn NormalConstraints);
-        let of = ShapeOrTriangle::Triangle([triangle.a, triangle.b, triangle.c].map(from_parry));
-        let found = touch((triangle, &of), normals, a, a_in_b, &pose, reach, scratch);
+        let corners = [triangle.a, triangle.b, triangle.c].map(from_parry);
+        let normals =
+            normals.map(|normals| TriangleNormals::new(normals, &own, a_in_b, corners[0]));
+        let of = ShapeOrTriangle::Triangle(corners);
+        let found = if let Kind::Sphere { radius } = a.kind() {
+            ball_on_triangle(radius, a_in_b, corners, normals.as_ref(), reach)
+        } else {
+            touch((triangle, &of), normals.as_ref(), a, a_in_b, &pose, reach, scratch)
+        };
         if let Some(manifold) = found.filter(Manifold::is_sound) {
             let kinds = [a.kind(), b.kind()];
             let mut manifold = Manifold { part, ..manifold };
@@ -77,6 +135,39 @@ pub(super) fn on_triangles(
     }
 }
 
+/// A ball on a triangle. Where the triangle does not allow the normal there, the ball touches it along one that it allows only if its centre is above the
+/// triangle that way, to rounding: of a ball above the edge of two triangles, one of them has to be touched.
+fn ball_on_triangle(
+    radius: f32,
+    a_in_b: &Frame,
+    corners: [Vec3; 3],
+    normals: Option<&TriangleNormals>,
+    reach: f32,
+) -> Option<Manifold> {
+    let (centre, corners) = (a_in_b.translation.as_dvec3(), corners.map(Vec3::as_dvec3));
+    let [i, j, k] = to_triangle(centre, corners);
+    let nearest = corners[0] * i + corners[1] * j + corners[2] * k;
+    let between = (centre - nearest).as_vec3();
+    let length = between.length();
+    if length > radius + reach {
+        return None;
+    }
+    let face = normals.map_or(Vec3::Y, |normals| from_parry(normals.face));
+    let mut normal = if length > 1e-6 * radius { between / length } else { face };
+    if let Some(normals) = normals {
+        let allowed = from_parry(normals.project_local_normal(to_parry(normal))?);
+        let aside = between - allowed * allowed.dot(between);
+        let rounding = 1e-4 * radius + 1e-6 * a_in_b.translation.abs().max_element();
+        if allowed.dot(normal) < 0.999 && aside.length() > rounding {
+            return None;
+        }
+        normal = allowed;
+    }
+    let on_a = a_in_b.turn_back(normal * -radius);
+    let distance = between.dot(normal) - radius;
+    Some(Manifold::single(normal, on_a, nearest.as_vec3(), distance))
+}
+
 /// Distance at which touching or overlapping shapes are queried, as a share of the smallest half extent of the first one. `parry3d` computes the normal of two
 /// separated shapes from their nearest points, which rounding displaces by 1e-7 of their size: at a hundredth of the size the error is 1e-5 rad. For shapes
 /// that touch exactly it returns no normal.
@@ -90,7 +181,7 @@ const BIAS: f32 = 0.1;
 /// normal is found at a distance: the first shape is moved out along the last normal found, which does not change which features are nearest.
 fn touch(
     (b, of): (&dyn ParryShape, &ShapeOrTriangle),
-    normals: Option<&dyn NormalConstraints>,
+    normals: Option<&TriangleNormals>,
     a: &Shape,
     a_in_b: &Frame,
     pose: &Pose,
@@ -103,7 +194,10 @@ fn touch(
     let found = &mut scratch.manifold;
     let nearest = query.run(is_round, found)?;
     let own = ShapeOrTriangle::Shape(a);
-    let mut normal = of_face(&own, of, a_in_b, from_parry(found.local_n1));
+    let seen = normals
+        .filter(|_| !is_round && nearest == f32::NEG_INFINITY)
+        .map_or(found.local_n1, |normals| normals.face);
+    let mut normal = of_face(&own, of, a_in_b, from_parry(seen));
     // Round shapes have a normal up to a depth of their radius anyway; and `parry3d` adjusts the normals of mesh triangles to the neighbouring surface.
     if !is_round && normals.is_none() && nearest < 0.5 * apart {
         let face = best_face(&own, of, a_in_b);
@@ -116,7 +210,7 @@ fn touch(
 struct Query<'a> {
     a: &'a dyn ParryShape,
     b: &'a dyn ParryShape,
-    normals: Option<&'a dyn NormalConstraints>,
+    normals: Option<&'a TriangleNormals>,
     pose: &'a Pose,
     reach: f32,
     apart: f32,
@@ -127,19 +221,27 @@ impl Query<'_> {
     /// are further apart than `reach`.
     fn run(&self, once: bool, found: &mut ContactManifold<(), ()>) -> Option<f32> {
         let Self { a, b, normals, pose, reach, apart } = *self;
+        let constraints = normals.map(|normals| normals as &dyn NormalConstraints);
         let (mut away, mut nearest) = (Vector::ZERO, f32::NEG_INFINITY);
+        // What lies on a triangle is first moved along its face normal: the direction of nearest points that touch is rounding.
+        let lies = normals.filter(|normals| !once && normals.height.abs() <= apart);
+        let mut lifted = lies.map(|normals| normals.face * (apart - normals.height));
         for _ in 0..QUERIES {
             found.clear();
             (found.local_n1, found.local_n2) = (Vector::ZERO, Vector::ZERO);
             let moved = Pose::from_parts(pose.translation + away, pose.rotation);
             let reach = reach + away.length();
             DefaultQueryDispatcher
-                .contact_manifold_convex_convex(&moved, b, a, normals, None, reach, found)
+                .contact_manifold_convex_convex(&moved, b, a, constraints, None, reach, found)
                 .ok()?;
             let normal = found.local_n1;
             let distance = found.points.iter().map(|point| point.dist).reduce(f32::min);
             let Some(distance) = distance.filter(|_| normal.length_squared() > 0.5) else {
-                let is_far = normal == Vector::ZERO || is_between(normal, b, a, &moved);
+                if let Some(lifted) = lifted.take() {
+                    away = lifted;
+                    continue;
+                }
+                let is_far = normal == Vector::ZERO || is_between(normal, b, a, (&moved, reach));
                 let none = found.points.is_empty() && is_far;
                 return (!none).then_some(f32::NEG_INFINITY);
             };
@@ -147,20 +249,25 @@ impl Query<'_> {
             if once || distance >= 0.5 * apart {
                 break;
             }
-            away += normal * (apart - distance);
+            away = lifted.take().unwrap_or(away + normal * (apart - distance));
         }
         Some(nearest)
     }
 }
 
-/// Whether a plane across `direction` separates two shapes.
-fn is_between(direction: Vector, b: &dyn ParryShape, a: &dyn ParryShape, pose: &Pose) -> bool {
+/// Whether a plane across `direction` separates two shapes by more than `reach`, metres.
+fn is_between(
+    direction: Vector,
+    b: &dyn ParryShape,
+    a: &dyn ParryShape,
+    (pose, reach): (&Pose, f32),
+) -> bool {
     let (Some(a), Some(b)) = (a.as_support_map(), b.as_support_map()) else { return true };
     let gap = |direction: Vector| {
         let nearest = a.support_point(pose, -direction) - b.local_support_point(direction);
         nearest.dot(direction)
     };
-    gap(direction) > 0.0 || gap(-direction) > 0.0
+    gap(direction) > reach || gap(-direction) > reach
 }
 
 /// The contact points along a normal, with distances at the first shape's actual pose: those of the features, plus the nearest point found by the query where

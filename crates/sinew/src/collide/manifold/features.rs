@@ -18,6 +18,10 @@ const FACE_TOLERANCE: f32 = 3e-3;
 /// Sine of the angle between two edges from which they cross in a single point: 8°. With a single point a capsule would roll about it.
 pub(super) const CROSSING_SINE: f32 = 0.14;
 
+/// How far outside of a face a point still counts as above it, as a share of the length of its side there: an edge that lies along the common side of two
+/// triangles would otherwise, by rounding, be above neither.
+const CUT: f32 = 1e-5;
+
 /// One side of a pair.
 pub(super) enum ShapeOrTriangle<'a> {
     /// A shape that can move.
@@ -134,7 +138,7 @@ impl ShapeOrTriangle<'_> {
     }
 
     /// Support distance along a unit direction, metres from the shape's origin.
-    fn reach(&self, direction: Vec3) -> f32 {
+    pub(super) fn reach(&self, direction: Vec3) -> f32 {
         let farthest = |corners: &[Vec3]| {
             corners.iter().map(|p| p.dot(direction)).fold(f32::NEG_INFINITY, f32::max)
         };
@@ -307,7 +311,7 @@ fn plane(corners: &FeatureCorners) -> Option<Vec3> {
 fn cut(mut feature: FeatureCorners, face: &FeatureCorners) -> FeatureCorners {
     for (i, &p) in face.iter().enumerate() {
         let along = (face[(i + 1) % face.len()] - p).truncate();
-        let inside = |q: Vec3| along.perp_dot((q - p).truncate());
+        let inside = |q: Vec3| along.perp_dot((q - p).truncate()) + CUT * along.length_squared();
         let before = core::mem::take(&mut feature);
         let Some(&last) = before.last() else { break };
         // An edge is not closed: no segment leads from its end back to its start.

@@ -45,7 +45,7 @@ pub use fault::ShapeFault;
 pub use scale::is_uniform;
 
 pub(crate) use closed_form::ClosedForm;
-pub(crate) use convert::{from_parry, pose};
+pub(crate) use convert::{from_parry, pose, to_parry};
 
 use convex::Convex;
 use fault::{is_length, is_size};
