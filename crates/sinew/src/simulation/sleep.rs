@@ -6,7 +6,7 @@
 //!
 //! - when one of its particles was given a velocity, a force or a control, or was [marked to wake](crate::Particles::wake);
 //! - when something that moves comes near, or a collider near it moves;
-//! - when its support changes: positions, masses, constraints, springs, hulls, and the static geometry beside it (`support`).
+//! - when its support changes: positions, masses, shapes, constraints, springs, hulls, ignored pairs, and the static geometry beside it (`support`).
 //!
 //! Bodies that gusts could move stay awake in them (`gusts`). Groups that have slept for long and have nothing moving near them are dormant: they are not even
 //! visited (`dormant`).
@@ -44,7 +44,7 @@ pub struct Sleep {
     pub still: f32,
     /// Whether it sleeps. Default false. To wake a body, clear this and `still`.
     pub asleep: bool,
-    /// Hash of the support when it fell asleep: of its group's particles, constraints and springs, and of the colliders beside it. If the hash is another one
+    /// Hash of the support when it fell asleep: of its group's particles, shapes, constraints and springs, and of the colliders beside it. If the hash is another one
     /// now, it wakes. Default 0, also while it is awake.
     pub support_hash: u64,
 }
@@ -103,9 +103,10 @@ pub(super) struct SleepScratch {
     masses: Vec<(u32, f32)>,
     /// Support hash of each island; at the first island of a group, of all that sleep in the group.
     hashes: Vec<u64>,
-    /// [Edits](crate::Particles::edits) of the particles, the revision of `contacts`, and the hashes of [static geometry](support::of_surfaces) and of
-    /// [springs and hulls](support::of_springs_and_hulls) when supports were last compared; `None` if constraints or particles were added or removed since.
-    compared: Option<[u64; 4]>,
+    /// [Edits](crate::Particles::edits) of the particles, the revision of `contacts`, and the hashes of [static geometry](support::of_surfaces), of
+    /// [springs and hulls](support::of_springs_and_hulls) and of [ignored pairs](support::of_ignored) when supports were last compared; `None` if constraints,
+    /// body colliders or particles were added or removed since.
+    compared: Option<[u64; 5]>,
 }
 
 impl SleepScratch {
@@ -167,7 +168,9 @@ impl Simulation {
         if self.sleep.iter().any(|body| body.allowed) {
             let standing = support::of_surfaces(&self.colliders, &self.boundaries);
             let springs = support::of_springs_and_hulls(&self.forces);
-            let now = [self.particles.edits(), self.contacts.revision(), standing, springs];
+            let ignored = support::of_ignored(&self.ignored);
+            let now =
+                [self.particles.edits(), self.contacts.revision(), standing, springs, ignored];
             let changed = sleepers.compared.replace(now) != Some(now);
             let inputs = self.sleep_inputs(dt, now);
             if !self.stays_dormant(&sleepers.dormant, &inputs) {
@@ -517,11 +520,13 @@ impl Simulation {
 
     /// Sums up the support hashes of the sleeping islands of each group, and marks a group as active where a body's stored hash is another one.
     fn compare_support(&self, sleepers: &mut SleepScratch) {
-        let SleepScratch { activities, groups, hashes, bounds, visited, .. } = sleepers;
+        let SleepScratch { activities, groups, hashes, bounds, visited, first_of, .. } = sleepers;
         let islands = &self.scratch.plan.islands;
         hashes.clear();
         hashes.resize(islands.list.len(), 0);
         self.add_springs_and_hulls(hashes);
+        self.add_shapes(hashes);
+        self.add_ignored(hashes, first_of, |island| groups.root(island));
         for number in visited.iter().map(|&number| number as usize) {
             let (island, hash) = (&islands.list[number], &mut hashes[number]);
             *hash = if island.asleep {

@@ -17,8 +17,8 @@ pub(super) fn of(form: &Form) -> u64 {
             mixed(5, [Vec3::new(cylinder.radius, cylinder.half_height, 0.0)])
         }
         Form::Hull(hull) => mixed(6, hull.points.iter().copied()),
-        Form::Mesh(_) => mixed(7, alone),
-        Form::Heights(_) => mixed(8, alone),
+        Form::Mesh(mesh) => mixed(7, mesh.corners()),
+        Form::Heights(heights) => mixed(8, heights.numbers()),
         Form::InsideBox(hollow) => mixed(9, [hollow.half_size]),
     }
 }
@@ -48,6 +48,14 @@ mod tests {
             Shape::cuboid(Vec3::new(2.0, 2.0, 3.0)).unwrap(),
             Shape::hull(&corners(1.0)).unwrap(),
             Shape::hull(&corners(1.5)).unwrap(),
+            Shape::mesh(corners(1.0).to_vec(), vec![[0, 1, 2]]).unwrap(),
+            Shape::mesh(corners(1.5).to_vec(), vec![[0, 1, 2]]).unwrap(),
+            Shape::mesh(corners(1.0).to_vec(), vec![[0, 2, 1]]).unwrap(),
+            Shape::height_field(2, 2, &[0.0; 4], Vec3::ONE).unwrap(),
+            Shape::height_field(2, 2, &[0.0, 0.0, 0.0, 0.1], Vec3::ONE).unwrap(),
+            Shape::height_field(2, 2, &[0.0; 4], Vec3::new(1.0, 1.0, 2.0)).unwrap(),
+            Shape::height_field(2, 3, &[0.0; 6], Vec3::ONE).unwrap(),
+            Shape::height_field(3, 2, &[0.0; 6], Vec3::ONE).unwrap(),
         ];
         for (i, one) in all.iter().enumerate() {
             for (j, other) in all.iter().enumerate() {

@@ -69,6 +69,13 @@ impl Heights {
         Self::new(self.columns, self.rows, &self.heights, self.size * factor)
     }
 
+    /// All of its numbers, three at a time: columns and size, then the heights.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = Vec3> {
+        // As many rows as there are heights for.
+        let grid = Vec3::new(self.columns as f32, self.size.x, self.size.z);
+        core::iter::once(grid).chain(self.heights.iter().map(|&height| Vec3::new(height, 0.0, 0.0)))
+    }
+
     /// Number of columns and of rows.
     pub(super) fn grid(&self) -> (usize, usize) {
         (self.columns, self.rows)

@@ -98,6 +98,11 @@ impl Mesh {
         !self.pseudo_normals.is_empty()
     }
 
+    /// The corners of all triangles.
+    pub(super) fn corners(&self) -> impl Iterator<Item = Vec3> {
+        self.pieces.iter().flat_map(|piece| piece.corners)
+    }
+
     /// See [`Shape::touch`](super::Shape::touch).
     pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let reach = radius.max(self.skin);

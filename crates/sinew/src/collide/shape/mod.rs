@@ -336,8 +336,8 @@ impl Shape {
         Self { content_hash: content_hash::of(&form), form, parry_shape: Arc::default() }
     }
 
-    /// A hash of its kind and numbers, so that cached data of one shape is not used for another. All meshes have the same hash, and so do all heightfields: no
-    /// such data is cached for them.
+    /// A hash of its kind and numbers, so that cached data of one shape is not used for another, and a change of it wakes what lies on it. Computed when the
+    /// shape is made.
     #[inline]
     pub(crate) fn content_hash(&self) -> u64 {
         self.content_hash

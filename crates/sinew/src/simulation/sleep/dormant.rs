@@ -9,7 +9,7 @@ use core::ops::Range;
 use glam::{Vec3, Vec4};
 
 use super::{SleepScratch, TIME_TO_SLEEP, gusts};
-use crate::collide::{Broad, ContactParticipant};
+use crate::collide::Broad;
 use crate::islands::Islands;
 use crate::particles::Particles;
 use crate::simulation::Simulation;
@@ -22,8 +22,8 @@ pub(super) struct SleepInputs {
     lag: f32,
     /// Magnitude of gravity, m/s².
     gravity: f32,
-    /// [Edits](crate::Particles::edits), the revision of `contacts`, and the hashes of static geometry and of springs.
-    support: [u64; 4],
+    /// [Edits](crate::Particles::edits), the revision of `contacts`, and the hashes of static geometry, of springs and of ignored pairs.
+    support: [u64; 5],
     /// Revision of `sleep`.
     sleep: u64,
     /// Coulomb constant: charges repel each other.
@@ -35,8 +35,6 @@ pub(super) struct SleepInputs {
 pub(super) struct Dormant {
     /// Inputs of the last step; `None` if no island is dormant.
     inputs: Option<SleepInputs>,
-    /// The pairs that never touch, in that step.
-    ignored: Vec<[ContactParticipant; 2]>,
     /// Counts the sets of dormant islands found so far.
     count: u64,
     /// For each island whether it is dormant, and for each body whether one of its islands is.
@@ -141,7 +139,7 @@ fn lengthen(rows: &mut Vec<Range<usize>>, row: usize) {
 
 impl Simulation {
     /// What sleepers depend on in a step of `dt` seconds.
-    pub(super) fn sleep_inputs(&self, dt: f32, support: [u64; 4]) -> SleepInputs {
+    pub(super) fn sleep_inputs(&self, dt: f32, support: [u64; 5]) -> SleepInputs {
         SleepInputs {
             dt,
             lag: self.settings.integrator.lag(self.scratch.substep.length),
@@ -162,7 +160,6 @@ impl Simulation {
         };
         let controls = forces.controls.iter().filter(|control| !control.is_idle());
         dormant.inputs.as_ref() == Some(inputs)
-            && dormant.ignored == self.ignored
             && !settings.statics
             && self.compounds.is_empty()
             && forces.springs.is_empty()
@@ -192,9 +189,7 @@ impl Simulation {
             }
             return;
         }
-        let Dormant {
-            ignored, count, of, of_bodies, rows, masses: own, bounds: boxes, broad, ..
-        } = dormant;
+        let Dormant { count, of, of_bodies, rows, masses: own, bounds: boxes, broad, .. } = dormant;
         of.clear();
         of.extend((0..islands.list.len() as u32).map(is_long_asleep));
         if !of.contains(&true) {
@@ -222,7 +217,6 @@ impl Simulation {
             }
         }
         *count += 1;
-        ignored.clone_from(&self.ignored);
         islands.dormant.clone_from(of);
         dormant.inputs = Some(now);
     }
@@ -233,7 +227,7 @@ mod tests {
     use glam::Quat;
 
     use super::*;
-    use crate::collide::{BodyContacts, Collider, Combine, Frame, Shape};
+    use crate::collide::{BodyContacts, Collider, Combine, ContactParticipant, Frame, Shape};
     use crate::constraints::{Distance, InsideBox, Pin, Plane};
     use crate::forces::{Control, Hull, Skin, Spring, Wind};
     use crate::particles::ParticleSeed;
@@ -358,6 +352,54 @@ mod tests {
             change(&mut world);
             world.step(1.0 / 60.0).unwrap();
             assert_eq!(world.sleep[0].asleep, !wakes, "{name}");
+        }
+    }
+
+    /// Shapes and ignored pairs were missing in the support hash, and all meshes had one hash, and all heightfields: a box slept on in the air when the ground
+    /// below it was dug away, when its own shape or that of the box below shrank, and when it ignored what it lay on.
+    #[test]
+    fn a_change_of_shapes_or_of_ignored_pairs_wakes_sleepers() {
+        use ContactParticipant::{Body, Collider as Ground};
+        type Change = fn(&mut Simulation);
+        let field = |height: f32| {
+            Shape::height_field(2, 2, &[height; 4], Vec3::new(30.0, 1.0, 30.0)).unwrap()
+        };
+        let mesh = |height: f32| {
+            let corner = |x: f32, z: f32| Vec3::new(x, height, z);
+            let corners = [corner(-30.0, -30.0), corner(-30.0, 90.0), corner(90.0, -30.0)];
+            Shape::mesh(corners.to_vec(), vec![[0, 1, 2]]).unwrap()
+        };
+        fn cube(size: f32) -> Shape {
+            Shape::cuboid(Vec3::splat(size)).unwrap()
+        }
+        let grounds: [&dyn Fn(f32) -> Shape; 2] = [&field, &mesh];
+        let changes: [(&str, Change, bool); 7] = [
+            ("nothing", |_| {}, false),
+            ("a smaller box", |world| world.body_colliders_mut()[0].shape = cube(0.9), true),
+            ("a smaller box on it", |world| world.body_colliders_mut()[1].shape = cube(0.9), true),
+            ("another smaller box", |world| world.body_colliders_mut()[2].shape = cube(0.9), false),
+            ("a box ignores the ground", |world| world.ignored.push([Body(0), Ground(0)]), true),
+            ("a box ignores a box", |world| world.ignored.push([Body(1), Body(0)]), true),
+            ("others ignore each other", |world| world.ignored.push([Body(2), Body(3)]), false),
+        ];
+        for ground in grounds {
+            let mut level = level();
+            level.boundaries.planes.clear();
+            level.colliders[0] = Collider::fixed(ground(0.0), Frame::IDENTITY);
+            for _ in 0..150 {
+                level.step(1.0 / 60.0).unwrap();
+            }
+            let is_awake = |world: &Simulation| !world.sleep[0].asleep && !world.sleep[1].asleep;
+            for (name, change, wakes) in &changes {
+                let mut world = level.clone();
+                assert!(world.sleep[0].asleep && world.sleep[1].asleep, "{name}");
+                change(&mut world);
+                world.step(1.0 / 60.0).unwrap();
+                assert_eq!(is_awake(&world), *wakes, "{name}");
+            }
+            level.colliders[0].shape = ground(-1.0);
+            level.step(1.0 / 60.0).unwrap();
+            assert!(is_awake(&level));
         }
     }
 

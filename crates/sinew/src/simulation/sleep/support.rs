@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::collide::{BodyContacts, Collider, Frame, Material};
+use crate::collide::{BodyContacts, Collider, ContactParticipant, Frame, Material};
 use crate::constraints::{Boundaries, InsideBox, Plane, Points, Softness};
 use crate::forces::{Forces, Hull, Spring};
 use crate::hash::fnv;
@@ -21,6 +21,8 @@ const BODY: u32 = 7;
 const BOX: u32 = 8;
 const HULL: u32 = 9;
 const FLATLAND: u32 = 10;
+const SHAPE: u32 = 11;
+const IGNORED: u32 = 12;
 
 impl Simulation {
     /// The hash of an island: positions and masses of its particles, and its constraints, independent of where they are in the columns. Of a constraint the
@@ -56,9 +58,11 @@ impl Simulation {
             }
             let Some(contacts) = self.contacts.get(body as usize) else { continue };
             // Not whether its contacts are reported: looking at a body must not wake it.
-            let BodyContacts { material, layers, with_bodies, disabled, .. } = contacts;
+            let BodyContacts {
+                material, layers, with_bodies, with_itself, surface, disabled, ..
+            } = contacts;
             let kind = [BODY, layers.memberships, layers.filters];
-            let switches = [u32::from(*with_bodies), u32::from(*disabled)];
+            let switches = [with_bodies, with_itself, surface, disabled].map(|&on| u32::from(on));
             let own = kind.into_iter().chain(switches).chain(numbers_of_material(material));
             sum = sum.wrapping_add(fnv(own));
         }
@@ -103,6 +107,55 @@ impl Simulation {
         standing.chain(flatland).fold(sum, u64::wrapping_add)
     }
 
+    /// Adds to the hashes of all islands the shapes that their particles collide by.
+    pub(super) fn add_shapes(&self, hashes: &mut [u64]) {
+        let islands = &self.scratch.plan.islands;
+        for solid in &self.body_colliders {
+            let first = solid.rows.first().and_then(|&row| islands.of.get(row as usize));
+            let Some(&number) = first else { continue };
+            let members = &islands.members[islands.list[number as usize].members.clone()];
+            let rank = member_index(members);
+            let hash = solid.shape.content_hash();
+            let rows = solid.rows.iter().map(|&row| rank(row));
+            let rest = solid.rest.iter().flat_map(|rest| rest.to_array()).map(f32::to_bits);
+            let own =
+                fnv([SHAPE, hash as u32, (hash >> 32) as u32].into_iter().chain(rows).chain(rest));
+            hashes[number as usize] = hashes[number as usize].wrapping_add(own);
+        }
+    }
+
+    /// Adds to the hashes of the islands of bodies that they ignore a collider, or a body of their group: `first_of` is the first island of each body, and
+    /// `root` identifies the group of an island.
+    pub(super) fn add_ignored(
+        &self,
+        hashes: &mut [u64],
+        first_of: &[u32],
+        mut root: impl FnMut(u32) -> u32,
+    ) {
+        use ContactParticipant::{Body, Collider};
+        let island = |body: u32| first_of.get(body as usize).copied().filter(|&it| it != u32::MAX);
+        for pair in &self.ignored {
+            let (number, own) = match *pair {
+                [Body(a), Body(b)] => {
+                    let (Some(a), Some(b)) = (island(a), island(b)) else { continue };
+                    if root(a) != root(b) {
+                        continue;
+                    }
+                    (a, fnv([IGNORED, BODY]))
+                }
+                [Body(body), Collider(other)] | [Collider(other), Body(body)] => {
+                    let collider = self.colliders.get(other as usize);
+                    let (Some(number), Some(collider)) = (island(body), collider) else { continue };
+                    // Not where it is: what is fastened to it may move with it.
+                    let hash = collider.shape.content_hash();
+                    (number, fnv([IGNORED, COLLIDER, hash as u32, (hash >> 32) as u32]))
+                }
+                _ => continue,
+            };
+            hashes[number as usize] = hashes[number as usize].wrapping_add(own);
+        }
+    }
+
     /// Adds to the hashes of all islands the springs that act on them, and the hulls that they float by.
     pub(super) fn add_springs_and_hulls(&self, hashes: &mut [u64]) {
         let islands = &self.scratch.plan.islands;
@@ -126,6 +179,18 @@ impl Simulation {
             }
         }
     }
+}
+
+/// The hash of all ignored pairs.
+pub(super) fn of_ignored(ignored: &[[ContactParticipant; 2]]) -> u64 {
+    let words = |one: &ContactParticipant| match *one {
+        ContactParticipant::Body(number) => [0, number],
+        ContactParticipant::Particle(row) => [1, row],
+        ContactParticipant::Collider(number) => [2, number],
+        ContactParticipant::Plane(number) => [3, number],
+        ContactParticipant::Box(number) => [4, number],
+    };
+    fnv(ignored.iter().flatten().flat_map(words))
 }
 
 /// The hash of all springs, by the rows that they connect, and of all hulls, by the rows that carry them.
