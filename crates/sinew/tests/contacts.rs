@@ -538,3 +538,45 @@ fn what_slides_over_inner_edges_of_a_flat_ground_goes_straight_on() {
         }
     }
 }
+
+/// A pair of bodies of which one has a single particle collided although it was ignored, and so did a particle with an ignored collider if a force threw it
+/// farther in a tick than the broad phase allows for.
+#[test]
+fn ignored_pairs_pass_through_each_other_whatever_they_consist_of() {
+    use ContactParticipant::{Body, Collider as Ground};
+    let cube = |world: &mut Simulation, at: Vec3| {
+        let spec = BoxSpec { size: Vec3::splat(0.5), ..BoxSpec::default() };
+        let cube = box_3d(&spec).unwrap().transformed(Quat::IDENTITY, at);
+        cube.build_colliding(world, BodyContacts::default()).unwrap().start
+    };
+    for (is_cube, other_is_cube) in [(false, false), (false, true), (true, false), (true, true)] {
+        let mut world = Simulation::default();
+        world.forces.gravity = Vec3::ZERO;
+        for (is_cube, at) in [(is_cube, Vec3::NEG_X), (other_is_cube, Vec3::ZERO)] {
+            if is_cube {
+                cube(&mut world, at);
+            } else {
+                ball(&mut world, at, Vec3::ZERO, 0.2, Material::default());
+            }
+        }
+        let first = if is_cube { 0..8 } else { 0..1 };
+        first.clone().for_each(|i| world.particles.set_velocity(i, Vec3::X * 2.0));
+        world.ignored.push([Body(1), Body(0)]);
+        run(&mut world, 1.0, DT);
+        for i in first {
+            let off = world.particles.velocity(i) - Vec3::X * 2.0;
+            assert!(off.length() < 1e-4, "{is_cube}, {other_is_cube}: {off}");
+        }
+    }
+    for ignored in [false, true] {
+        let mut world = Simulation::default();
+        world.colliders.push(slope(0.0, 0.5));
+        ball(&mut world, Vec3::Y * 0.5, Vec3::ZERO, 0.1, Material::default());
+        if ignored {
+            world.ignored.push([Body(0), Ground(0)]);
+        }
+        world.particles.set_external_force(0, Vec3::Y * -9000.0);
+        world.step(DT).unwrap();
+        assert_eq!(world.particles.position(0).y < -0.5, ignored);
+    }
+}

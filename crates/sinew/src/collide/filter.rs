@@ -4,6 +4,7 @@
 //! | of one body | if the body collides with itself |
 //! | of two bodies | if both collide with other bodies, their layers match, and no constraint joins a particle of one with a particle of the other |
 //! | a body of one particle and what it is tied to, directly or through others | never |
+//! | two bodies whose pair is [ignored](crate::Simulation::ignored) | never |
 //! | a body and a collider | if their layers match and the pair is not [ignored](crate::Simulation::ignored) |
 //!
 //! Bodies that a joint connects do not touch each other, as in most engines, because the anchors of a joint mostly lie inside both.
@@ -107,12 +108,15 @@ impl ContactFilter {
     /// Whether constraints between two rows of different bodies keep them from touching.
     #[inline(always)]
     fn are_tied(&self, (body, row): (u32, u32), (other_body, other_row): (u32, u32)) -> bool {
+        if self.is_ignored(body, other_body) {
+            return true;
+        }
         let single = |body: u32| self.counts.get(body as usize) == Some(&1);
         if single(body) || single(other_body) {
             let island = |row: u32| self.islands.get(row as usize);
             return island(row) == island(other_row);
         }
-        self.are_joined(body, other_body)
+        is_among(&self.joined, body, other_body)
     }
 
     /// Whether a body may touch a collider, apart from layers.
@@ -127,12 +131,10 @@ impl ContactFilter {
         self.ignored_colliders.iter().any(|pair| pair[1] == collider)
     }
 
-    /// Whether a constraint joins two bodies, or the game ignores the pair.
-    #[inline]
-    fn are_joined(&self, a: u32, b: u32) -> bool {
-        let pair = [a.min(b), a.max(b)];
-        let among = |list: &[[u32; 2]]| !list.is_empty() && list.binary_search(&pair).is_ok();
-        among(&self.joined) || among(&self.ignored_bodies)
+    /// Whether the game ignores a pair of bodies.
+    #[inline(always)]
+    fn is_ignored(&self, a: u32, b: u32) -> bool {
+        is_among(&self.ignored_bodies, a, b)
     }
 
     /// Takes the ignored pairs. Returns whether those of two bodies differ from the ones before.
@@ -197,6 +199,12 @@ impl ContactFilter {
         joined.sort_unstable();
         joined.dedup();
     }
+}
+
+/// Whether a sorted list has a pair, in either order.
+#[inline]
+fn is_among(list: &[[u32; 2]], a: u32, b: u32) -> bool {
+    !list.is_empty() && list.binary_search(&[a.min(b), a.max(b)]).is_ok()
 }
 
 /// Copies a list and returns whether it differed.

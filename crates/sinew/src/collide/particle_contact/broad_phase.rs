@@ -32,12 +32,14 @@ impl ParticleContacts {
         self.reaches.clear();
         self.batches.clear();
         self.inside.clear();
+        self.ignored.clear();
         self.set_recovery(world.dt / world.substeps.max(1) as f32, world.g());
         if self.is_empty() {
             return;
         }
         self.record_references(particles, world);
         if !self.surfaces.is_empty() {
+            self.find_ignored(particles, world);
             self.find_candidates(particles, world);
             normal_impulses.resize(self.candidates.len(), NormalImpulse::default());
         }
@@ -45,9 +47,20 @@ impl ParticleContacts {
         self.make_batches(particles, world.islands);
     }
 
+    /// Lists the surfaces with the rows that ignore them.
+    fn find_ignored(&mut self, particles: &Particles, world: &World) {
+        for (surface, number) in self.surfaces.iter().zip(0..) {
+            if surface.is_ignored(world.filter) {
+                let rows = (0..).zip(&particles.body);
+                let ignoring = rows.filter(|&(_, &body)| !surface.may_touch(world.filter, body));
+                self.ignored.extend(ignoring.map(|(row, _)| [number, row]));
+            }
+        }
+    }
+
     /// Finds the surfaces that each row may touch.
     fn find_candidates(&mut self, particles: &Particles, world: &World) {
-        let (islands, filter) = (world.islands, world.filter);
+        let islands = world.islands;
         let classes = self.classes.all().len();
         self.sort.found.clear();
         let steps = self.frames.len() / self.surfaces.len();
@@ -81,7 +94,7 @@ impl ParticleContacts {
                     let Some(CombinedMaterial { friction, restitution, drag }) = material else {
                         continue;
                     };
-                    if !surface.may_touch(filter, particles.body[i]) {
+                    if self.ignores(row, number) {
                         continue;
                     }
                     let surface = number as u32;

@@ -53,6 +53,8 @@ pub(crate) struct ParticleContacts {
     /// Index of the first candidate of each row, followed by the number of candidates; empty where there are no surfaces.
     first: Vec<u32>,
     candidates: Vec<SurfaceCandidate>,
+    /// Surfaces with the rows whose bodies ignore them; sorted.
+    ignored: Vec<[u32; 2]>,
     /// `[x y z d²]`: position of each row when the broad phase ran, from its origin, and the square of the distance that it may move from there, m².
     reference: Vec<Vec4>,
     /// Whether a row does not collide as a particle: it belongs to a body collider, which collides in its place, or contacts of its body are disabled. May be
@@ -354,13 +356,19 @@ impl ParticleContacts {
         let mut worst = 0.0_f32;
         for (number, surface) in self.surfaces.iter().enumerate() {
             let material = self.material(number, self.classes.of(row));
-            let Some(material) = material.filter(|_| !surface.sensor) else { continue };
+            let touches = || !surface.sensor && !self.ignores(row, number);
+            let Some(material) = material.filter(|_| touches()) else { continue };
             if let Some(contact) = self.contact(places, row, number, interval) {
                 worst = worst.max(contact.depth);
                 contact.resolve(places, row, material.friction);
             }
         }
         worst
+    }
+
+    /// Whether the body of a row ignores a surface.
+    fn ignores(&self, row: u32, surface: usize) -> bool {
+        !self.ignored.is_empty() && self.ignored.binary_search(&[surface as u32, row]).is_ok()
     }
 
     /// The contact of a row with a surface in a substep, if they touch.

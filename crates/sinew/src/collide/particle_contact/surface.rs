@@ -148,6 +148,11 @@ impl ContactSurface {
         }
     }
 
+    /// Whether some body ignores it.
+    pub(super) fn is_ignored(&self, filter: &ContactFilter) -> bool {
+        matches!(self.participant, ContactParticipant::Collider(number) if filter.ignores_collider(number))
+    }
+
     /// Whether a body may touch it, apart from layers.
     pub(super) fn may_touch(&self, filter: &ContactFilter, body: u32) -> bool {
         !matches!(self.participant, ContactParticipant::Collider(number) if !filter.may_touch_collider(body, number))
