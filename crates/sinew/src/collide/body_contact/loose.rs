@@ -350,16 +350,16 @@ impl Loose {
         }
     }
 
-    /// Restitution, body collider by body collider; see `restitution`.
+    /// Restitution in a substep of `h` seconds, body collider by body collider, from the approach speed `least`, m/s, on; see `restitution`.
     pub(super) fn bounce(
         &mut self,
         particles: &mut Particles,
         groups: &BodyGroups,
         bodies: &Bodies,
         rigid: &mut RigidIslands,
-        least: f32,
+        (h, least): (f32, f32),
     ) {
-        for near in &self.pairs {
+        for near in &mut self.pairs {
             if near.force <= 0.0
                 || !is_elastic(near.combined_material.restitution, -near.approach, least).any()
             {
@@ -384,6 +384,7 @@ impl Loose {
                 let speeds = [velocity, spin.cross(lever)];
                 let answer = near.answer(particles, (&body, inverse_mass), lever, speeds);
                 let Some((impulse, moment)) = answer else { continue };
+                near.total += impulse * h;
                 particles.velocity[i] += (near.normal * (impulse * w)).extend(0.0);
                 state.push(lane, near.normal * (-impulse * inverse_mass), moment * -impulse);
                 continue;
@@ -407,6 +408,7 @@ impl Loose {
             let speeds = [velocity, spin.cross(lever)];
             let answer = near.answer(particles, (&body, inverse_mass), lever, speeds);
             let Some((impulse, moment)) = answer else { continue };
+            near.total += impulse * h;
             particles.velocity[i] += (n * (impulse * w)).extend(0.0);
             let (shift, turn) = (n * (impulse * inverse_mass), body.spun(moment * impulse));
             for (row, _, share) in rows() {
@@ -566,7 +568,7 @@ impl BodyContactSolver {
     /// Restitution of single particles from the approach speed `least` on, m/s.
     pub(super) fn bounce_loose(&mut self, particles: &mut Particles, h: f32, least: f32) {
         let Self { loose, groups, bodies, rigid, instructions, .. } = self;
-        loose.bounce(particles, groups, bodies, rigid, least);
+        loose.bounce(particles, groups, bodies, rigid, (h, least));
         rigid.settle_pushed(groups, h, *instructions);
     }
 }

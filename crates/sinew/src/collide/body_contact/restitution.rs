@@ -401,6 +401,9 @@ impl RestitutionSolve<'_> {
         }
         let good = lanes.and(sum.abs().lt(L::splat(1e30)));
         let (sum, x, y) = (good.and(sum), good.and(x), good.and(y));
+        // What is taken back of a recovery was reported as a contact all the same.
+        let reported = L::mask(!wide.depenetrated).and(sum) * L::splat(h);
+        (L::load(&wide.total) + reported).store(&mut wide.total);
         let moved = stiff.times(Vector::new(sum, x, y));
         let mut change = none;
         for i in 0..POINTS {

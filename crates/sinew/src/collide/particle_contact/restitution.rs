@@ -47,6 +47,7 @@ impl ParticleContacts {
                 if is_elastic(candidate.restitution, -approach, threshold(g, h)).any() {
                     let wanted = rebound(candidate.restitution, approach);
                     places.velocity[i] += (normal * (wanted - along)).extend(0.0);
+                    contact.sum += (wanted - along) / places.position[i].w;
                 }
                 if candidate.drag != PlanarDrag::default() {
                     let across = normal * along;
