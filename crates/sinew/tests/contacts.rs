@@ -630,3 +630,63 @@ fn the_reported_impulse_of_a_bounce_is_the_change_of_momentum() {
         );
     }
 }
+
+/// What hits a wall aslant loses `μ` times the change of its normal velocity along it, `μ (1 + e) v`, as long as it slips. Friction had only the impulse by
+/// which it was pushed out of the wall, anything between none and all of `μ v`.
+#[test]
+fn an_oblique_impact_has_the_friction_of_its_impulse() {
+    let shapes = [None, Some(Shape::sphere(0.5).unwrap())];
+    for ((substeps, restitution), (shape, on)) in [4, 10, 40]
+        .into_iter()
+        .flat_map(|substeps| [0.5, 1.0].map(|restitution| (substeps, restitution)))
+        .flat_map(|how| {
+            shapes.iter().flat_map(move |shape| (0..3).map(move |on| (how, (shape, on))))
+        })
+        // Two particles have no spin that friction could give them.
+        .filter(|(_, (shape, on))| shape.is_some() || *on != 1)
+    {
+        let mut world = Simulation::default();
+        world.settings.substeps = substeps;
+        world.forces.gravity = Vec3::ZERO;
+        let material = Material::default().with_friction(0.1).with_restitution(restitution);
+        let contacts = BodyContacts { material, ..Default::default() };
+        let mut add = |shape: &Option<Shape>, at: Vec3, velocity: Vec3| {
+            let Some(shape) = shape else {
+                ball(&mut world, at, velocity, 0.5, material);
+                return;
+            };
+            let shape = SolidShape::Collider(shape.clone());
+            let body = solid(&SolidSpec { shape, ..Default::default() }).unwrap();
+            let body = body.transformed(Quat::IDENTITY, at);
+            let rows = body.build_colliding(&mut world, contacts).unwrap();
+            rows.for_each(|i| world.particles.set_velocity(i, velocity));
+        };
+        // Towards a second one in such a way that the line between the two is upright when they meet.
+        let thrown = Vec3::new(4.0, -5.0, 0.0);
+        let height = if on == 0 { 0.52 } else { 1.02 };
+        add(shape, Vec3::new(-0.016, height, 0.0), thrown);
+        match on {
+            0 => world.colliders.push(slope(0.0, 0.0).with_material(material)),
+            other => add(&shapes[other - 1], Vec3::ZERO, Vec3::ZERO),
+        }
+        let rows = if shape.is_some() { 0..8 } else { 0..1 };
+        let velocity = |world: &Simulation| {
+            rows.clone().map(|i| world.particles.velocity(i)).sum::<Vec3>() / rows.len() as f32
+        };
+        for _ in 0..8 {
+            world.step(DT).unwrap();
+        }
+        let change = velocity(&world) - thrown;
+        let along = -change.x / change.y;
+        // Two balls are not quite above each other when a substep ends.
+        let off = if on == 0 { 0.002 } else { 0.04 };
+        assert!(
+            (along - 0.1).abs() < off,
+            "{shape:?} on {on}, {substeps}, e {restitution}: {change}, {along}"
+        );
+        if on == 0 {
+            let expected = 5.0 * (1.0 + restitution);
+            assert!((change.y / expected - 1.0).abs() < 0.01, "{change}");
+        }
+    }
+}

@@ -381,12 +381,12 @@ impl Loose {
                 let (velocity, centre) = (state.velocity(lane), state.centre(lane));
                 let lever = particles.position[i].truncate() + lift - centre;
                 let (w, inverse_mass) = (particles.position[i].w, bodies[at][SHIFT].w);
-                let speeds = [velocity, spin.cross(lever)];
-                let answer = near.answer(particles, (&body, inverse_mass), lever, speeds);
-                let Some((impulse, moment)) = answer else { continue };
-                near.total += impulse * h;
-                particles.velocity[i] += (near.normal * (impulse * w)).extend(0.0);
-                state.push(lane, near.normal * (-impulse * inverse_mass), moment * -impulse);
+                let past = particles.velocity(i) - velocity - spin.cross(lever);
+                let answer = near.answer((w, inverse_mass), &body, lever, past);
+                let Some(impulse) = answer else { continue };
+                near.total += impulse.dot(near.normal) * h;
+                particles.velocity[i] += (impulse * w).extend(0.0);
+                state.push(lane, impulse * -inverse_mass, -lever.cross(impulse));
                 continue;
             }
             let mass: f32 = rows().map(|(_, m, _)| m).sum();
@@ -404,13 +404,13 @@ impl Loose {
                 .sum::<Vec3>();
             let spin = body.spun(spin);
             let lever = particles.position[i].truncate() + lift - centre;
-            let (n, w, inverse_mass) = (near.normal, particles.position[i].w, bodies[at][SHIFT].w);
-            let speeds = [velocity, spin.cross(lever)];
-            let answer = near.answer(particles, (&body, inverse_mass), lever, speeds);
-            let Some((impulse, moment)) = answer else { continue };
-            near.total += impulse * h;
-            particles.velocity[i] += (n * (impulse * w)).extend(0.0);
-            let (shift, turn) = (n * (impulse * inverse_mass), body.spun(moment * impulse));
+            let (w, inverse_mass) = (particles.position[i].w, bodies[at][SHIFT].w);
+            let past = particles.velocity(i) - velocity - spin.cross(lever);
+            let answer = near.answer((w, inverse_mass), &body, lever, past);
+            let Some(impulse) = answer else { continue };
+            near.total += impulse.dot(near.normal) * h;
+            particles.velocity[i] += (impulse * w).extend(0.0);
+            let (shift, turn) = (impulse * inverse_mass, body.spun(lever.cross(impulse)));
             for (row, _, share) in rows() {
                 if particles.position[row].w > 0.0 {
                     let by = (shift + turn.cross(arm(particles, row) - centre)) * share;
@@ -545,22 +545,30 @@ impl LooseContact {
         self.left = particles.position[self.row as usize];
     }
 
-    /// The normal impulse of restitution, N·s, and its moment arm, metres, for a body collider with the velocity `velocity`, m/s, and the velocity `spun` by
-    /// its spin at the contact.
+    /// The impulse of restitution with its friction, N·s, for the inverse masses of the particle and of a body collider, 1/kg, that move past each other with
+    /// the velocity `past`, m/s.
     fn answer(
         &self,
-        particles: &Particles,
-        (body, inverse_mass): (&ScalarBody, f32),
+        (w, inverse_mass): (f32, f32),
+        body: &ScalarBody,
         lever: Vec3,
-        [velocity, spun]: [Vec3; 2],
-    ) -> Option<(f32, Vec3)> {
-        let (n, i) = (self.normal, self.row as usize);
-        let moment = lever.cross(n);
-        let stiff = particles.position[i].w + inverse_mass + moment.dot(body.spun(moment));
-        let speed = n.dot(particles.velocity(i) - velocity - spun);
+        past: Vec3,
+    ) -> Option<Vec3> {
+        let n = self.normal;
+        // Relative velocity that an impulse causes.
+        let moved = |impulse: Vec3| {
+            impulse * (w + inverse_mass) + body.spun(lever.cross(impulse)).cross(lever)
+        };
+        let stiff = n.dot(moved(n));
         let wanted = rebound(self.combined_material.restitution, self.approach);
-        let impulse = (wanted - speed) / stiff;
-        (stiff > 0.0 && impulse.is_finite()).then_some((impulse, moment))
+        let size = (wanted - n.dot(past)) / stiff;
+        let past = past + moved(n * size);
+        let slip = past - n * past.dot(n);
+        let way = slip.normalize_or_zero();
+        let most = self.combined_material.friction * size.max(0.0);
+        let friction = most.min(slip.length() / way.dot(moved(way)).max(f32::MIN_POSITIVE));
+        let impulse = n * size - way * friction;
+        (stiff > 0.0 && impulse.is_finite()).then_some(impulse)
     }
 }
 

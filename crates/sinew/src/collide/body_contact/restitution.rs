@@ -33,6 +33,12 @@
 //! Impacts spread from fast contacts. A manifold is solved if it was fast itself, or if the velocity of one of its body colliders has changed by more than
 //! [`QUIET`] since it was solved last; so in a heap that is hit, manifolds are solved as far as the impact reaches, and bodies elsewhere change nothing.
 //!
+//! # Friction
+//!
+//! Friction in positions (`friction`) is limited by the impulse that the positions gave, which depends on how deep the two were when the substep ended. So the
+//! impulse `P` that restitution has added to a manifold causes friction here, at its centre of pressure: the slip there is reduced by an impulse of at most
+//! `μ P`, with the effective mass there. Friction in positions starts anew then.
+//!
 //! # Drags
 //!
 //! Planar friction as a drag between body colliders, after restitution: while two touch, a share of their relative velocity along and across the contact
@@ -91,6 +97,12 @@ impl ImpactScratch {
             bits.clear();
             bits.resize(groups, 0);
         }
+    }
+
+    /// Whether a row has velocities: that of a body collider in an impact, or of static geometry, which has displacements in all cases.
+    fn is_read(&self, row: u32) -> bool {
+        let bits = self.read.get(row as usize / LANES);
+        bits.is_none_or(|bits| bits >> (row as usize % LANES) & 1 == 1)
     }
 
     /// A bit for each manifold of a wide contact with a body collider that was changed in the last round.
@@ -157,6 +169,13 @@ impl BodyContactSolver {
             changed.fill(0);
             if !any_changed {
                 break;
+            }
+        }
+        for wide in wide_contacts.iter_mut().filter(|wide| wide.kept && wide.elastic != 0) {
+            for lane in SetLanes(wide.elastic & !wide.depenetrated) {
+                if self.impacts.is_read(wide.a[lane]) && self.impacts.is_read(wide.b[lane]) {
+                    rub(wide, lane, &self.contacts, &mut self.bodies, h);
+                }
             }
         }
         for wide in wide_contacts.iter().filter(|wide| wide.kept) {
@@ -436,38 +455,91 @@ fn dragged(wide: &WideContact, contacts: &[Contact]) -> u32 {
     (0..LANES).fold(0, |bits, lane| bits | u32::from(is_dragged(lane)) << lane)
 }
 
-/// Applies drag to two bodies whose rows have velocities, in a substep of `h` seconds.
-fn drag(wide: &WideContact, lane: usize, contacts: &Contact, bodies: &mut Bodies, h: f32) {
-    let [a, b] = [wide.a[lane], wide.b[lane]].map(|row| row as usize);
-    let (n, arm) = (get(&wide.up, lane), get(&wide.arm, lane));
-    let (one, mut other) = (ScalarBody::of(bodies, a), ScalarBody::of(bodies, b));
-    if contacts.geometry.is_some() {
-        // Rows of static and kinematic geometry have displacements instead of velocities.
-        (other.step, other.spin) = (other.step / h, other.spin / h);
-    }
-    let lever = arm - (other.centre + get(&wide.offset, lane) - one.centre);
-    let past = one.velocity_at(arm) - other.velocity_at(lever);
-    let weights = [a, b].map(|row| bodies[row][SHIFT].w);
-    let weight = weights[0] + weights[1];
-    let [along, across] = contacts.combined_material.drag.lost_in(h);
-    let mut impulse = Vec3::ZERO;
-    let normal = n * past.dot(n);
-    for (part, share) in [(past - normal, along), (normal, across)] {
-        let Some(way) = part.try_normalize() else { continue };
-        let (here, there) = (arm.cross(way), lever.cross(way));
-        let stiff = weight + here.dot(one.spun(here)) + there.dot(other.spun(there));
-        impulse -= part * (share / weight).min(1.0 / stiff);
-    }
-    let spin = n.dot(one.spin + one.turn - other.spin - other.turn);
-    let moment = n * (-along * spin / n.dot(one.spun(n) + other.spun(n)).max(f32::MIN_POSITIVE));
-    let turns = [one.spun(arm.cross(impulse) + moment), other.spun(lever.cross(impulse) + moment)];
-    if !(impulse.is_finite() && turns[0].is_finite() && turns[1].is_finite()) {
+/// Applies to two bodies the friction of the impulse that restitution has added, as if they were in contact at the centre of pressure alone.
+fn rub(wide: &mut WideContact, lane: usize, contacts: &[Contact], bodies: &mut Bodies, h: f32) {
+    let Some(contact) = contacts.get(wide.number[lane] as usize) else { return };
+    let more = wide.force.iter().map(|force| force[lane]).sum::<f32>() - wide.sum[lane];
+    let most = contact.combined_material.friction * more / h;
+    if !(most > 0.0) {
         return;
     }
-    for (row, weight, turn, sign) in
-        [(a, weights[0], turns[0], 1.0), (b, weights[1], turns[1], -1.0)]
-    {
-        bodies[row][SHIFT] += (impulse * (weight * sign)).extend(0.0);
-        bodies[row][TURN] += (turn * sign).extend(0.0);
+    // All of the friction of this impact has acted then: what is left of the mean of its impulses would act in flight.
+    wide.friction_limit[lane] = 0.0;
+    let touch = Touch::of(wide, lane, contact, bodies, h);
+    let n = get(&wide.up, lane);
+    let slip = touch.past - n * touch.past.dot(n);
+    let Some(way) = slip.try_normalize() else { return };
+    let impulse = way * -most.min(slip.length() / touch.compliance(way));
+    touch.apply(bodies, impulse, Vec3::ZERO);
+}
+
+/// Two bodies whose rows have velocities, at the centre of pressure of a contact.
+struct Touch {
+    rows: [usize; 2],
+    bodies: [ScalarBody; 2],
+    /// From the centre of each to there, metres.
+    levers: [Vec3; 2],
+    /// Inverse masses, 1/kg.
+    weights: [f32; 2],
+    /// Velocity of the first one past the second, m/s.
+    past: Vec3,
+}
+
+impl Touch {
+    fn of(wide: &WideContact, lane: usize, contact: &Contact, bodies: &Bodies, h: f32) -> Self {
+        let rows = [wide.a[lane], wide.b[lane]].map(|row| row as usize);
+        let arm = get(&wide.arm, lane);
+        let (one, mut other) = (ScalarBody::of(bodies, rows[0]), ScalarBody::of(bodies, rows[1]));
+        if contact.geometry.is_some() {
+            // Rows of static and kinematic geometry have displacements instead of velocities.
+            (other.step, other.spin) = (other.step / h, other.spin / h);
+        }
+        let lever = arm - (other.centre + get(&wide.offset, lane) - one.centre);
+        let past = one.velocity_at(arm) - other.velocity_at(lever);
+        let weights = rows.map(|row| bodies[row][SHIFT].w);
+        Self { rows, bodies: [one, other], levers: [arm, lever], weights, past }
     }
+
+    /// Inverse effective mass along a unit vector, 1/kg.
+    fn compliance(&self, along: Vec3) -> f32 {
+        let turned = |which: usize| {
+            let moment = self.levers[which].cross(along);
+            moment.dot(self.bodies[which].spun(moment))
+        };
+        self.weights[0] + self.weights[1] + turned(0) + turned(1)
+    }
+
+    /// Applies an impulse, N·s, and a moment, N·m·s, to the first one, and the opposite ones to the second.
+    fn apply(&self, bodies: &mut Bodies, impulse: Vec3, moment: Vec3) {
+        let turn =
+            |which: usize| self.bodies[which].spun(self.levers[which].cross(impulse) + moment);
+        let turns = [turn(0), turn(1)];
+        if !(impulse.is_finite() && turns[0].is_finite() && turns[1].is_finite()) {
+            return;
+        }
+        for ((row, weight), (turn, sign)) in
+            self.rows.into_iter().zip(self.weights).zip(turns.into_iter().zip([1.0, -1.0]))
+        {
+            bodies[row][SHIFT] += (impulse * (weight * sign)).extend(0.0);
+            bodies[row][TURN] += (turn * sign).extend(0.0);
+        }
+    }
+}
+
+/// Applies drag to two bodies whose rows have velocities, in a substep of `h` seconds.
+fn drag(wide: &WideContact, lane: usize, contact: &Contact, bodies: &mut Bodies, h: f32) {
+    let touch = Touch::of(wide, lane, contact, bodies, h);
+    let n = get(&wide.up, lane);
+    let [along, across] = contact.combined_material.drag.lost_in(h);
+    let weight = touch.weights[0] + touch.weights[1];
+    let mut impulse = Vec3::ZERO;
+    let normal = n * touch.past.dot(n);
+    for (part, share) in [(touch.past - normal, along), (normal, across)] {
+        let Some(way) = part.try_normalize() else { continue };
+        impulse -= part * (share / weight).min(1.0 / touch.compliance(way));
+    }
+    let [one, other] = &touch.bodies;
+    let spin = n.dot(one.spin + one.turn - other.spin - other.turn);
+    let moment = n * (-along * spin / n.dot(one.spun(n) + other.spun(n)).max(f32::MIN_POSITIVE));
+    touch.apply(bodies, impulse, moment);
 }

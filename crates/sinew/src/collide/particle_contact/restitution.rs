@@ -1,5 +1,6 @@
 //! After the velocities are derived: restitution, drag of surfaces, and contact events.
 
+use super::super::friction::friction_share;
 use super::super::impact::{ContactParticipant, Impacts};
 use super::super::restitution::{is_elastic, rebound, threshold};
 use super::{NormalImpulses, ParticleContacts};
@@ -19,7 +20,7 @@ impl ParticleContacts {
     /// The position solve has no restitution: a particle that was projected onto a surface leaves it with the velocity of the correction. So where the approach
     /// speed `a` before the substep was above `2gh`, twice what gravity adds to resting contacts in a substep, the normal velocity becomes `e a` away from the
     /// surface. Taken before the last part of the path, `a` is the speed that the particle had half a substep earlier, and never more than at the surface: `e =
-    /// 1` gains no energy.
+    /// 1` gains no energy. Friction of the added impulse acts on the slip that the position solve has left.
     pub(crate) fn bounce(
         &self,
         places: &mut Places,
@@ -46,8 +47,10 @@ impl ParticleContacts {
                 let along = velocity.dot(normal);
                 if is_elastic(candidate.restitution, -approach, threshold(g, h)).any() {
                     let wanted = rebound(candidate.restitution, approach);
-                    places.velocity[i] += (normal * (wanted - along)).extend(0.0);
-                    contact.sum += (wanted - along) / places.position[i].w;
+                    let (gained, slip) = (wanted - along, velocity - normal * along);
+                    let taken = friction_share(slip.length(), candidate.friction * gained);
+                    places.velocity[i] += (normal * gained - slip * taken).extend(0.0);
+                    contact.sum += gained / places.position[i].w;
                 }
                 if candidate.drag != PlanarDrag::default() {
                     let across = normal * along;
