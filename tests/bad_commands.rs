@@ -61,13 +61,13 @@ fn edits_of_despawned_entities_and_of_no_bodies_do_no_harm() {
 
     // The queue of a body that is never built is bounded.
     let never = app.world_mut().spawn(ParticleBody).id();
-    for _ in 0..PendingEdits::MOST + 2 {
+    for _ in 0..PendingEdits::MAX + 2 {
         command(&mut app, never, |never| _ = never.apply_impulse(PUSH));
     }
     tick(&mut app, 1);
     let refused = heard(&app);
     assert_eq!(refused, vec![(never, Refusal::Edit(EditFault::TooMany)); 2]);
-    assert_eq!(app.world().get::<PendingEdits>(never).unwrap().0.len(), PendingEdits::MOST);
+    assert_eq!(app.world().get::<PendingEdits>(never).unwrap().0.len(), PendingEdits::MAX);
 
     // Without the plugin the command does nothing, and nothing fails.
     let mut bare = World::new();

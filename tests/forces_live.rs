@@ -201,7 +201,7 @@ fn a_broken_number_is_refused_once_and_acts_as_if_its_entity_were_not_there() {
         }),
     ];
     for &(name, breaks) in cases {
-        let break_it = |app: &mut App, cast: &Cast| (breaks(app, cast), Refusal::Surroundings);
+        let break_it = |app: &mut App, cast: &Cast| (breaks(app, cast), Refusal::Field);
         // The last case has two components on one entity, of which one is valid: its still air acts.
         let sound = |app: &mut App, _: &Cast| {
             if name == "two things" {
@@ -303,7 +303,7 @@ fn a_repaired_attractor_acts_again_and_is_named_again_when_it_breaks_again() {
         let list = app.world().resource::<SinewWorld>().simulation().forces.attractors.len();
         assert_eq!(list, usize::from(strength.is_finite()));
     }
-    let named = (cast.sun, Refusal::Surroundings);
+    let named = (cast.sun, Refusal::Field);
     assert_eq!(heard(&app), [named.clone(), named]);
 }
 

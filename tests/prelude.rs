@@ -113,8 +113,8 @@ fn layers_are_the_variants_of_an_enum_in_their_order() {
     let ghost = CollisionLayers::of_layers([Layer::Ghost], [Layer::Player]);
     assert_eq!(ghost, CollisionLayers::of(&[2], &[1]));
     let player = CollisionLayers::of_layers([Layer::Player], [Layer::Wall, Layer::Ghost]);
-    assert!(ghost.meets(player) && player.meets(ghost));
+    assert!(ghost.interacts_with(player) && player.interacts_with(ghost));
     let wall = CollisionLayers::of_layers([Layer::default()], [Layer::Player]);
     assert_eq!(wall.memberships, 1);
-    assert!(wall.meets(player) && !wall.meets(ghost));
+    assert!(wall.interacts_with(player) && !wall.interacts_with(ghost));
 }

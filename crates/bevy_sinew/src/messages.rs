@@ -68,7 +68,7 @@ pub enum Refusal {
     /// A field or an attractor has an invalid number, of its own, of its transform or of its [`Region`](crate::Region); it has no effect until that is
     /// corrected.
     #[error("has no effect: a number of it or of its transform is not finite or out of range")]
-    Surroundings,
+    Field,
     /// A resource of the environment ([`Gravity`](crate::Gravity), [`AirDrag`](crate::AirDrag), [`Electric`](crate::Electric)) has an invalid number; it has no
     /// effect until that is corrected. The entity is the one on which Bevy stores the resource.
     #[error(
@@ -167,8 +167,8 @@ pub enum EditFault {
     /// The body to be teleported has no `Transform`, or an invalid one.
     #[error("its Transform is missing or not finite, so it cannot be moved")]
     NoTransform,
-    /// More edits wait for the body's particles than [`PendingEdits::MOST`](crate::PendingEdits::MOST), or more forces at points wait for the next tick than
-    /// [`TickForces::MOST`](crate::TickForces::MOST).
+    /// More edits wait for the body's particles than [`PendingEdits::MAX`](crate::PendingEdits::MAX), or more forces at points wait for the next tick than
+    /// [`TickForces::MAX`](crate::TickForces::MAX).
     #[error("too many edits wait for its particles, or for the next tick")]
     TooMany,
 }

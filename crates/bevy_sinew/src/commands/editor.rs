@@ -46,7 +46,7 @@ fn edit_now(
     let reason = match editor.apply_now(entity, edit) {
         Ok(true) => return,
         Ok(false) => match pending.get_mut(entity) {
-            Ok(list) if list.0.len() >= PendingEdits::MOST => EditFault::TooMany,
+            Ok(list) if list.0.len() >= PendingEdits::MAX => EditFault::TooMany,
             Ok(mut list) => return list.0.push(edit),
             Err(_) => {
                 commands.entity(entity).try_insert(PendingEdits(vec![edit]));
@@ -73,7 +73,7 @@ impl TickForces {
 
     /// Adds other forces, unless they exceed the limit.
     fn add(&mut self, others: Self) -> Result<(), EditFault> {
-        if self.at_points.len() + others.at_points.len() > Self::MOST {
+        if self.at_points.len() + others.at_points.len() > Self::MAX {
             return Err(EditFault::TooMany);
         }
         self.force += others.force;

@@ -164,5 +164,5 @@ pub struct PendingEdits(pub Vec<BodyEdit>);
 impl PendingEdits {
     /// How many edits may wait; a further one is refused. Without a limit, a game that pushes a body in every frame would fill the memory if its mesh never
     /// loads.
-    pub const MOST: usize = 64;
+    pub const MAX: usize = 64;
 }

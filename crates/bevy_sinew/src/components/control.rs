@@ -140,7 +140,7 @@ pub struct TickForces {
 
 impl TickForces {
     /// How many forces at points one entity may have in a tick; a further one is refused. Without a limit, a game that is paused could fill the memory.
-    pub const MOST: usize = 64;
+    pub const MAX: usize = 64;
 }
 
 /// The target whose rows a control force was last resolved into, so that changing a force in every tick needs no look-up. Scratch.

@@ -48,13 +48,13 @@ pub struct Sleep {
     pub support_hash: u64,
     /// Hash of the environment when it was last checked: of gravity and of all air, winds, fluids and fields. A change wakes the body. Default 0, before the
     /// first check.
-    pub around: u64,
+    pub environment_hash: u64,
 }
 
 impl Default for Sleep {
     fn default() -> Self {
         let sinew::Sleep { speed, still, asleep, support_hash, .. } = sinew::Sleep::default();
-        Self { speed, still, asleep, support_hash, around: 0 }
+        Self { speed, still, asleep, support_hash, environment_hash: 0 }
     }
 }
 

@@ -218,7 +218,7 @@ impl FieldValidator<'_, '_> {
         list.retain(|entry| {
             let place = self.places[next];
             next += 1;
-            self.check(place.1, valid(entry), || Refusal::Surroundings)
+            self.check(place.1, valid(entry), || Refusal::Field)
         });
     }
 

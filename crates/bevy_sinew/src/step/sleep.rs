@@ -147,11 +147,11 @@ pub(crate) fn gather_sleep(
     watched.sort_unstable();
     for (entity, rows, mut sleep, disabled) in &mut bodies {
         let keeps_awake = disabled || watched.binary_search(&entity).is_ok();
-        if sleep.around != now {
-            if sleep.around != 0 && sleep.asleep {
+        if sleep.environment_hash != now {
+            if sleep.environment_hash != 0 && sleep.asleep {
                 sleep.wake();
             }
-            sleep.around = now;
+            sleep.environment_hash = now;
         }
         let row = rows.current(&tables.layout).iter().find(|&&row| row != GONE);
         let body = row.and_then(|&row| simulation.particles.body(row as usize));

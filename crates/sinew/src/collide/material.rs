@@ -132,7 +132,7 @@ impl Layers {
 
     /// Whether two things with these layers may touch.
     #[inline]
-    pub const fn meets(self, other: Self) -> bool {
+    pub const fn interacts_with(self, other: Self) -> bool {
         self.memberships & other.filters != 0 && other.memberships & self.filters != 0
     }
 }
@@ -188,7 +188,7 @@ impl BodyContacts {
             && other.with_bodies
             && !self.disabled
             && !other.disabled
-            && self.layers.meets(other.layers)
+            && self.layers.interacts_with(other.layers)
     }
 }
 
@@ -211,11 +211,14 @@ mod tests {
     #[test]
     fn both_layers_must_include_each_other() {
         let (player, wall) = (Layers::new(1, 2), Layers::new(2, 1));
-        assert!(player.meets(wall) && wall.meets(player));
-        assert!(!player.meets(player));
-        assert!(!player.meets(Layers::new(2, 4)), "only one of the two collides with the other");
-        assert!(Layers::default().meets(Layers::default()));
-        assert!(!Layers::NONE.meets(Layers::default()));
+        assert!(player.interacts_with(wall) && wall.interacts_with(player));
+        assert!(!player.interacts_with(player));
+        assert!(
+            !player.interacts_with(Layers::new(2, 4)),
+            "only one of the two collides with the other"
+        );
+        assert!(Layers::default().interacts_with(Layers::default()));
+        assert!(!Layers::NONE.interacts_with(Layers::default()));
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::pose::pose;
 /// What a query includes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
-    /// Layers of the query; it includes what [meets](Layers::meets) them. Default everything.
+    /// Layers of the query; it includes what [interacts with](Layers::interacts_with) them. Default everything.
     pub layers: Layers,
     /// Whether colliders are included, and planes and boxes of [`Boundaries`](crate::Boundaries), which are in all layers. Default true.
     pub colliders: bool,
@@ -225,7 +225,7 @@ impl Simulation {
     fn walls(&self, filter: &Filter, call: &mut dyn FnMut(ContactParticipant, &Shape, Frame)) {
         let everywhere = Layers::new(u32::MAX, u32::MAX);
         let none = self.boundaries.planes.is_empty() && self.boundaries.boxes.is_empty();
-        if none || !filter.colliders || !everywhere.meets(filter.layers) {
+        if none || !filter.colliders || !everywhere.interacts_with(filter.layers) {
             return;
         }
         let solid = Shape::half_space();
@@ -295,7 +295,7 @@ impl Simulation {
         filter.colliders
             && collider.is_valid()
             && (filter.sensors || !collider.sensor)
-            && collider.layers.meets(filter.layers)
+            && collider.layers.interacts_with(filter.layers)
             && filter.except != Some(ContactParticipant::Collider(number as u32))
     }
 
@@ -308,7 +308,7 @@ impl Simulation {
             ContactParticipant::Body(body)
         };
         let own = self.contacts.get(body as usize).copied().unwrap_or_default();
-        let met = !own.disabled && own.layers.meets(filter.layers);
+        let met = !own.disabled && own.layers.interacts_with(filter.layers);
         let counts = filter.bodies && met && filter.except != Some(participant);
         counts.then_some(participant)
     }

@@ -44,8 +44,8 @@ pub struct Sleep {
     pub still: f32,
     /// Whether it sleeps. Default false. To wake a body, clear this and `still`.
     pub asleep: bool,
-    /// Hash of the support when it fell asleep: of its group's particles, shapes, constraints and springs, and of the colliders beside it. If the hash is another one
-    /// now, it wakes. Default 0, also while it is awake.
+    /// Hash of the support when it fell asleep: of its group's particles, shapes, constraints and springs, and of the colliders beside it. If the hash is
+    /// another one now, it wakes. Default 0, also while it is awake.
     pub support_hash: u64,
 }
 

@@ -76,7 +76,7 @@ pub enum Combine {
 /// }
 /// let ghost = CollisionLayers::of_layers([Layer::Ghost], [Layer::Player]);
 /// let player = CollisionLayers::of_layers([Layer::Player], [Layer::Wall, Layer::Ghost]);
-/// assert!(ghost.meets(player) && !ghost.meets(CollisionLayers::default()));
+/// assert!(ghost.interacts_with(player) && !ghost.interacts_with(CollisionLayers::default()));
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Clone, PartialEq)]
@@ -184,8 +184,8 @@ impl CollisionLayers {
     }
 
     /// Whether the two may collide.
-    pub const fn meets(self, other: Self) -> bool {
-        self.layers().meets(other.layers())
+    pub const fn interacts_with(self, other: Self) -> bool {
+        self.layers().interacts_with(other.layers())
     }
 
     /// The solver's layers.

@@ -302,7 +302,7 @@ impl BodyContactSolver {
         let own = world.filter.body(one.body);
         let ignored = matches!(geometry.participant, ContactParticipant::Collider(collider)
             if !world.filter.may_touch_collider(one.body, collider));
-        if ignored || !own.layers.meets(geometry.layers) {
+        if ignored || !own.layers.interacts_with(geometry.layers) {
             return None;
         }
         let seen_from = one.frame.from_within(&here);

@@ -55,7 +55,7 @@ pub(super) fn list(
     materials.clear();
     let mut add = |surface: ContactSurface, bound: Option<PlaneOrBox>| {
         let combined = |class: &BodyClass| {
-            let applies = surface.layers.meets(class.layers);
+            let applies = surface.layers.interacts_with(class.layers);
             applies.then(|| surface.combined_material(&class.material))
         };
         let is_bound = |class: &BodyClass, material: &CombinedMaterial| {
