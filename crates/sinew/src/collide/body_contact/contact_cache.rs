@@ -109,6 +109,8 @@ pub(super) struct FrictionAnchor {
     pub(super) up: Vec3,
     pub(super) arm: Vec3,
     pub(super) radius: f32,
+    /// Whether the contact has slid since an impact.
+    pub(super) slides: bool,
 }
 
 impl ContactCache {
@@ -176,13 +178,15 @@ impl CachedManifold {
         words.vec3(seen_from.translation);
         words.mat3(seen_from.rotation);
         words.float(*reach);
-        let FrictionAnchor { force, accumulated_slip, twist, up, arm, radius } = friction_anchor;
+        let FrictionAnchor { force, accumulated_slip, twist, up, arm, radius, slides } =
+            friction_anchor;
         words.float(*force);
         words.vec3(*accumulated_slip);
         words.float(*twist);
         words.vec3(*up);
         words.vec3(*arm);
         words.float(*radius);
+        words.push(u32::from(*slides));
         words
     }
 
@@ -211,6 +215,7 @@ impl CachedManifold {
             up: reader.vec3()?,
             arm: reader.vec3()?,
             radius: reader.float()?,
+            slides: reader.word()? != 0,
         };
         reader.all(Self { key, content_hashes, manifold, seen_from, reach, friction_anchor })
     }

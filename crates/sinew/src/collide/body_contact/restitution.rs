@@ -460,7 +460,8 @@ fn rub(wide: &mut WideContact, lane: usize, contacts: &[Contact], bodies: &mut B
     let Some(contact) = contacts.get(wide.number[lane] as usize) else { return };
     let more = wide.force.iter().map(|force| force[lane]).sum::<f32>() - wide.sum[lane];
     let most = contact.combined_material.friction * more / h;
-    if !(most > 0.0) {
+    // Not a number counts as none.
+    if most.is_nan() || most <= 0.0 {
         return;
     }
     // All of the friction of this impact has acted then: what is left of the mean of its impulses would act in flight.

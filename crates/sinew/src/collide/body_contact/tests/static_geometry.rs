@@ -78,9 +78,9 @@ fn pressed(
         wide.friction_limit_used,
         wide.friction_limit,
     ]);
-    let bits = [wide.sticking, wide.depenetrated, wide.stale];
-    let [sticking, depenetrated, stale] = bits.map(|bits| bits as f32);
-    columns.push([sticking, depenetrated, stale, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let bits = [wide.sticking, wide.sliding, wide.depenetrated, wide.stale];
+    let [sticking, sliding, depenetrated, stale] = bits.map(|bits| bits as f32);
+    columns.push([sticking, sliding, depenetrated, stale, 0.0, 0.0, 0.0, 0.0]);
     (rows, columns)
 }
 
