@@ -34,6 +34,21 @@ fn ball(world: &mut Simulation, at: Vec3, velocity: Vec3, radius: f32, material:
     world.contacts.push(BodyContacts { material, events: true, ..Default::default() });
 }
 
+/// Adds a rigid body of a shape, or without one a particle of this radius, at a place and with a velocity.
+fn throw(
+    world: &mut Simulation,
+    (shape, radius): (Option<&Shape>, f32),
+    (at, velocity): (Vec3, Vec3),
+    material: Material,
+) {
+    let Some(shape) = shape else { return ball(world, at, velocity, radius, material) };
+    let shape = SolidShape::Collider(shape.clone());
+    let body = solid(&SolidSpec { shape, ..Default::default() }).unwrap();
+    let contacts = BodyContacts { material, events: true, ..Default::default() };
+    let rows = body.transformed(Quat::IDENTITY, at).build_colliding(world, contacts).unwrap();
+    rows.for_each(|i| world.particles.set_velocity(i, velocity));
+}
+
 #[test]
 fn a_thing_on_a_slope_slides_if_and_only_if_the_slope_is_steeper_than_its_friction() {
     for (degrees, slides) in [(10.0_f32, false), (26.0, false), (27.2, true), (40.0, true)] {
@@ -598,17 +613,8 @@ fn the_reported_impulse_of_a_bounce_is_the_change_of_momentum() {
         world.settings.substeps = substeps;
         world.forces.gravity = Vec3::ZERO;
         let material = Material::default().with_friction(0.0).with_restitution(restitution);
-        let contacts = BodyContacts { material, events: true, ..Default::default() };
-        let mut add = |shape: &Option<Shape>, at: Vec3, velocity: Vec3| {
-            let Some(shape) = shape else {
-                ball(&mut world, at, velocity, 0.2, material);
-                return;
-            };
-            let shape = SolidShape::Collider(shape.clone());
-            let body = solid(&SolidSpec { shape, ..Default::default() }).unwrap();
-            let body = body.transformed(Quat::IDENTITY, at);
-            let rows = body.build_colliding(&mut world, contacts).unwrap();
-            rows.for_each(|i| world.particles.set_velocity(i, velocity));
+        let mut add = |shape: &Option<Shape>, at, velocity| {
+            throw(&mut world, (shape.as_ref(), 0.2), (at, velocity), material);
         };
         add(shape, Vec3::Y * 0.7, Vec3::Y * -3.0);
         match on {
@@ -650,21 +656,12 @@ fn an_oblique_impact_has_the_friction_of_its_impulse() {
         world.settings.substeps = substeps;
         world.forces.gravity = Vec3::ZERO;
         let material = Material::default().with_friction(0.1).with_restitution(restitution);
-        let contacts = BodyContacts { material, ..Default::default() };
-        let mut add = |shape: &Option<Shape>, at: Vec3, velocity: Vec3| {
-            let Some(shape) = shape else {
-                ball(&mut world, at, velocity, 0.5, material);
-                return;
-            };
-            let shape = SolidShape::Collider(shape.clone());
-            let body = solid(&SolidSpec { shape, ..Default::default() }).unwrap();
-            let body = body.transformed(Quat::IDENTITY, at);
-            let rows = body.build_colliding(&mut world, contacts).unwrap();
-            rows.for_each(|i| world.particles.set_velocity(i, velocity));
-        };
         // Towards a second one in such a way that the line between the two is upright when they meet.
         let thrown = Vec3::new(4.0, -5.0, 0.0);
         let height = if on == 0 { 0.52 } else { 1.02 };
+        let mut add = |shape: &Option<Shape>, at, velocity| {
+            throw(&mut world, (shape.as_ref(), 0.5), (at, velocity), material);
+        };
         add(shape, Vec3::new(-0.016, height, 0.0), thrown);
         match on {
             0 => world.colliders.push(slope(0.0, 0.0).with_material(material)),

@@ -376,33 +376,24 @@ impl Loose {
             };
             let Some((home, _, _)) = rows().next() else { continue };
             let lift = particles.origin[i] - particles.origin[home];
-            if let Some((state, lane)) = rigid.of_row(at) {
-                let spin = body.spun(state.momentum(lane));
-                let (velocity, centre) = (state.velocity(lane), state.centre(lane));
-                let lever = particles.position[i].truncate() + lift - centre;
-                let (w, inverse_mass) = (particles.position[i].w, bodies[at][SHIFT].w);
-                let past = particles.velocity(i) - velocity - spin.cross(lever);
-                let answer = near.answer((w, inverse_mass), &body, lever, past);
-                let Some(impulse) = answer else { continue };
-                near.total += impulse.dot(near.normal) * h;
-                particles.velocity[i] += (impulse * w).extend(0.0);
-                state.push(lane, impulse * -inverse_mass, -lever.cross(impulse));
-                continue;
-            }
-            let mass: f32 = rows().map(|(_, m, _)| m).sum();
             let arm = |particles: &Particles, row: usize| {
                 particles.position[row].truncate()
                     + (particles.origin[row] - particles.origin[home])
             };
-            let centre = rows().map(|(row, m, _)| arm(particles, row) * m).sum::<Vec3>() / mass;
-            let velocity =
-                rows().map(|(row, m, _)| particles.velocity(row) * m).sum::<Vec3>() / mass;
-            let spin = rows()
-                .map(|(row, m, _)| {
+            let mut state = rigid.of_row(at);
+            let (velocity, centre, momentum) = if let Some((state, lane)) = &state {
+                (state.velocity(*lane), state.centre(*lane), state.momentum(*lane))
+            } else {
+                let mass: f32 = rows().map(|(_, m, _)| m).sum();
+                let centre = rows().map(|(row, m, _)| arm(particles, row) * m).sum::<Vec3>() / mass;
+                let velocity =
+                    rows().map(|(row, m, _)| particles.velocity(row) * m).sum::<Vec3>() / mass;
+                let momentum = rows().map(|(row, m, _)| {
                     (arm(particles, row) - centre).cross(particles.velocity(row) - velocity) * m
-                })
-                .sum::<Vec3>();
-            let spin = body.spun(spin);
+                });
+                (velocity, centre, momentum.sum())
+            };
+            let spin = body.spun(momentum);
             let lever = particles.position[i].truncate() + lift - centre;
             let (w, inverse_mass) = (particles.position[i].w, bodies[at][SHIFT].w);
             let past = particles.velocity(i) - velocity - spin.cross(lever);
@@ -410,6 +401,10 @@ impl Loose {
             let Some(impulse) = answer else { continue };
             near.total += impulse.dot(near.normal) * h;
             particles.velocity[i] += (impulse * w).extend(0.0);
+            if let Some((state, lane)) = &mut state {
+                state.push(*lane, impulse * -inverse_mass, -lever.cross(impulse));
+                continue;
+            }
             let (shift, turn) = (impulse * inverse_mass, body.spun(lever.cross(impulse)));
             for (row, _, share) in rows() {
                 if particles.position[row].w > 0.0 {

@@ -29,7 +29,7 @@
 //! candidates, eight at a time (`close_list`), and sweeps over these up to [`SWEEPS`] times: candidates that overlap or have passed through each other are
 //! corrected at once. A later sweep tests only candidates with a member that moved since the last one, and a further round of sweeps only those with a member
 //! that contacts displaced by more than its reserve. Candidates that still pass through each other after that move together for the rest of the substep
-//! (`zone`). All decisions are made in double precision and one after the other: this tier is for tens of thousands of triangles, not for millions.
+//! (`zone`). Searches use all workers. All decisions are made in double precision and one after the other: this tier is for tens of thousands of triangles, not for millions.
 //!
 //! # Order and determinism
 //!
@@ -139,9 +139,9 @@ impl Triangles {
         let is_valid =
             participants.is_same_as(former) && neighbours.is_valid(participants, particles, filter);
         if !is_valid {
-            self.rebuild(particles, filter, false, execution);
+            self.update((particles, filter), (true, false), execution);
         } else if neighbours.exceeds_margins(participants, particles, true) {
-            self.update(particles, filter, false, execution);
+            self.update((particles, filter), (false, false), execution);
         }
     }
 
@@ -180,7 +180,7 @@ impl Triangles {
         }
         self.neighbours.begin_substep();
         if self.neighbours.exceeds_margins(&self.participants, particles, true) {
-            self.update(particles, filter, true, execution);
+            self.update((particles, filter), (false, true), execution);
         }
         if self.neighbours.candidates.is_empty() {
             return 0.0;
@@ -231,7 +231,7 @@ impl Triangles {
                 self.earlier.clear();
                 self.earlier.extend(numbered.map(|(index, hit)| (hit.members, index)));
                 self.earlier.sort_unstable();
-                self.update(particles, filter, true, execution);
+                self.update((particles, filter), (false, true), execution);
             }
         }
         self.reset_hit_indices();
@@ -323,35 +323,24 @@ impl Triangles {
         worst
     }
 
-    /// Brings the list up to date where members have exceeded their margins.
+    /// Brings the list up to date, `within` a substep or when a step begins: replaces the part of it whose members have exceeded their margins, if they are few,
+    /// and otherwise, or if it `is_invalid`, builds it anew.
     fn update(
         &mut self,
-        particles: &Particles,
-        filter: &ContactFilter,
-        within: bool,
+        (particles, filter): (&Particles, &ContactFilter),
+        (is_invalid, within): (bool, bool),
         execution: ExecutionContext<'_>,
     ) {
         let Self { participants, neighbours, state, .. } = self;
-        if !neighbours.few_exceed() {
-            self.rebuild(particles, filter, within, execution);
-            return;
+        let when = (self.dt, within);
+        if is_invalid || !neighbours.few_exceed() {
+            neighbours.rebuild((participants, filter), particles, when, execution);
+            self.rebuilds += 1;
+        } else {
+            participants.index_triangles();
+            neighbours.refresh((participants, filter), particles, when, execution);
+            self.refreshes += 1;
         }
-        participants.index_triangles();
-        neighbours.refresh((participants, filter), particles, (self.dt, within), execution);
         state.close.pack(&neighbours.candidates, participants);
-        self.refreshes += 1;
-    }
-
-    fn rebuild(
-        &mut self,
-        particles: &Particles,
-        filter: &ContactFilter,
-        within: bool,
-        execution: ExecutionContext<'_>,
-    ) {
-        let Self { participants, neighbours, state, .. } = self;
-        neighbours.rebuild((participants, filter), particles, (self.dt, within), execution);
-        state.close.pack(&neighbours.candidates, participants);
-        self.rebuilds += 1;
     }
 }
