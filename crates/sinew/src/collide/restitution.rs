@@ -46,19 +46,24 @@ pub(super) fn separation_speed<N: Number>(coefficient: N, before: N, now: N, thr
 }
 
 /// The impulse of a contact between two moving sides on the first one, N·s, and its part along the normal `n`: restitution from the relative normal velocity
-/// `before` it, and friction that takes at most `limit`, m/s, off the slip. `velocity` is the relative velocity that the position solve gave, and `inverse_mass`
-/// the inverse effective mass, 1/kg.
+/// `before` it, and friction. `velocity` is the relative velocity that the position solve gave, and `inverse_mass` the inverse effective mass, 1/kg. Friction
+/// takes at most `limit`, m/s, off the slip, and the coefficient `friction` times the speed that is added along the normal: the position solve of an impact
+/// removes only the part of the approach by which the two overlapped when the substep ended.
 #[inline(always)]
 pub(super) fn contact_impulse<N: Number>(
     n: Vector<N>,
     velocity: Vector<N>,
     (coefficient, before, threshold): (N, N, f32),
-    (limit, inverse_mass): (N, N),
+    (friction, limit): (N, N),
+    inverse_mass: N,
 ) -> (Vector<N>, N) {
     let now = n.dot(velocity);
-    let size = (separation_speed(coefficient, before, now, threshold) - now) / inverse_mass;
+    let gained = separation_speed(coefficient, before, now, threshold) - now;
     let slip = velocity - n * now;
-    (n * size - slip * (friction_share(slip.length(), limit) / inverse_mass), size)
+    let limit = limit + friction * gained.max(N::zero());
+    let share = friction_share(slip.length(), limit);
+    let size = gained / inverse_mass;
+    (n * size - slip * (share / inverse_mass), size)
 }
 
 #[cfg(test)]

@@ -53,7 +53,8 @@ kernel!(
             let elastic = (L::load(&block.restitution), L::load(&one.parting), least);
             let (w_a, w_b) = (L::load(&one.weights[0]), L::load(&one.weights[1]));
             let limit = L::load(&one.impulse) * L::splat(1.0 / h);
-            let (impulse, size) = contact_impulse(n, a - b, elastic, (limit, w_a + w_b));
+            let friction = (L::load(&block.friction), limit);
+            let (impulse, size) = contact_impulse(n, a - b, elastic, friction, w_a + w_b);
             size.store(&mut one.impulse);
             let (a, b) = ((a + impulse * w_a).or_else(hit, a), (b - impulse * w_b).or_else(hit, b));
             L::put_rows(velocity, rows_a, a.with(lag_a));
@@ -71,6 +72,7 @@ pub(super) struct PairHit {
     normal: Vec3,
     /// Approach speed, m/s.
     approach: f32,
+    friction: f32,
     restitution: f32,
     /// Impulse, N·s: at first that of the overlap alone.
     impulse: f32,
@@ -96,12 +98,14 @@ impl PairHit {
         let [one, other] = bodies.map(|body| filter.body(body));
         let closing = particles.velocity(b) - particles.velocity(a);
         let weights = particles.inverse_mass(a) + particles.inverse_mass(b);
+        let combined_material = one.material.against(&other.material);
         Self {
             rows,
             bodies,
             normal,
             approach: closing.dot(normal),
-            restitution: one.material.against(&other.material).restitution,
+            friction: combined_material.friction,
+            restitution: combined_material.restitution,
             impulse: overlap / (weights * h),
             point: particles.position(a) - particles.separation(a, b) * 0.5,
             place,
@@ -119,9 +123,9 @@ impl PairHit {
         let (w_a, w_b) = (particles.inverse_mass(a), particles.inverse_mass(b));
         let velocity = Vector::<f32>::splat(particles.velocity(a) - particles.velocity(b));
         let elastic = (self.restitution, -self.approach, least);
-        // All of its friction is in the position solve (`swept`).
-        let (impulse, size) =
-            contact_impulse(Vector::splat(self.normal), velocity, elastic, (0.0, w_a + w_b));
+        // The position solve has all of the friction of its own correction (`swept`).
+        let (normal, friction) = (Vector::splat(self.normal), (self.friction, 0.0));
+        let (impulse, size) = contact_impulse(normal, velocity, elastic, friction, w_a + w_b);
         let impulse = Vec3::from(impulse);
         self.impulse += size;
         particles.velocity[a] += (impulse * w_a).extend(0.0);

@@ -97,7 +97,8 @@ impl TriangleHit {
             Vector::splat(normal),
             Vector::splat(velocity),
             elastic,
-            (limit, self.inverse),
+            (self.friction, limit),
+            self.inverse,
         );
         let impulse = Vec3::from(impulse);
         self.impulse = size + self.overlap as f32 / (self.inverse * h);

@@ -71,9 +71,16 @@ fn momentum_and_angular_momentum_are_kept_by_oblique_hits_of_unequal_masses() {
         );
         assert!(size(dp) < 1e-6 * size(p), "{dp:?} N·s");
         // The normal is that at the end of the substep, slightly off the one at the impact. Friction acts between the centres and not at the surfaces, and
-        // removes as much angular momentum as there is between the two: a particle has no spin to receive it.
-        let most = if friction > 0.0 { 0.2 } else { 0.1 };
-        assert!(size(dl) < most * size(l), "{dl:?} N·m·s of {l:?}");
+        // removes angular momentum: a particle has no spin to receive it. With friction that is what its impulse removes.
+        let (apart, past) = (Vec3::new(-0.1, 0.004, -0.003), Vec3::new(2.0, 0.1, -0.2));
+        let aside = apart - past * (apart.dot(past) / past.length_squared());
+        let back = (0.02 * 0.02 - aside.length_squared()).sqrt();
+        let n = (aside - past.normalize() * back) / 0.02;
+        let slip = past - n * past.dot(n);
+        let taken = (-friction * (1.0 + restitution) * past.dot(n) / slip.length()).min(1.0);
+        let lost = n.cross(slip * taken) * (0.02 * 0.3 * 2.0 / 2.3);
+        let off = size([0, 1, 2].map(|k| dl[k] + f64::from(lost[k])));
+        assert!(off < 0.1 * size(l), "{dl:?} N·m·s, not {lost}, of {l:?}");
     }
 }
 
@@ -135,17 +142,47 @@ fn friction_stops_what_slides_over_a_row_of_pinned_ones() {
     assert!(rough.length() < 1e-3, "{rough}");
 }
 
+/// Friction had only the impulse of the overlap at the end of the substep, anything between none and all of that of the impact, and none of a bounce.
+#[test]
+fn an_impact_has_the_friction_of_all_of_its_impulse_wherever_in_a_substep_it_is() {
+    let h = DT / 10.0;
+    for (restitution, phase) in
+        [0.0, 0.5, 1.0].into_iter().flat_map(|e| (0..8).map(move |phase| (e, phase)))
+    {
+        let mut world = world(0.1, restitution);
+        let big = |at, velocity| ParticleSeed::at(at).with_radius(2.0).with_velocity(velocity);
+        let thrown = Vec3::new(4.0, -5.0, 0.0);
+        world.push(big(Vec3::ZERO, Vec3::ZERO).pinned(), 0);
+        let before = h * (2.0 + phase as f32 / 8.0);
+        let row = world.push(big(Vec3::Y * 4.0 - thrown * before, thrown), 1);
+        world.step(DT);
+        let change = world.particles.velocity(row) - thrown;
+        let expected = Vec3::new(-0.5, 5.0, 0.0) * (1.0 + restitution);
+        // The line between the two is upright when they touch, and off that by 2 mm in a metre at the end of the substep.
+        assert!(
+            (change - expected).length() < 0.004 * change.length(),
+            "e {restitution}, phase {phase}: {change}, {expected}"
+        );
+    }
+}
+
 #[test]
 fn friction_of_a_fast_pair_follows_coulombs_law_once() {
-    // It touches with the normal -x in the middle of the substep, after which 0.05 m of overlap are left of the 0.1 m that it moves along x and z.
-    let (mut world, h) = (world(0.2, 0.0), DT / 10.0);
-    world.push(ball(Vec3::ZERO, Vec3::ZERO).pinned(), 0);
-    let way = Vec3::new(0.1, 0.0, 0.1);
-    let row = world.push(ball(Vec3::X * -0.02 - way * 0.5, way / h), 1);
-    world.find(DT);
-    world.substep(h);
-    let left = world.particles.velocity(row) * h;
-    assert!((left - Vec3::Z * (0.1 - 0.2 * 0.05)).length() < 1e-5, "{left} m in a substep");
+    for (restitution, phase) in
+        [0.0, 0.6].into_iter().flat_map(|e| (1..10).map(move |phase| (e, phase)))
+    {
+        // It touches with the normal -x within the substep, in which it moves 0.1 m along x and along z.
+        let (mut world, h) = (world(0.2, restitution), DT / 10.0);
+        world.push(ball(Vec3::ZERO, Vec3::ZERO).pinned(), 0);
+        let way = Vec3::new(0.1, 0.0, 0.1);
+        let row = world.push(ball(Vec3::X * -0.02 - way * (0.1 * phase as f32), way / h), 1);
+        world.find(DT);
+        world.substep(h);
+        let left = world.particles.velocity(row) * h;
+        let lost = 0.1 * (1.0 + restitution);
+        let expected = Vec3::new(0.1 - lost, 0.0, 0.1 - 0.2 * lost);
+        assert!((left - expected).length() < 1e-5, "{phase}: {left} m in a substep, {expected}");
+    }
 }
 
 #[test]

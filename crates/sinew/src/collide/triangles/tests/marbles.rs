@@ -102,6 +102,34 @@ fn a_ball_comes_back_as_fast_as_its_material_says() {
     }
 }
 
+/// Friction had only the impulse of the overlap at the end of the substep, anything between none and all of that of the impact, and none of a bounce.
+#[test]
+fn an_impact_has_the_friction_of_all_of_its_impulse_wherever_in_a_substep_it_is() {
+    for (substeps, speed) in [(4, 2.0), (10, 2.0), (40, 2.0), (4, 20.0), (10, 20.0)] {
+        for (restitution, phase) in
+            [0.0, 0.5, 1.0].into_iter().flat_map(|e| (0..8).map(move |phase| (e, phase)))
+        {
+            let mut world = empty(0.0);
+            world.settings.substeps = substeps;
+            let contacts = with_material(colliding(false), 0.1, restitution);
+            Sheet { contacts, ..Sheet::flat(1, 2.0, 0.0) }.build(&mut world, |_, _| true);
+            let own = body(&mut world, contacts);
+            let thrown = Vec3::new(0.8, -1.0, 0.0) * speed;
+            let before = DT / substeps as f32 * (2.0 + phase as f32 / 8.0);
+            let at = Vec3::new(0.1, 0.015, 0.2) - thrown * before;
+            let seed = ParticleSeed::at(at).with_radius(0.01).with_velocity(thrown);
+            let ball = particle(&mut world, seed, own);
+            world.step(DT).unwrap();
+            let change = world.particles.velocity(ball) - thrown;
+            let expected = Vec3::new(-0.1, 1.0, 0.0) * (speed * (1.0 + restitution));
+            assert!(
+                (change - expected).length() < 1e-3 * speed,
+                "{substeps}, {speed} m/s, e {restitution}, phase {phase}: {change}, {expected}"
+            );
+        }
+    }
+}
+
 #[test]
 fn what_lies_on_a_slope_slides_if_it_is_steeper_than_friction_holds() {
     for (friction, slides) in [(0.7, false), (0.3, true)] {
