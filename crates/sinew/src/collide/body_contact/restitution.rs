@@ -56,7 +56,7 @@
 
 use glam::Vec3;
 
-use super::super::restitution::{is_elastic, rebound, threshold};
+use super::super::restitution::{QUIET, ROUNDS, is_elastic, rebound, threshold};
 use super::BodyContactSolver;
 use super::bodies::{Bodies, SHIFT, TURN, WideBody as Rows};
 use super::loose::ScalarBody;
@@ -67,11 +67,6 @@ use super::wide_contact::{Contact, FAR, WideContact};
 use crate::constraints::PlanarDrag;
 use crate::lanes::{LANES, Lanes, Record, SetLanes, Vector, Work, get, with};
 use crate::particles::Particles;
-
-/// Change of a normal speed that counts as none, m/s: below the resolution of positions of a metre in a substep.
-const QUIET: f32 = 1e-6;
-/// Limit of Gauss–Seidel rounds. A row of five balls takes some thirty; what is left at the limit is inelastic.
-const ROUNDS: u32 = 64;
 
 /// Body colliders that take part in an impact. Scratch.
 #[derive(Clone, Debug, Default)]

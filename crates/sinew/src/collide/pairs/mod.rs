@@ -52,7 +52,7 @@ use glam::Vec3;
 use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
-use super::restitution::threshold;
+use super::restitution::{solve_in_rounds, threshold};
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 
@@ -154,12 +154,15 @@ impl Pairs {
     /// magnitude, m/s².
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         let least = threshold(gravity, h);
-        let (touched, blocks) = (&mut self.touched[..], &self.neighbours.blocks[..]);
-        let velocity = &mut particles.velocity[..];
-        bounce_pairs(touched, blocks, velocity, least, h, self.instructions);
-        for hit in &mut self.hits {
-            hit.bounce(particles, &self.touched, least);
-        }
+        let Self { touched, neighbours, hits, instructions, .. } = self;
+        solve_in_rounds(|first| {
+            let velocity = &mut particles.velocity[..];
+            let blocks = &neighbours.blocks[..];
+            let most = bounce_pairs(touched, blocks, velocity, least, h, first, *instructions);
+            let single = hits.iter_mut().map(|hit| hit.bounce(particles, least, first));
+            single.fold(most, f32::max)
+        });
+        hits.iter_mut().for_each(|hit| hit.note_impulse(touched));
         self.reported.extend(self.hits.iter().filter(|hit| hit.reported));
     }
 

@@ -10,7 +10,7 @@ use glam::{Vec3, Vec4};
 
 use super::super::filter::ContactFilter;
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::contact_impulse;
+use super::super::restitution::{change_in_round, contact_impulse};
 use super::neighbour_list::PairBlock;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
@@ -25,14 +25,16 @@ pub(super) struct Touched {
     pub(super) parting: [f32; LANES],
     /// Inverse masses, 1/kg.
     pub(super) weights: [[f32; LANES]; 2],
-    /// First the friction limit `μ` times the overlap, metres; after the kernel the normal impulse in addition to that of the overlap, N·s.
-    pub(super) impulse: [f32; LANES],
+    /// Overlap that the position solve has corrected, metres.
+    pub(super) overlap: [f32; LANES],
+    /// What has been added to the relative normal velocity since, m/s.
+    pub(super) gained: [f32; LANES],
     /// Index of its pair block.
     pub(super) block: u32,
 }
 
 kernel!(
-    /// Solves the velocities of all blocks that touched.
+    /// Solves the velocities of all blocks that touched, in the first round with the friction of the overlaps. Returns the largest change, m/s.
     pub(super) fn bounce_pairs<L: Lanes>(
         touched: &mut [Touched],
         blocks: &[PairBlock],
@@ -41,7 +43,10 @@ kernel!(
         least: f32,
         // Length of the substep, seconds.
         h: f32,
-    ) {
+        first: bool,
+    ) -> f32 {
+        let (none, rate) = (L::zero(), L::splat(1.0 / h));
+        let mut most = none;
         for one in touched {
             let block = &blocks[one.block as usize];
             let [rows_a, rows_b] = &block.rows;
@@ -52,14 +57,18 @@ kernel!(
             let hit = L::splat(0.5).lt(n.length_squared());
             let elastic = (L::load(&block.restitution), L::load(&one.parting), least);
             let (w_a, w_b) = (L::load(&one.weights[0]), L::load(&one.weights[1]));
-            let limit = L::load(&one.impulse) * L::splat(1.0 / h);
-            let friction = (L::load(&block.friction), limit);
-            let (impulse, size) = contact_impulse(n, a - b, elastic, friction, w_a + w_b);
-            size.store(&mut one.impulse);
+            let (friction, added) = (L::load(&block.friction), L::load(&one.gained));
+            let pressed = L::load(&one.overlap) * rate;
+            let limit = if first { friction * L::load(&one.overlap) * rate } else { none };
+            let (impulse, gained) =
+                contact_impulse(n, a - b, elastic, (friction, limit), (w_a + w_b, pressed + added));
+            (added + gained).store(&mut one.gained);
+            most = most.max(hit.and(change_in_round(elastic, gained, first)));
             let (a, b) = ((a + impulse * w_a).or_else(hit, a), (b - impulse * w_b).or_else(hit, b));
             L::put_rows(velocity, rows_a, a.with(lag_a));
             L::put_rows(velocity, rows_b, b.with(lag_b));
         }
+        most.largest(0.0)
     }
 );
 
@@ -113,11 +122,10 @@ impl PairHit {
         }
     }
 
-    /// Applies restitution to the pair, unless its block did. Approach at up to `least`, m/s, does not bounce.
-    pub(super) fn bounce(&mut self, particles: &mut Particles, touched: &[Touched], least: f32) {
-        if let Some((number, lane)) = self.place {
-            self.impulse += touched[number].impulse[lane];
-            return;
+    /// Applies restitution to the pair, unless its block does. Approach at up to `least`, m/s, does not bounce. Returns its change, m/s.
+    pub(super) fn bounce(&mut self, particles: &mut Particles, least: f32, first: bool) -> f32 {
+        if self.place.is_some() {
+            return 0.0;
         }
         let [a, b] = self.rows.map(|row| row as usize);
         let (w_a, w_b) = (particles.inverse_mass(a), particles.inverse_mass(b));
@@ -125,11 +133,22 @@ impl PairHit {
         let elastic = (self.restitution, -self.approach, least);
         // The position solve has all of the friction of its own correction (`swept`).
         let (normal, friction) = (Vector::splat(self.normal), (self.friction, 0.0));
-        let (impulse, size) = contact_impulse(normal, velocity, elastic, friction, w_a + w_b);
+        let weights = w_a + w_b;
+        let pressed = (weights, self.impulse * weights);
+        let (impulse, gained) = contact_impulse(normal, velocity, elastic, friction, pressed);
         let impulse = Vec3::from(impulse);
-        self.impulse += size;
+        self.impulse += gained / weights;
         particles.velocity[a] += (impulse * w_a).extend(0.0);
         particles.velocity[b] -= (impulse * w_b).extend(0.0);
+        change_in_round(elastic, gained, first)
+    }
+
+    /// Adds the impulse that its block has added, if it is in one.
+    pub(super) fn note_impulse(&mut self, touched: &[Touched]) {
+        if let Some((number, lane)) = self.place {
+            let Touched { gained, weights: [a, b], .. } = &touched[number];
+            self.impulse += gained[lane] / (a[lane] + b[lane]);
+        }
     }
 
     /// Adds it to the contact events.

@@ -124,7 +124,8 @@ impl PairSweep<'_> {
             normal: [hit.and(n.x).array(), hit.and(n.y).array(), hit.and(n.z).array()],
             parting: n.dot(self.velocity(block)).array(),
             weights: [w_a.array(), w_b.array()],
-            impulse: most.array(),
+            overlap: overlap.array(),
+            gained: [0.0; LANES],
         });
         BlockOverlap { overlap: hit.and(overlap), hit: hit.bits(), rare, normal: n }
     }

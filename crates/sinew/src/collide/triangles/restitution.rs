@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::super::filter::ContactFilter;
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::contact_impulse;
+use super::super::restitution::{change_in_round, contact_impulse};
 use super::participants::TriangleParticipants;
 use super::search::TriangleCandidate;
 use super::solve::{SubstepState, TriangleContact};
@@ -88,20 +88,30 @@ impl TriangleHit {
         of(0) + of(1) + of(2) + of(3)
     }
 
-    /// Applies restitution and friction after a substep of `h` seconds; an approach slower than `least`, m/s, does not bounce.
-    pub(super) fn bounce(&mut self, particles: &mut Particles, h: f32, least: f32) {
+    /// Applies restitution and friction after a substep of `h` seconds; an approach slower than `least`, m/s, does not bounce. Returns its change, m/s.
+    pub(super) fn bounce(
+        &mut self,
+        particles: &mut Particles,
+        h: f32,
+        least: f32,
+        first: bool,
+    ) -> f32 {
         let (normal, velocity) = (self.normal, self.velocity(particles));
         let elastic = (self.restitution, self.parting, least);
-        let limit = self.friction * self.overlap as f32 / h;
-        let (impulse, size) = contact_impulse::<f32>(
+        let pressed = self.overlap as f32 / h;
+        if first {
+            self.impulse = pressed / self.inverse;
+        }
+        let limit = if first { self.friction * self.overlap as f32 / h } else { 0.0 };
+        let (impulse, gained) = contact_impulse::<f32>(
             Vector::splat(normal),
             Vector::splat(velocity),
             elastic,
             (self.friction, limit),
-            self.inverse,
+            (self.inverse, self.impulse * self.inverse),
         );
+        self.impulse += gained / self.inverse;
         let impulse = Vec3::from(impulse);
-        self.impulse = size + self.overlap as f32 / (self.inverse * h);
         for (&row, share) in self.rows.iter().zip(self.shares) {
             let i = row as usize;
             let by = particles.inverse_mass(i) * share;
@@ -109,6 +119,7 @@ impl TriangleHit {
                 particles.velocity[i] += (impulse * by).extend(0.0);
             }
         }
+        change_in_round(elastic, gained, first)
     }
 
     /// Adds its contact event.
