@@ -19,6 +19,7 @@
 //! | `settings` | solver settings of single bodies |
 //! | `solver` | comparison of the solver's options |
 //! | `ticks` | ticks of varying length |
+//! | `thresholds` | where bounces end and rest begins |
 //! | `tied` | cloth on ropes, and loads on cloth |
 //! | `wavefronts` | large cloth solved by temporal blocking, on one or several threads |
 //!
@@ -41,6 +42,7 @@ mod segments;
 mod settings;
 mod solver;
 mod threads;
+mod thresholds;
 mod ticks;
 mod tied;
 mod wavefronts;

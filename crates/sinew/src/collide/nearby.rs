@@ -542,6 +542,7 @@ mod tests {
                 dt: 1.0 / 60.0,
                 substeps: 10,
                 gravity: Vec3::Y * -9.81,
+                row_gravity: &crate::forces::RowGravity::from(9.81),
                 at_rest: false,
             };
             let mut nearby = Nearby::default();

@@ -13,8 +13,9 @@
 //! the positions. With `e = 1` everywhere it keeps the energy, whatever touches what: a ball into two that touch, a gas.
 //!
 //! The [`threshold`] `2gh` is twice the speed that gravity adds in a substep: below it a contact is taken for a resting one, which would otherwise bounce for
-//! ever. Without restitution two moving sides neither approach any more nor separate faster than before, because the correction of an overlap must not add
-//! velocity. Contacts between particles and of triangles have one impulse of restitution and friction: [`contact_impulse`].
+//! ever. `g` is the gravity on the two ([`RowGravity`](crate::forces::RowGravity)), the greater one if they differ. Without restitution two moving sides neither
+//! approach any more nor separate faster than before, because the correction of an overlap must not add velocity. Contacts between particles and of triangles
+//! have one impulse of restitution and friction: [`contact_impulse`].
 //!
 //! Particles on colliders, particle pairs, triangles and body colliders all use these functions. What is particular to one of them (several points of a
 //! manifold, effective masses) is in its own file.
@@ -29,14 +30,14 @@ pub(super) const ROUNDS: u32 = 64;
 
 /// The approach speed up to which contacts are inelastic, m/s: `2gh`, for gravity in m/s² and a substep of `h` seconds.
 #[inline(always)]
-pub(super) fn threshold(gravity: f32, h: f32) -> f32 {
-    2.0 * gravity * h
+pub(super) fn threshold<N: Number>(gravity: N, h: f32) -> N {
+    N::splat(2.0) * gravity * N::splat(h)
 }
 
 /// Mask of the contacts that are elastic at an approach `speed`, m/s.
 #[inline(always)]
-pub(super) fn is_elastic<N: Number>(coefficient: N, speed: N, threshold: f32) -> N {
-    N::zero().lt(coefficient).and(N::splat(threshold).lt(speed))
+pub(super) fn is_elastic<N: Number>(coefficient: N, speed: N, threshold: N) -> N {
+    N::zero().lt(coefficient).and(threshold.lt(speed))
 }
 
 /// The relative normal velocity after an elastic contact, m/s, from the one `before` it (negative when approaching).
@@ -54,7 +55,7 @@ pub(super) fn rebound<N: Number>(coefficient: N, before: N) -> N {
 pub(super) fn contact_impulse<N: Number>(
     n: Vector<N>,
     velocity: Vector<N>,
-    (coefficient, before, threshold): (N, N, f32),
+    (coefficient, before, threshold): (N, N, N),
     (friction, limit): (N, N),
     (inverse_mass, pressed): (N, N),
 ) -> (Vector<N>, N) {
@@ -70,11 +71,11 @@ pub(super) fn contact_impulse<N: Number>(
     (n * (gained / inverse_mass) - slip * (share / inverse_mass), gained)
 }
 
-/// The part of the change `gained` of a contact, m/s, that asks for another [round](solve_in_rounds): all of it if it has a restitution; in the `first` round only if it was fast
-/// enough to bounce.
+/// The part of the change `gained` of a contact, m/s, that asks for another [round](solve_in_rounds): all of it if it has a restitution; in the `first` round
+/// only if it was fast enough to bounce.
 #[inline(always)]
 pub(super) fn change_in_round<N: Number>(
-    (coefficient, before, threshold): (N, N, f32),
+    (coefficient, before, threshold): (N, N, N),
     gained: N,
     first: bool,
 ) -> N {
@@ -106,7 +107,7 @@ mod tests {
 
     #[test]
     fn fast_contacts_bounce_and_others_are_clamped() {
-        assert_eq!(threshold(8.0, 1.0 / 64.0), 0.25);
+        assert_eq!(threshold(8.0_f32, 1.0 / 64.0), 0.25);
         assert_eq!(
             gained(0.5, -2.0, 7.0, 9.0),
             1.0 - 7.0,

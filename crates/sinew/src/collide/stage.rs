@@ -9,6 +9,7 @@ use super::particle_contact::{NormalImpulse, NormalImpulses, ParticleContacts};
 use super::pressed::PressedCloth;
 use super::triangles::Triangles;
 use super::world::World;
+use crate::forces::RowGravity;
 use crate::islands::Islands;
 use crate::particles::Particles;
 use crate::threads::ExecutionContext;
@@ -120,7 +121,7 @@ impl Contacts {
     }
 
     /// Solves restitution: after the velocities of a substep.
-    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
+    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
         self.body_contact.bounce(particles, h, gravity);
         self.pairs.bounce(particles, h, gravity);
         self.triangles.bounce(particles, h, gravity);

@@ -6,6 +6,7 @@ use super::body_collider::BodyCollider;
 use super::collider::Collider;
 use super::filter::ContactFilter;
 use crate::constraints::Boundaries;
+use crate::forces::RowGravity;
 use crate::islands::Islands;
 
 /// Everything in a world that contacts depend on.
@@ -21,6 +22,8 @@ pub(crate) struct World<'a> {
     pub(crate) substeps: u32,
     /// Gravity, m/s².
     pub(crate) gravity: Vec3,
+    /// That on each row, with its own scale and attractors.
+    pub(crate) row_gravity: &'a RowGravity,
     /// Whether neither particles nor colliders move in this step, and no contact events are requested.
     pub(crate) at_rest: bool,
 }

@@ -7,7 +7,7 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::Forces;
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
+use crate::lanes::{InstructionSet, LANES, LaneArray, Lanes, Number, Vector, kernel};
 use crate::particles::Particles;
 
 /// A point that attracts all particles, such as a planet, a magnet in a game or a black hole.
@@ -38,12 +38,12 @@ impl Attractor {
 
     /// The acceleration of particles at `d` from the point, m/s². Zero at the point itself.
     #[inline(always)]
-    fn pull<L: Lanes>(&self, d: Vector<L>) -> Vector<L> {
-        let squared = d.length_squared() + L::splat(self.softening * self.softening);
-        let pull = d * (L::splat(-self.strength) / (squared * squared.sqrt()));
+    fn pull<N: Number>(&self, d: Vector<N>) -> Vector<N> {
+        let squared = d.length_squared() + N::splat(self.softening * self.softening);
+        let pull = d * (N::splat(-self.strength) / (squared * squared.sqrt()));
         // Without softening there is no direction at the point itself.
         let largest = pull.x.abs() + pull.y.abs() + pull.z.abs();
-        pull.or_else(largest.lt(L::splat(f32::INFINITY)), Vector::splat(Vec3::ZERO))
+        pull.or_else(largest.lt(N::splat(f32::INFINITY)), Vector::splat(Vec3::ZERO))
     }
 }
 
@@ -84,6 +84,72 @@ kernel!(
         }
     }
 );
+
+/// Magnitude of the gravity on each row in a step, m/s². Contacts take for resting what approaches no faster than it accelerates a row in some substeps.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RowGravity {
+    /// On every row that is not listed.
+    uniform: f32,
+    /// On each row, none on pinned ones; empty where it is the same on all others.
+    rows: Vec<f32>,
+}
+
+impl RowGravity {
+    /// Sets it for a step. To be called after the particles are [revalidated](Particles::revalidate).
+    pub(crate) fn update(&mut self, particles: &Particles, forces: &Forces) {
+        self.uniform = forces.gravity.length();
+        self.rows.clear();
+        let attractors = || forces.attractors.iter().filter(|attractor| attractor.is_valid());
+        let nonuniform = &particles.column_summary.nonuniform;
+        let scaled = nonuniform.iter().any(|&row| particles.gravity_scale[row as usize] != 1.0);
+        if !scaled && attractors().next().is_none() {
+            return;
+        }
+        self.rows.extend((0..particles.len()).map(|i| {
+            if particles.position[i].w == 0.0 {
+                return 0.0;
+            }
+            let pull = |attractor: &Attractor| {
+                let d =
+                    (particles.origin[i] - attractor.position) + particles.position[i].truncate();
+                Vec3::from(attractor.pull(Vector::<f32>::splat(d)))
+            };
+            let all = attractors().fold(forces.gravity, |sum, attractor| sum + pull(attractor));
+            all.length() * particles.gravity_scale[i].abs()
+        }));
+    }
+
+    /// On a row.
+    #[inline]
+    pub(crate) fn of(&self, row: u32) -> f32 {
+        self.rows.get(row as usize).copied().unwrap_or(self.uniform)
+    }
+
+    /// The greatest on some rows.
+    #[inline]
+    pub(crate) fn greatest(&self, rows: impl IntoIterator<Item = u32>) -> f32 {
+        if self.rows.is_empty() {
+            return self.uniform;
+        }
+        rows.into_iter().map(|row| self.of(row)).fold(0.0, f32::max)
+    }
+
+    /// The greater one of each of eight pairs.
+    #[inline(always)]
+    pub(crate) fn of_pairs(&self, a: &[u32; LANES], b: &[u32; LANES]) -> LaneArray {
+        if self.rows.is_empty() {
+            return [self.uniform; LANES];
+        }
+        core::array::from_fn(|lane| self.of(a[lane]).max(self.of(b[lane])))
+    }
+}
+
+#[cfg(test)]
+impl From<f32> for RowGravity {
+    fn from(uniform: f32) -> Self {
+        Self { uniform, rows: Vec::new() }
+    }
+}
 
 /// Potential energy of particle `i` of mass `m` (kg) in both fields, J: `-m g·x - m Σ GM/√(r² + ε²)`.
 pub(crate) fn energy(particles: &Particles, forces: &Forces, i: usize, m: f64) -> f64 {

@@ -22,7 +22,9 @@ pub use wind::{AirFlow, Wind};
 pub(crate) use control::apply as apply_controls;
 pub(crate) use electric::{ElectricScratch, apply as apply_electric, energy as electric_energy};
 pub(crate) use fluid::{FluidScratch, apply as apply_fluids};
-pub(crate) use gravity::{apply as apply_gravity_and_external, energy as gravity_energy};
+pub(crate) use gravity::{
+    RowGravity, apply as apply_gravity_and_external, energy as gravity_energy,
+};
 pub(crate) use spring::apply as apply_springs;
 pub(crate) use wind::{Air, PackedSurfaces, Pressures, apply_air, apply_wind, sample_air};
 

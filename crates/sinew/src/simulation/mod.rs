@@ -98,6 +98,7 @@ struct Scratch {
     electric: forces::ElectricScratch,
     fluids: forces::FluidScratch,
     filter: ContactFilter,
+    row_gravity: forces::RowGravity,
     contacts: Contacts,
     solving: solve::SolveScratch,
     loads: solve::Loads,
@@ -307,8 +308,17 @@ impl Simulation {
         let solve::SubstepParameters { h, gravity, number: substep, of: substeps, .. } = parameters;
         let Self { particles, settings, instructions, workers, scratch, report, .. } = self;
         let steps = (h, substeps, scratch.at_rest);
-        let Scratch { plan, filter, contacts, solving, loads, single_rows, sweep_scratch, .. } =
-            scratch;
+        let Scratch {
+            plan,
+            filter,
+            row_gravity,
+            contacts,
+            solving,
+            loads,
+            single_rows,
+            sweep_scratch,
+            ..
+        } = scratch;
         let execution = execution(*instructions, workers);
         let open = contacts.is_active().then_some(&single_rows[..]);
         let Contacts { particle_contacts, normal_impulses, .. } = contacts;
@@ -317,7 +327,8 @@ impl Simulation {
         if open.is_some() {
             let given = (&self.boundaries, &self.colliders[..], &self.body_colliders[..]);
             let among = (&*filter, &plan.islands);
-            let world = contact_world(given, among, self.forces.gravity, steps);
+            let pull = (self.forces.gravity, &*row_gravity);
+            let world = contact_world(given, among, pull, steps);
             let mut cloth = solving.pressed_cloth(plan, parameters, execution);
             contacts.project(particles, &world, (h, substep), &mut cloth, execution);
             plan.islands.mark_pressed(contacts.body_contact.pressed_rows());
@@ -326,7 +337,7 @@ impl Simulation {
             let stopped = body_contact.stopped();
             solve::propagate_impacts(particles, normal_impulses, context, stopped, solving, report);
             solve::derive_all(particles, normal_impulses, context, single_rows, solving);
-            contacts.bounce(particles, h, gravity);
+            contacts.bounce(particles, h, row_gravity);
         }
         let reports = &mut report.islands;
         solve::limit_all_recoveries(particles, plan, (h, gravity), reports, sweep_scratch);
@@ -510,10 +521,21 @@ fn execution(
 fn contact_world<'a>(
     given: (&'a Boundaries, &'a [Collider], &'a [BodyCollider]),
     (filter, islands): (&'a ContactFilter, &'a Islands),
-    gravity: Vec3,
+    (gravity, row_gravity): (Vec3, &'a forces::RowGravity),
     (h, substeps, at_rest): (f32, u32, bool),
 ) -> World<'a> {
     let (boundaries, colliders, body_colliders) = given;
     let dt = h * substeps as f32;
-    World { boundaries, colliders, body_colliders, filter, islands, dt, substeps, gravity, at_rest }
+    World {
+        boundaries,
+        colliders,
+        body_colliders,
+        filter,
+        islands,
+        dt,
+        substeps,
+        gravity,
+        row_gravity,
+        at_rest,
+    }
 }

@@ -259,7 +259,9 @@ impl Simulation {
         filter.update(particles, contacts, &self.ignored, &plan.islands, links);
         let given = (&*boundaries, &colliders[..], &body_colliders[..]);
         let (among, steps) = ((&*filter, &plan.islands), (length, substeps, at_rest));
-        let world = contact_world(given, among, forces.gravity, steps);
+        scratch.row_gravity.update(particles, forces);
+        let pull = (forces.gravity, &scratch.row_gravity);
+        let world = contact_world(given, among, pull, steps);
         let execution = execution(self.instructions, &self.workers);
         scratch.contacts.begin((particles, &forces.surfaces), world, contact_cache, execution);
         scratch.contacts.particle_contacts.note_inside(particles);

@@ -87,12 +87,7 @@ impl<'a> SolveContext<'a> {
         rows: Range<u32>,
     ) {
         if self.contacts.bounces() {
-            self.contacts.bounce(
-                places,
-                normal_impulses,
-                rows,
-                (self.substep.h, self.substep.gravity),
-            );
+            self.contacts.bounce(places, normal_impulses, rows, self.substep.h);
         }
     }
 }

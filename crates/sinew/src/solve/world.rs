@@ -214,8 +214,7 @@ pub(crate) fn derive_all(
 ) {
     let rows = 0..particles.len() as u32;
     let (mut places, momentum_drift) = (Places::all(particles), &scratch.momentum_drift[..]);
-    let SolveContext { substep: SubstepParameters { h, lag, gravity, .. }, execution, .. } =
-        context;
+    let SolveContext { substep: SubstepParameters { h, lag, .. }, execution, .. } = context;
     for StepRows { rows, microsteps } in which.iter().cloned() {
         if microsteps > 1 {
             resume(&mut places, rows, momentum_drift, h);
@@ -233,7 +232,7 @@ pub(crate) fn derive_all(
     }
     if context.contacts.bounces() {
         let mut normal_impulses = NormalImpulses::all(normal_impulses);
-        context.contacts.bounce(&mut places, &mut normal_impulses, rows, (h, gravity));
+        context.contacts.bounce(&mut places, &mut normal_impulses, rows, h);
     }
 }
 

@@ -7,7 +7,7 @@ use super::super::material::CombinedMaterial;
 use super::super::nearby::Nearby;
 use super::super::pressed::{Aggregate, PressedCloth, Push};
 use super::super::recovery::{limit_depth, recovery};
-use super::super::restitution::{is_elastic, rebound};
+use super::super::restitution::{is_elastic, rebound, threshold};
 use super::super::world::World;
 use super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, TURN, rotation};
 use super::groups::BodyGroups;
@@ -17,6 +17,7 @@ use super::rigid_islands::RigidIslands;
 use super::swept_bounds::SweptBounds;
 use super::turn::Symmetric;
 use super::{BodyContactSolver, ContactEvent};
+use crate::forces::RowGravity;
 use crate::lanes::{Number, Vector};
 use crate::particles::{NO_BODY, Particles};
 
@@ -350,23 +351,26 @@ impl Loose {
         }
     }
 
-    /// Restitution in a substep of `h` seconds, body collider by body collider, from the approach speed `least`, m/s, on; see `restitution`.
+    /// Restitution in a substep of `h` seconds, body collider by body collider; see `restitution`.
     pub(super) fn bounce(
         &mut self,
         particles: &mut Particles,
         groups: &BodyGroups,
         bodies: &Bodies,
         rigid: &mut RigidIslands,
-        (h, least): (f32, f32),
+        (h, gravity): (f32, &RowGravity),
     ) {
         for near in &mut self.pairs {
-            if near.force <= 0.0
-                || !is_elastic(near.combined_material.restitution, -near.approach, least).any()
-            {
+            if near.force <= 0.0 || near.combined_material.restitution <= 0.0 {
                 continue;
             }
             let (s, i) = (near.solid as usize, near.row as usize);
             let part = &groups.parts[s];
+            let both = groups.rows[part.entries.clone()].iter().chain([&near.row]);
+            let least = threshold(gravity.greatest(both.copied()), h);
+            if !is_elastic(near.combined_material.restitution, -near.approach, least).any() {
+                continue;
+            }
             let at = groups.place(s);
             let body = ScalarBody::of(bodies, at);
             let (slots, lane) = (&groups.slots[groups.groups[at / 8].slots.clone()], at % 8);
@@ -568,10 +572,10 @@ impl LooseContact {
 }
 
 impl BodyContactSolver {
-    /// Restitution of single particles from the approach speed `least` on, m/s.
-    pub(super) fn bounce_loose(&mut self, particles: &mut Particles, h: f32, least: f32) {
+    /// Restitution of single particles in a substep of `h` seconds.
+    pub(super) fn bounce_loose(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
         let Self { loose, groups, bodies, rigid, instructions, .. } = self;
-        loose.bounce(particles, groups, bodies, rigid, (h, least));
+        loose.bounce(particles, groups, bodies, rigid, (h, gravity));
         rigid.settle_pushed(groups, h, *instructions);
     }
 }

@@ -17,7 +17,7 @@ use super::super::shape::Shape;
 use super::super::world::World;
 use super::BodyContactSolver;
 use super::contact_cache::{CachedManifold, ContactKey, FrictionAnchor, Other, SLACK, sort};
-use super::groups::BodyGroups;
+use super::groups::{BodyGroups, CompiledCollider};
 use super::static_geometry::StaticGeometry;
 use super::swept_bounds::SweptBounds;
 use super::wide_contact::{Contact, SensorOverlap, TORSIONAL_RADIUS, put_manifold};
@@ -190,6 +190,9 @@ impl BodyContactSolver {
         let (one, part) = (&swept[first], &groups.parts[first]);
         let (own, is_alone) = (world.filter.body(one.body), groups.is_alone(first));
         let participant_a = participant(groups, first, one.body);
+        let gravity = |part: &CompiledCollider| {
+            world.row_gravity.greatest(groups.rows[part.entries.clone()].iter().copied())
+        };
         // Joints turn bones on their contact points: bones whose turn was held crept over the floor.
         let torsional =
             |is_alone: bool, size: f32| if is_alone { TORSIONAL_RADIUS * size } else { 0.0 };
@@ -205,6 +208,7 @@ impl BodyContactSolver {
                 cache_index,
                 offset: other.origin - one.origin,
                 combined_material: own.material.against(&theirs.material),
+                gravity: gravity(part).max(gravity(their)),
                 reports_events: own.events || theirs.events,
                 participants: [participant_a, participant(groups, second, other.body)],
                 colour: 0,
@@ -224,6 +228,7 @@ impl BodyContactSolver {
             cache_index,
             offset: here.translation,
             combined_material: geometry.combined_material(&own.material),
+            gravity: gravity(part),
             reports_events: own.events || geometry.events,
             participants: [participant_a, geometry.participant],
             colour: 0,

@@ -65,6 +65,7 @@ use super::rigid_state::{BounceStates, ShowStates};
 use super::turn::{Matrix, load, tangents};
 use super::wide_contact::{Contact, FAR, WideContact};
 use crate::constraints::PlanarDrag;
+use crate::forces::RowGravity;
 use crate::lanes::{LANES, Lanes, Record, SetLanes, Vector, Work, get, with};
 use crate::particles::Particles;
 
@@ -119,9 +120,8 @@ fn mark(bits: &mut [u32], row: u32) {
 
 impl BodyContactSolver {
     /// Solves restitution and drag in velocities, and takes off depenetration speed, in a substep of `h` seconds.
-    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
-        let least = threshold(gravity, h);
-        self.bounce_loose(particles, h, least);
+    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
+        self.bounce_loose(particles, h, gravity);
         self.impacts.begin(self.groups.groups.len());
         let mut wide_contacts = core::mem::take(&mut self.wide_contacts);
         let mut any = false;
@@ -132,7 +132,7 @@ impl BodyContactSolver {
                 let (lanes, spread) = match round {
                     0 => {
                         let bounces = wide.kept && wide.elastic != 0;
-                        let fast = if bounces { fast(wide, &self.contacts, least) } else { 0 };
+                        let fast = if bounces { fast(wide, &self.contacts, h) } else { 0 };
                         (wide.depenetrated | fast, fast)
                     }
                     _ if wide.kept => {
@@ -152,7 +152,7 @@ impl BodyContactSolver {
                     mark(&mut self.impacts.stays, wide.a[lane]);
                     mark(&mut self.impacts.stays, wide.b[lane]);
                 }
-                let changed = spread & self.solve_impacts(wide, (lanes, static_geometry), least, h);
+                let changed = spread & self.solve_impacts(wide, (lanes, static_geometry), h);
                 any_changed |= changed != 0;
                 for lane in SetLanes(changed) {
                     mark(&mut self.impacts.changed, wide.a[lane]);
@@ -231,14 +231,15 @@ impl BodyContactSolver {
         &mut self,
         wide: &mut WideContact,
         (lanes, static_geometry): (u32, u32),
-        least: f32,
         h: f32,
     ) -> u32 {
         let Self { contacts, bodies, instructions, .. } = self;
         let one = |lane: usize| contacts.get(wide.number[lane] as usize);
-        let mut restitution = [0.0; LANES];
+        let (mut restitution, mut least) = ([0.0; LANES], [0.0; LANES]);
         for lane in SetLanes(wide.elastic) {
-            restitution[lane] = one(lane).map_or(0.0, |one| one.combined_material.restitution);
+            let Some(one) = one(lane) else { continue };
+            restitution[lane] = one.combined_material.restitution;
+            least[lane] = threshold(one.gravity, h);
         }
         with(
             *instructions,
@@ -302,11 +303,12 @@ impl BodyContactSolver {
 }
 
 /// A bit for each manifold of a wide contact that bounces.
-fn fast(wide: &WideContact, contacts: &[Contact], least: f32) -> u32 {
+fn fast(wide: &WideContact, contacts: &[Contact], h: f32) -> u32 {
     let is_fast = |lane: usize| {
+        let Some(one) = contacts.get(wide.number[lane] as usize) else { return false };
+        let least = threshold(one.gravity, h);
         let pressed = |i: usize| wide.force[i][lane] > 0.0 && wide.approach[i][lane] < -least;
-        let one = contacts.get(wide.number[lane] as usize);
-        one.is_some_and(|one| one.combined_material.restitution > 0.0) && (0..POINTS).any(pressed)
+        one.combined_material.restitution > 0.0 && (0..POINTS).any(pressed)
     };
     (0..LANES).fold(0, |bits, lane| bits | u32::from(is_fast(lane)) << lane)
 }
@@ -328,7 +330,8 @@ struct RestitutionSolve<'a> {
     static_geometry: u32,
     bodies: &'a mut Bodies,
     restitution: [f32; LANES],
-    least: f32,
+    /// Approach speed of each up to which it does not bounce, m/s.
+    least: [f32; LANES],
     h: f32,
 }
 
@@ -361,7 +364,7 @@ impl RestitutionSolve<'_> {
         }
         let (static_geometry, share) = (L::mask(static_geometry), L::load(&wide.own));
         let n = load::<L>(&wide.up);
-        let restitution = L::load(&restitution);
+        let (restitution, least) = (L::load(&restitution), L::load(&least));
         let apart = b.centre + load::<L>(&wide.offset) - a.centre;
         let (on_a, on_b) = anchors::<L, POINTS>(wide, &a, Some(&b), apart);
         let radii = [L::load(&wide.radii[0]), L::load(&wide.radii[1])];

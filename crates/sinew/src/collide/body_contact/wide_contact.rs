@@ -50,6 +50,8 @@ pub(super) struct Contact {
     /// Origin of the second body collider, or position of static geometry, from the first one's origin, metres.
     pub(super) offset: Vec3,
     pub(super) combined_material: CombinedMaterial,
+    /// The greater one of the magnitudes of gravity on the two, m/s².
+    pub(super) gravity: f32,
     pub(super) reports_events: bool,
     pub(super) participants: [ContactParticipant; 2],
     pub(super) colour: u32,

@@ -52,7 +52,8 @@ use glam::Vec3;
 use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
-use super::restitution::{solve_in_rounds, threshold};
+use super::restitution::solve_in_rounds;
+use crate::forces::RowGravity;
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 
@@ -150,16 +151,14 @@ impl Pairs {
         worst
     }
 
-    /// Applies restitution to the pairs that touched in the substep of `h` seconds. To be called after velocities have been derived; `gravity` is its
-    /// magnitude, m/s².
-    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
-        let least = threshold(gravity, h);
+    /// Applies restitution to the pairs that touched in the substep of `h` seconds. To be called after velocities have been derived.
+    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
         let Self { touched, neighbours, hits, instructions, .. } = self;
         solve_in_rounds(|first| {
             let velocity = &mut particles.velocity[..];
             let blocks = &neighbours.blocks[..];
-            let most = bounce_pairs(touched, blocks, velocity, least, h, first, *instructions);
-            let single = hits.iter_mut().map(|hit| hit.bounce(particles, least, first));
+            let most = bounce_pairs(touched, blocks, velocity, gravity, h, first, *instructions);
+            let single = hits.iter_mut().map(|hit| hit.bounce(particles, h, gravity, first));
             single.fold(most, f32::max)
         });
         hits.iter_mut().for_each(|hit| hit.note_impulse(touched));

@@ -10,8 +10,9 @@ use glam::{Vec3, Vec4};
 
 use super::super::filter::ContactFilter;
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::{change_in_round, contact_impulse};
+use super::super::restitution::{change_in_round, contact_impulse, threshold};
 use super::neighbour_list::PairBlock;
+use crate::forces::RowGravity;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
@@ -39,8 +40,7 @@ kernel!(
         touched: &mut [Touched],
         blocks: &[PairBlock],
         velocity: &mut [Vec4],
-        // Approach speed below which nothing bounces, m/s.
-        least: f32,
+        gravity: &RowGravity,
         // Length of the substep, seconds.
         h: f32,
         first: bool,
@@ -55,6 +55,7 @@ kernel!(
             let [x, y, z] = &one.normal;
             let n = Vector::new(L::load(x), L::load(y), L::load(z));
             let hit = L::splat(0.5).lt(n.length_squared());
+            let least = threshold(L::load(&gravity.of_pairs(rows_a, rows_b)), h);
             let elastic = (L::load(&block.restitution), L::load(&one.parting), least);
             let (w_a, w_b) = (L::load(&one.weights[0]), L::load(&one.weights[1]));
             let (friction, added) = (L::load(&block.friction), L::load(&one.gained));
@@ -122,14 +123,21 @@ impl PairHit {
         }
     }
 
-    /// Applies restitution to the pair, unless its block does. Approach at up to `least`, m/s, does not bounce. Returns its change, m/s.
-    pub(super) fn bounce(&mut self, particles: &mut Particles, least: f32, first: bool) -> f32 {
+    /// Applies restitution to the pair after a substep of `h` seconds, unless its block does. Returns its change, m/s.
+    pub(super) fn bounce(
+        &mut self,
+        particles: &mut Particles,
+        h: f32,
+        gravity: &RowGravity,
+        first: bool,
+    ) -> f32 {
         if self.place.is_some() {
             return 0.0;
         }
         let [a, b] = self.rows.map(|row| row as usize);
         let (w_a, w_b) = (particles.inverse_mass(a), particles.inverse_mass(b));
         let velocity = Vector::<f32>::splat(particles.velocity(a) - particles.velocity(b));
+        let least = threshold(gravity.greatest(self.rows), h);
         let elastic = (self.restitution, -self.approach, least);
         // The position solve has all of the friction of its own correction (`swept`).
         let (normal, friction) = (Vector::splat(self.normal), (self.friction, 0.0));

@@ -97,8 +97,9 @@ impl ParticleContacts {
                     if self.ignores(row, number) {
                         continue;
                     }
-                    let surface = number as u32;
-                    let candidate = SurfaceCandidate { surface, friction, restitution, drag };
+                    let (surface, gravity) = (number as u32, world.row_gravity.of(row));
+                    let candidate =
+                        SurfaceCandidate { surface, friction, restitution, drag, gravity };
                     self.sort.found.push((row, candidate));
                 }
             }

@@ -99,6 +99,8 @@ struct SurfaceCandidate {
     friction: f32,
     restitution: f32,
     drag: PlanarDrag,
+    /// Magnitude of the gravity on the row, m/s².
+    gravity: f32,
 }
 
 impl ParticleContacts {

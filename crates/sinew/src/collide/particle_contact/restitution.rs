@@ -26,7 +26,7 @@ impl ParticleContacts {
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
         rows: core::ops::Range<u32>,
-        (h, g): (f32, f32),
+        h: f32,
     ) {
         for row in rows {
             for number in self.of(row) {
@@ -45,7 +45,8 @@ impl ParticleContacts {
                 let approach = contact.approach - carried.dot(normal);
                 let velocity = places.velocity[i].truncate() - carried;
                 let along = velocity.dot(normal);
-                if is_elastic(candidate.restitution, -approach, threshold(g, h)).any() {
+                let least = threshold(candidate.gravity, h);
+                if is_elastic(candidate.restitution, -approach, least).any() {
                     let wanted = rebound(candidate.restitution, approach);
                     let (gained, slip) = (wanted - along, velocity - normal * along);
                     let taken = friction_share(slip.length(), candidate.friction * gained);

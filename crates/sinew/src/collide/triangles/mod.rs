@@ -63,7 +63,8 @@ mod zone;
 use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
-use super::restitution::{solve_in_rounds, threshold};
+use super::restitution::solve_in_rounds;
+use crate::forces::RowGravity;
 use crate::particles::Particles;
 use crate::threads::ExecutionContext;
 
@@ -244,12 +245,11 @@ impl Triangles {
         }
     }
 
-    /// Applies restitution and friction to the contacts of a substep of `h` seconds. To be called after velocities are derived; `gravity` is its magnitude,
-    /// m/s².
-    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
-        let (hits, least) = (&mut self.hits, threshold(gravity, h));
+    /// Applies restitution and friction to the contacts of a substep of `h` seconds. To be called after velocities are derived.
+    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
+        let hits = &mut self.hits;
         solve_in_rounds(|first| {
-            hits.iter_mut().map(|hit| hit.bounce(particles, h, least, first)).fold(0.0, f32::max)
+            hits.iter_mut().map(|hit| hit.bounce(particles, h, gravity, first)).fold(0.0, f32::max)
         });
         self.reported.extend(self.hits.iter().filter(|hit| hit.reported));
     }

@@ -7,10 +7,11 @@ use glam::Vec3;
 
 use super::super::filter::ContactFilter;
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::{change_in_round, contact_impulse};
+use super::super::restitution::{change_in_round, contact_impulse, threshold};
 use super::participants::TriangleParticipants;
 use super::search::TriangleCandidate;
 use super::solve::{SubstepState, TriangleContact};
+use crate::forces::RowGravity;
 use crate::lanes::Vector;
 use crate::particles::Particles;
 
@@ -88,15 +89,16 @@ impl TriangleHit {
         of(0) + of(1) + of(2) + of(3)
     }
 
-    /// Applies restitution and friction after a substep of `h` seconds; an approach slower than `least`, m/s, does not bounce. Returns its change, m/s.
+    /// Applies restitution and friction after a substep of `h` seconds. Returns its change, m/s.
     pub(super) fn bounce(
         &mut self,
         particles: &mut Particles,
         h: f32,
-        least: f32,
+        gravity: &RowGravity,
         first: bool,
     ) -> f32 {
         let (normal, velocity) = (self.normal, self.velocity(particles));
+        let least = threshold(gravity.greatest(self.rows), h);
         let elastic = (self.restitution, self.parting, least);
         let pressed = self.overlap as f32 / h;
         if first {

@@ -68,13 +68,12 @@ impl SurfaceContext<'_> {
 
     /// Applies restitution to the rows that touched something, after the velocities in the lanes have been derived.
     pub(super) fn bounce(&self, storage: &mut LaneStorage, normal_impulses: &mut NormalImpulses) {
-        let SolveContext { contacts, substep: SubstepParameters { h, gravity, .. }, .. } =
-            self.context;
+        let SolveContext { contacts, substep: SubstepParameters { h, .. }, .. } = self.context;
         for lane in 0..storage.bodies {
             let first = self.rows(storage, lane).start;
             for &row in contacts.touching(storage.islands[lane] as usize).unwrap_or_default() {
                 self.at_row(storage, (lane, row, first), |places| {
-                    contacts.bounce(places, normal_impulses, row..row + 1, (h, gravity));
+                    contacts.bounce(places, normal_impulses, row..row + 1, h);
                 });
             }
         }

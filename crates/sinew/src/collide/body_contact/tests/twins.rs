@@ -7,6 +7,7 @@ use super::heaps::pour;
 use super::*;
 use crate::collide::nearby::Nearby;
 use crate::collide::{ContactFilter, ParticleContacts, World};
+use crate::forces::RowGravity;
 use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
@@ -21,7 +22,7 @@ fn substeps(
     let islands = Islands::default();
     let filter = ContactFilter::untied(&world.contacts);
     let nearby = Nearby::everywhere(&world.contacts);
-    let h = 1.0 / 600.0;
+    let (h, gravity) = (1.0 / 600.0, RowGravity::from(9.81));
     let seen = World {
         boundaries: &world.boundaries,
         colliders: &world.colliders,
@@ -31,6 +32,7 @@ fn substeps(
         dt: 1.0 / 60.0,
         substeps: 10,
         gravity: Vec3::Y * -9.81,
+        row_gravity: &gravity,
         at_rest: false,
     };
     body_colliders.broad_phase(particles, &seen, &nearby, &mut Default::default());
@@ -47,7 +49,7 @@ fn substeps(
             let v = (particles.position[i] - particles.start[i]).truncate() / h;
             particles.velocity[i] = v.extend(h);
         }
-        body_colliders.bounce(particles, h, 9.81);
+        body_colliders.bounce(particles, h, &gravity);
     }
 }
 

@@ -89,7 +89,7 @@ impl World {
         let worst = pairs.project(particles, filter, h);
         let Particles { position, start, velocity, .. } = particles;
         derive(Derive { position, start, velocity, momentum_drift: &[], h, lag: h }, execution);
-        pairs.bounce(particles, h, self.gravity.length());
+        pairs.bounce(particles, h, &self.gravity.length().into());
         worst
     }
 
