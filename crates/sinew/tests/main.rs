@@ -16,6 +16,7 @@
 //! | `robustness` | guarantees that hold for any input |
 //! | `same_bits` | the same bits with any instruction set and number of threads |
 //! | `segments` | ropes that collide by their segments |
+//! | `sensors` | what sensors report |
 //! | `settings` | solver settings of single bodies |
 //! | `solver` | comparison of the solver's options |
 //! | `ticks` | ticks of varying length |
@@ -39,6 +40,7 @@ mod rigid_states;
 mod robustness;
 mod same_bits;
 mod segments;
+mod sensors;
 mod settings;
 mod solver;
 mod threads;

@@ -30,7 +30,8 @@ pub struct Collider {
     pub material: Material,
     /// Its collision layers.
     pub layers: Layers,
-    /// Whether it is a sensor: it reports what overlaps it and lets it pass through. Default false.
+    /// Whether it is a sensor: it lets everything through, and reports what overlaps it or meets it within the step, however fast that is. What is wholly
+    /// inside a closed mesh overlaps it. Default false.
     pub sensor: bool,
     /// Whether its contacts are listed in the report. Default false.
     pub events: bool,

@@ -142,7 +142,7 @@ impl Contacts {
     pub(crate) fn report(&mut self, particles: &Particles) -> &[Impact] {
         let mut normal_impulses = NormalImpulses::all(&mut self.normal_impulses);
         self.particle_contacts.report(particles, &mut normal_impulses, &mut self.impacts);
-        self.body_contact.report(&mut self.impacts);
+        self.body_contact.report(particles, &mut self.impacts);
         self.pairs.report(&mut self.impacts);
         self.triangles.report(&mut self.impacts);
         self.impacts.merge()

@@ -44,7 +44,7 @@ impl BodyContactSolver {
             self.cache.now.clear();
             return;
         }
-        self.sensor_overlaps.clear();
+        self.sensors.begin();
         self.h = world.dt / world.substeps.max(1) as f32;
         let is_new = self.dormant.0.begin(world, &self.groups, &self.in_contact);
         if is_new {

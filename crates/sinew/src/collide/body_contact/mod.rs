@@ -14,6 +14,7 @@
 //! | `bodies` | the rows that contacts read of body colliders and of static geometry |
 //! | `rigid_islands`, `rigid_state`, `rigid_rotation` | body colliders that are integrated as one rigid state: which, and how |
 //! | `rigid_forces` | forces on the particles of rigid states, and the wind on their surface triangles |
+//! | `sensors` | sensors among static geometry: what is in one, and what passes through one in a step |
 //! | `static_geometry` | static and kinematic geometry: colliders, planes and boxes |
 //! | `swept_bounds` | swept AABB and speculative margin of a body collider in a step |
 //! | `broad_phase` | pairs whose swept bounds overlap, and missed pairs of body colliders that left theirs |
@@ -47,6 +48,7 @@ mod rigid_forces;
 mod rigid_islands;
 mod rigid_rotation;
 mod rigid_state;
+mod sensors;
 mod static_geometry;
 mod sudden;
 mod swept_bounds;
@@ -84,10 +86,11 @@ use rest_overlaps::RestOverlaps;
 use restitution::ImpactScratch;
 use rigid_islands::RigidIslands;
 use rigid_state::{ShowStates, correct_states};
+use sensors::Sensors;
 use static_geometry::StaticGeometry;
 pub(crate) use static_geometry::half_spaces;
 use swept_bounds::{SweptBounds, WideSweptBounds};
-use wide_contact::{Contact, SensorOverlap, WideContact};
+use wide_contact::{Contact, WideContact};
 
 pub use contact_cache::{CachedManifold, ContactCache};
 pub(crate) use rigid_islands::{RigidStep, Written};
@@ -140,7 +143,7 @@ pub(crate) struct BodyContactSolver {
     nearby: Vec<[u32; 2]>,
     pairs: Vec<[u32; 2]>,
     contacts: Vec<Contact>,
-    sensor_overlaps: Vec<SensorOverlap>,
+    sensors: Sensors,
     wide_contacts: Vec<WideContact>,
     cache: CacheBuilder,
     loose: Loose,
@@ -273,15 +276,13 @@ impl BodyContactSolver {
         self.cache.give(cache);
     }
 
-    /// Reports contact events and sensor overlaps.
-    pub(crate) fn report(&mut self, impacts: &mut Impacts) {
+    /// Reports contact events and sensor overlaps of a step that has ended.
+    pub(crate) fn report(&mut self, particles: &Particles, impacts: &mut Impacts) {
         self.note_contact_events();
         for event in self.contact_events.drain(..) {
             impacts.add(event.participants, event.point, event.normal, event.impulse, false);
         }
-        for overlap in self.sensor_overlaps.drain(..) {
-            impacts.add(overlap.participants, overlap.point, overlap.normal, 0.0, true);
-        }
+        self.sensors.report(&self.groups, particles, impacts);
     }
 
     /// Depth at which body colliders were in each other or in static geometry when the last substep began, metres: the first row of each body collider with

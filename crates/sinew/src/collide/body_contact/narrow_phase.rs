@@ -18,9 +18,10 @@ use super::super::world::World;
 use super::BodyContactSolver;
 use super::contact_cache::{CachedManifold, ContactKey, FrictionAnchor, Other, SLACK, sort};
 use super::groups::{BodyGroups, CompiledCollider};
+use super::sensors::SensorPath;
 use super::static_geometry::StaticGeometry;
 use super::swept_bounds::SweptBounds;
-use super::wide_contact::{Contact, SensorOverlap, TORSIONAL_RADIUS, put_manifold};
+use super::wide_contact::{Contact, TORSIONAL_RADIUS, put_manifold};
 use crate::lanes::{SetLanes, set};
 use crate::particles::{NO_BODY, Particles};
 
@@ -300,7 +301,7 @@ impl BodyContactSolver {
     /// Query of a body collider and static or kinematic geometry.
     fn query_geometry(&mut self, pair: [u32; 2], world: &World, share: f32) -> Option<PairQuery> {
         let here = self.second_frame(pair, world, share);
-        let Self { groups, swept, static_geometry, sensor_overlaps, narrow_phase, .. } = self;
+        let Self { groups, swept, static_geometry, sensors, narrow_phase, .. } = self;
         let (a, number) = (pair[0] as usize, pair[1] as usize - swept.len());
         let (one, part) = (&swept[a], &groups.parts[a]);
         let (solid, geometry) = (&world.body_colliders[a], &static_geometry[number]);
@@ -313,15 +314,17 @@ impl BodyContactSolver {
         let seen_from = one.frame.from_within(&here);
         if geometry.sensor {
             if own.events || geometry.events {
-                let participants = [participant(groups, a, one.body), geometry.participant];
-                let (shape, scratch) = (&solid.shape, &mut narrow_phase.0.manifolds);
-                collide(shape, &geometry.shape, &seen_from, 0.0, scratch, &mut |manifold| {
-                    if let Some(point) = manifold.points().first() {
-                        let normal = here.turn(manifold.normal);
-                        let point = one.origin + one.frame.point(point.on_a);
-                        sensor_overlaps.push(SensorOverlap { participants, point, normal });
-                    }
-                });
+                let sum = solid.rest.iter().map(|&rest| one.frame.point(rest)).sum::<Vec3>();
+                let path = SensorPath {
+                    participants: [participant(groups, a, one.body), geometry.participant],
+                    number: pair[0],
+                    shapes: [solid.shape.clone(), geometry.shape.clone()],
+                    frames: [one.frame, here],
+                    mean: sum / solid.rest.len() as f32,
+                    carried: geometry.carried(one, world, share),
+                    origin: one.origin,
+                };
+                sensors.note(path, one, &mut narrow_phase.0.manifolds);
             }
             return None;
         }

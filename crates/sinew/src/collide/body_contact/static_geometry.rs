@@ -166,14 +166,19 @@ impl StaticGeometry {
         height <= size + reach + self.carries(one, world, share)
     }
 
-    /// Displacement that it gives to a body collider lying on it, from a fraction `share` of the step on, metres.
+    /// How far it moves a body collider lying on it, from a fraction `share` of the step on, metres.
     pub(super) fn carries(&self, one: &SweptBounds, world: &World, share: f32) -> f32 {
+        self.carried(one, world, share).length()
+    }
+
+    /// Displacement that it gives to a body collider lying on it, from a fraction `share` of the step on, metres.
+    pub(super) fn carried(&self, one: &SweptBounds, world: &World, share: f32) -> Vec3 {
         if self.moving.is_none() {
-            return 0.0;
+            return Vec3::ZERO;
         }
         let (from, to) = (self.frame_at(world, share), self.frame_at(world, 1.0));
         let point = one.centre + one.origin;
-        (to.point(from.local(point)) - point).length()
+        to.point(from.local(point)) - point
     }
 
     /// The material of a contact of it with a surface.

@@ -72,14 +72,6 @@ impl Contact {
     }
 }
 
-/// Overlap of a sensor and a body collider.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SensorOverlap {
-    pub(super) participants: [ContactParticipant; 2],
-    pub(super) point: Vec3,
-    pub(super) normal: Vec3,
-}
-
 /// Assigns the first free colour to each manifold, in their order: no two of a colour share a body collider, so that eight of them can be corrected at once.
 /// Returns the number of colours.
 pub(super) fn colour(contacts: &mut [Contact], body_colliders: usize, used: &mut Vec<u64>) -> u32 {
