@@ -7,6 +7,7 @@
 //! | `contacts` | slopes, bounces, and cloth on various shapes |
 //! | `far` | behaviour far from the origin is the same |
 //! | `inside` | bodies that start inside a shape are pushed out and not thrown |
+//! | `limits` | limits of joints push back and never pull |
 //! | `microsteps` | large cloth takes steps of its own within a substep |
 //! | `poured` | a thousand boxes in a heap |
 //! | `pressed` | cloth under a rigid shape |
@@ -31,6 +32,7 @@ mod compounds;
 mod contacts;
 mod far;
 mod inside;
+mod limits;
 mod microsteps;
 mod poured;
 mod pressed;

@@ -65,6 +65,11 @@ impl Equation for Angle {
         value
     }
 
+    /// A single angle is kept from both sides.
+    fn is_range(&self) -> bool {
+        self.min < self.max
+    }
+
     fn softness(&self) -> Softness {
         self.softness
     }

@@ -5,7 +5,7 @@ use core::f32::consts::PI;
 use glam::Vec3;
 
 use super::angle::{Turns, between, between_wide};
-use super::equation::{Equation, Points};
+use super::equation::{Bound, Equation, Points};
 use super::fault::ConstraintFault;
 use super::softness::Softness;
 use super::wide::{CLEAR, Wide, is_below, numbers};
@@ -99,6 +99,10 @@ impl Equation for Cone {
         gradients[end] += turn.by_v;
         gradients[start] -= turn.by_v;
         turn.angle - self.max
+    }
+
+    fn bound(&self) -> Bound {
+        Bound::AtMost
     }
 
     fn softness(&self) -> Softness {

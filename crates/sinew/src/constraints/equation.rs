@@ -54,6 +54,12 @@ pub trait Equation: Send + Sync + core::fmt::Debug {
         Bound::Equal
     }
 
+    /// Whether the value is zero within a range and beyond it is the distance from its nearer end: a limit on each side (default false). An end only pushes back
+    /// into the range. Where this is false, the damping of a soft limit also pulls at what leaves it.
+    fn is_range(&self) -> bool {
+        false
+    }
+
     /// How stiff the constraint is; hard by default.
     fn softness(&self) -> Softness {
         Softness::Hard
@@ -169,7 +175,12 @@ pub(crate) fn project(
     let Some(Solved { value, weights, error }) = solve(equation, points, gradients) else {
         return 0.0;
     };
-    let (softness, bound) = (equation.softness(), equation.bound());
+    let softness = equation.softness();
+    let bound = if equation.is_range() {
+        if value > 0.0 { Bound::AtMost } else { Bound::AtLeast }
+    } else {
+        equation.bound()
+    };
     if *lambda == 0.0 && bound.holds(value) {
         return 0.0;
     }

@@ -73,6 +73,11 @@ impl Equation for Hinge {
         value
     }
 
+    /// A single angle is kept from both sides.
+    fn is_range(&self) -> bool {
+        self.min < self.max
+    }
+
     fn softness(&self) -> Softness {
         self.softness
     }

@@ -344,4 +344,5 @@ fn constraints_match(one: &Constraint, other: &Constraint, shift: u32) -> bool {
         && core::mem::discriminant(&one.kind) == core::mem::discriminant(&other.kind)
         && equation.softness() == other_equation.softness()
         && equation.bound() == other_equation.bound()
+        && equation.is_range() == other_equation.is_range()
 }

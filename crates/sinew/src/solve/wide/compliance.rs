@@ -39,6 +39,8 @@ pub(super) struct PackedCompliance {
     at_most: [f32; LANES],
     /// 1 for struts.
     at_least: [f32; LANES],
+    /// 1 for ranges, which are limits on both sides.
+    range: [f32; LANES],
     /// All are hard and accumulate nothing: the formula is `C/W`.
     pub(super) plain: bool,
     /// All are hard.
@@ -51,7 +53,7 @@ pub(super) struct PackedCompliance {
     frequencies: bool,
     /// Some are shares.
     pub(super) shares: bool,
-    /// Some are inequalities.
+    /// Some are inequalities or ranges.
     pub(super) limited: bool,
 }
 
@@ -105,7 +107,11 @@ impl Shares {
 }
 
 impl PackedCompliance {
-    pub(super) fn of(softness: [Softness; LANES], bound: [Bound; LANES]) -> Self {
+    pub(super) fn of(
+        softness: [Softness; LANES],
+        bound: [Bound; LANES],
+        range: [bool; LANES],
+    ) -> Self {
         let flags = |holds: [bool; LANES]| holds.map(|holds| f32::from(u8::from(holds)));
         let share = softness.map(|softness| match softness {
             Softness::Share(share) => share,
@@ -127,7 +133,8 @@ impl PackedCompliance {
             some_hard: softness.iter().any(|softness| softness.is_hard()),
             damped: damping.iter().any(|&damping| damping != 0.0),
             shares: share.iter().any(|&share| share != 1.0),
-            limited: bound.iter().any(|&bound| bound != Bound::Equal),
+            range: flags(range),
+            limited: bound.iter().any(|&bound| bound != Bound::Equal) || range.contains(&true),
         }
     }
 
@@ -211,8 +218,11 @@ impl PackedCompliance {
         let mut summed = change * unit;
         if self.limited {
             let (zero, all) = (L::zero(), summed + multiplier);
-            let most = flag::<L>(&self.at_most).select(zero.max(all) - multiplier, summed);
-            summed = flag::<L>(&self.at_least).select(zero.min(all) - multiplier, most);
+            let range = flag::<L>(&self.range);
+            let at_most = flag::<L>(&self.at_most).or(range.and(zero.lt(value)));
+            let at_least = flag::<L>(&self.at_least).or(range.and(value.lt(zero)));
+            let most = at_most.select(zero.max(all) - multiplier, summed);
+            summed = at_least.select(zero.min(all) - multiplier, most);
             change = summed / unit;
         }
         (change, flag::<L>(&self.accumulates).and(multiplier + summed))

@@ -35,7 +35,8 @@ impl<W> WideConstraint<W> {
 fn compliances_of(eight: [&Constraint; LANES]) -> ([f32; LANES], PackedCompliance) {
     let softness = eight.map(|c| c.kind.equation().softness());
     let bound = eight.map(|c| c.kind.equation().bound());
-    (softness.map(compliance), PackedCompliance::of(softness, bound))
+    let range = eight.map(|c| c.kind.equation().is_range());
+    (softness.map(compliance), PackedCompliance::of(softness, bound, range))
 }
 
 /// The values and gradients of eight constraints, with sums derived from them.

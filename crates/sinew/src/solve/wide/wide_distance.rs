@@ -19,7 +19,7 @@ impl WideDistance {
     /// Eight distances, and their packed compliance.
     pub(super) fn of(eight: [&Distance; LANES]) -> (Self, PackedCompliance) {
         let packed_compliance =
-            PackedCompliance::of(eight.map(|d| d.softness), eight.map(|d| d.bound));
+            PackedCompliance::of(eight.map(|d| d.softness), eight.map(|d| d.bound), [false; LANES]);
         let (rest, compliance) = (eight.map(|d| d.rest), eight.map(|d| compliance(d.softness)));
         (Self { rest, compliance, satisfied_above: eight.map(satisfied_above) }, packed_compliance)
     }
