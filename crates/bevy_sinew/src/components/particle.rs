@@ -44,7 +44,8 @@ pub struct Particle {
     pub lag: f32,
 }
 
-same_fields!(Particle, ParticleState { position, remainder, velocity, lag });
+// What rounding took from a velocity within a tick is not kept beyond it, so that a world that is saved and one that goes on are the same.
+same_fields!(Particle, ParticleState { position, remainder, velocity, lag } other { rounding: Vec3::ZERO });
 
 impl Particle {
     /// A particle at rest at `position` (metres).

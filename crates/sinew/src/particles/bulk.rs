@@ -18,13 +18,16 @@ pub struct ParticleState {
     pub velocity: Vec3,
     /// Length of the substep over which `velocity` is the mean, seconds, 0 and up; 0 for a velocity that is true now.
     pub lag: f32,
+    /// What rounding took from `velocity` when it last changed, m/s: a step adds it to the next change. Zero, the default, loses less than a digit of `f32`.
+    pub rounding: Vec3,
 }
 
 impl ParticleState {
     /// Why this state is invalid, or `None` if it is valid.
     pub fn fault(&self) -> Option<ParticleFault> {
-        let Self { position, remainder, velocity, lag } = *self;
-        ParticleSeed { remainder, velocity, lag, ..ParticleSeed::at(position) }.fault()
+        let Self { position, remainder, velocity, lag, rounding } = *self;
+        let fault = ParticleSeed { remainder, velocity, lag, ..ParticleSeed::at(position) }.fault();
+        fault.or((!rounding.is_finite()).then_some(ParticleFault::Velocity))
     }
 }
 
@@ -38,7 +41,7 @@ impl Particles {
     /// Writes states into the rows from `first` on, and returns how many it wrote: it stops before a state with a [fault](ParticleState::fault), and at the
     /// last row. Masses and all other properties stay.
     ///
-    /// The rows are bit for bit as [`set`](Self::set) would leave them.
+    /// Without a `rounding` the rows are bit for bit as [`set`](Self::set) would leave them.
     pub fn load(&mut self, first: usize, states: impl Iterator<Item = ParticleState>) -> usize {
         let xyz = Vec4::new(1.0, 1.0, 1.0, 0.0).cmpgt(Vec4::ZERO);
         let lowest = Vec3::MIN.extend(0.0);
@@ -48,7 +51,7 @@ impl Particles {
         let mut count = 0;
         for (((((origin, position), start), velocity), rounding), state) in rows.zip(states) {
             let (p, r) = (state.position.extend(0.0), state.remainder.extend(0.0));
-            let v = state.velocity.extend(state.lag);
+            let (v, lost) = (state.velocity.extend(state.lag), state.rounding.extend(0.0));
             // `snap`, for numbers that are not large.
             let half_up = p + 0.5;
             let nearest = (half_up + ROUNDER) - ROUNDER;
@@ -61,10 +64,11 @@ impl Particles {
                 & within.cmpge(Vec4::ZERO)
                 & within.cmplt(Vec4::ONE)
                 & v.cmpge(lowest)
-                & v.cmple(Vec4::MAX);
+                & v.cmple(Vec4::MAX)
+                & lost.abs().cmple(Vec4::MAX);
             let (whole, local) = if ordinary.all() {
                 (whole.truncate(), local)
-            } else if let Some((whole, local)) = place_anywhere(p, r, v) {
+            } else if let Some((whole, local)) = place_anywhere(p, r, v, lost) {
                 (whole, local.extend(0.0))
             } else {
                 break;
@@ -73,7 +77,7 @@ impl Particles {
             *position = Vec4::select(xyz, local, *position);
             *start = *position;
             *velocity = v;
-            *rounding = Default::default();
+            *rounding = lost;
             count += 1;
         }
         count
@@ -96,14 +100,17 @@ impl Particles {
         let rows = rows.start..rows.end.min(self.len());
         let places = self.origin.get(rows.clone()).unwrap_or_default().iter();
         let locals = self.position.get(rows.clone()).unwrap_or_default();
-        let velocities = self.velocity.get(rows).unwrap_or_default();
-        places.zip(locals).zip(velocities).map(|((origin, local), velocity)| {
+        let velocities = self.velocity.get(rows.clone()).unwrap_or_default();
+        let roundings = self.rounding.get(rows).unwrap_or_default();
+        let motion = velocities.iter().zip(roundings);
+        places.zip(locals).zip(motion).map(|((origin, local), (velocity, rounding))| {
             let (position, remainder) = exact_sum(*origin, *local);
             ParticleState {
                 position: position.truncate(),
                 remainder: remainder.truncate(),
                 velocity: velocity.truncate(),
                 lag: velocity.w,
+                rounding: rounding.truncate(),
             }
         })
     }
@@ -141,9 +148,9 @@ impl Particles {
 /// [`place`] for a state off the fast path; `None` if the state is invalid. It takes copies: a variable whose address is taken would be accessed component by
 /// component.
 #[cold]
-fn place_anywhere(p: Vec4, r: Vec4, v: Vec4) -> Option<(Vec3, Vec3)> {
-    let (position, remainder) = (p.truncate(), r.truncate());
-    let state = ParticleState { position, remainder, velocity: v.truncate(), lag: v.w };
+fn place_anywhere(p: Vec4, r: Vec4, v: Vec4, lost: Vec4) -> Option<(Vec3, Vec3)> {
+    let [position, remainder, velocity, rounding] = [p, r, v, lost].map(Vec4::truncate);
+    let state = ParticleState { position, remainder, velocity, lag: v.w, rounding };
     state.fault().is_none().then(|| place(position, remainder))
 }
 
@@ -192,8 +199,9 @@ mod tests {
                     remainder: Vec3::new(remainder, 0.0, -remainder),
                     velocity: Vec3::new(x, 1.0, -0.0),
                     lag: 0.01,
+                    rounding: Vec3::ZERO,
                 };
-                let ParticleState { position, remainder, velocity, lag } = state;
+                let ParticleState { position, remainder, velocity, lag, .. } = state;
                 let seed = ParticleSeed::at(position).with_mass(3.0);
                 let (mut one, mut many) = (Particles::default(), Particles::default());
                 one.push(ParticleSeed { remainder, velocity, lag, ..seed }).unwrap();
@@ -226,6 +234,8 @@ mod tests {
             ParticleState { velocity: Vec3::new(0.0, 0.0, f32::NEG_INFINITY), ..good },
             ParticleState { lag: f32::NAN, ..good },
             ParticleState { lag: -1.0, ..good },
+            ParticleState { rounding: Vec3::new(0.0, f32::NAN, 0.0), ..good },
+            ParticleState { rounding: Vec3::NEG_INFINITY, ..good },
         ];
         for bad in bad {
             let mut particles = Particles::default();
