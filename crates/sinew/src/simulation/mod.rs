@@ -323,7 +323,8 @@ impl Simulation {
         let open = contacts.is_active().then_some(&single_rows[..]);
         let Contacts { particle_contacts, normal_impulses, .. } = contacts;
         let context = solve::SolveContext::new(plan, particle_contacts, parameters, execution);
-        solve::solve_all(particles, normal_impulses, context, open, (&mut *solving, loads), report);
+        let with = (&mut *solving, &mut *loads);
+        solve::solve_all(particles, normal_impulses, context, open, with, report);
         if open.is_some() {
             let given = (&self.boundaries, &self.colliders[..], &self.body_colliders[..]);
             let among = (&*filter, &plan.islands);
@@ -340,7 +341,8 @@ impl Simulation {
             contacts.bounce(particles, h, row_gravity);
         }
         let reports = &mut report.islands;
-        solve::limit_all_recoveries(particles, plan, (h, gravity), reports, sweep_scratch);
+        let scratch = (sweep_scratch, loads);
+        solve::limit_all_recoveries(particles, plan, (h, gravity), reports, scratch);
         integrate::finish(particles, settings.integrator, h);
         self.write_rigid_states(true);
         self.scratch.moving.end_substep(&mut self.particles, &self.compounds, h);

@@ -2,7 +2,8 @@
 //!
 //! The force is the sum of a constraint's corrections, `f = Σ m Δx / h²` over the sweeps of a substep, averaged over the substeps of a step. If what hangs on
 //! the constraint is at rest, the force is its weight, however few sweeps there are and however far they are from convergence, since the forces on a body at
-//! rest balance. In the first substep after a position or a velocity was set it is half of that, because Verlet falls by `½ g h²` there.
+//! rest balance. What [recovery](super::recovery) takes off a correction counts against it, so that a weight is also read where a rest length changes from step
+//! to step, as on a winch. In the first substep after a position or a velocity was set it is half of that, because Verlet falls by `½ g h²` there.
 //!
 //! [Tethers](super::tethers) carry loads that rods would otherwise transmit, and a rod beside a tether carries nothing. So in an island with measured loads the
 //! work of the tethers is recorded as well, and each rod on the path of a tether is given the tether's force, which is what the rods would transmit. Such an
@@ -10,6 +11,8 @@
 //! nearly twice its weight.
 //!
 //! Islands with measured loads are solved constraint by constraint, before the others, on one thread, in the order of a sweep.
+
+use core::ops::Range;
 
 use glam::{DVec3, Vec3};
 
@@ -288,22 +291,55 @@ impl Loads {
             }
             let mut pair = [0; 2];
             let rows = one.rows(plan, &mut pair);
-            let side = match one.kind {
-                GroupKind::Constraints => plan.constraints[one.number as usize].kind.first_side(),
-                _ => 1,
-            };
-            // A side of pinned particles is not moved and shows no force: then the other side is recorded, with the opposite sign.
-            let held = |row: &u32| places.position[places.at(*row)].w == 0.0;
-            let (rows, sign) = match rows.split_at(side.min(rows.len())) {
-                (first, others) if first.iter().all(held) => (others, -1.0),
-                (first, _) => (first, 1.0),
-            };
+            let (side, sign) = recorded(one, (plan, places), rows);
+            let rows = &rows[side];
             let before = weighted(places, rows);
             worst = worst.max(one.project(places, plan, multipliers, mode, local));
             list.pulls[slot as usize] += (weighted(places, rows) - before) * sign;
         }
         worst
     }
+
+    /// Adds an impulse times the substep, kg·m, along the gradients of a constraint, if that is measured.
+    pub(super) fn add_impulse(
+        &mut self,
+        (plan, places): (&Plan, &Places),
+        one: ConstraintRef,
+        gradients: &[Vec3],
+        impulse: f32,
+    ) {
+        let list = match one.kind {
+            GroupKind::Constraints => &mut self.constraints,
+            _ => &mut self.distances,
+        };
+        let slot = list.slots[one.number as usize];
+        if slot == NONE {
+            return;
+        }
+        let mut pair = [0; 2];
+        let rows = one.rows(plan, &mut pair);
+        let (side, sign) = recorded(one, (plan, places), rows);
+        let each = rows[side.clone()].iter().zip(&gradients[side]);
+        let moved = each.filter(|(row, _)| places.position[places.at(**row)].w > 0.0);
+        let sum: DVec3 = moved.map(|(_, by)| by.as_dvec3()).sum();
+        list.pulls[slot as usize] += sum * (sign * f64::from(impulse));
+    }
+}
+
+/// Which of the rows of a constraint show its force, and the sign: those of its first side, or, if all of these are pinned and so not moved, the others with the
+/// opposite sign.
+fn recorded(
+    one: ConstraintRef,
+    (plan, places): (&Plan, &Places),
+    rows: &[u32],
+) -> (Range<usize>, f64) {
+    let side = match one.kind {
+        GroupKind::Constraints => plan.constraints[one.number as usize].kind.first_side(),
+        _ => 1,
+    };
+    let side = side.min(rows.len());
+    let held = |row: &u32| places.position[places.at(*row)].w == 0.0;
+    if rows[..side].iter().all(held) { (side..rows.len(), -1.0) } else { (0..side, 1.0) }
 }
 
 /// `Σ m x` of those of some particles that are not pinned, kg·m.

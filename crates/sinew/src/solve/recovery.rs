@@ -12,8 +12,11 @@
 //!
 //! It costs time only where a sweep has found a violation of that size. Islands with rods in columns (cloth) and islands that take microsteps are left out.
 
+use glam::Vec3;
+
 use super::constraint_ref::{ConstraintRef, Local, list_constraint_refs};
 use super::context::{SolveContext, SubstepParameters};
+use super::loads::Loads;
 use super::plan::Plan;
 use super::report::IslandReport;
 use super::sweep_scratch::SweepScratch;
@@ -34,13 +37,15 @@ impl Plan {
     }
 }
 
-/// Removes from the velocities of an island, after a substep of `h` seconds, what recovers violations by more than `most` metres in a substep.
+/// Removes from the velocities of an island, after a substep of `h` seconds, what recovers violations by more than `most` metres in a substep. `slowed` is called
+/// with each constraint that removes some, its gradients, and the impulse along them, N·s.
 fn limit_recovery(
     plan: &Plan,
     island: &Island,
     places: &mut Places,
     (h, most): (f32, f32),
     scratch: &mut SweepScratch,
+    mut slowed: impl FnMut(&Places, ConstraintRef, &[Vec3], f32),
 ) {
     let SweepScratch { local, constraint_refs, .. } = scratch;
     list_constraint_refs(plan, island, constraint_refs);
@@ -49,8 +54,8 @@ fn limit_recovery(
     });
     for _ in 0..ROUNDS {
         let mut changed = false;
-        for one in &*constraint_refs {
-            let Some(own) = solved(*one, plan, places, local) else { continue };
+        for &one in &*constraint_refs {
+            let Some(own) = solved(one, plan, places, local) else { continue };
             let mut pair = [0; 2];
             let rows = one.rows(plan, &mut pair).iter();
             let rates = rows.clone().zip(&local.gradients);
@@ -69,6 +74,7 @@ fn limit_recovery(
                 let w = places.position[i].w;
                 places.velocity[i] += (*by * (w * change)).extend(0.0);
             }
+            slowed(places, one, &local.gradients, change);
         }
         if !changed {
             break;
@@ -89,24 +95,31 @@ impl SolveContext<'_> {
         if core::mem::take(&mut report.violated) && self.plan.bounds_recovery(island) {
             let SubstepParameters { h, gravity, .. } = self.substep;
             let bounds = (h, recovery(h, gravity));
-            limit_recovery(self.plan, island, places, bounds, scratch);
+            // Loads are measured phase by phase alone.
+            limit_recovery(self.plan, island, places, bounds, scratch, |_, _, _, _| {});
         }
     }
 }
 
-/// The same for all islands, after substeps that were taken phase by phase.
+/// The same for all islands, after substeps that were taken phase by phase. What it removes is part of the measured loads.
 pub(crate) fn limit_all_recoveries(
     particles: &mut Particles,
     plan: &Plan,
     (h, g): (f32, f32),
     reports: &mut [IslandReport],
-    scratch: &mut SweepScratch,
+    (scratch, loads): (&mut SweepScratch, &mut Loads),
 ) {
     let mut places = Places::all(particles);
     for (island, report) in plan.islands.list.iter().zip(reports) {
         if core::mem::take(&mut report.violated) && plan.bounds_recovery(island) {
             let most = recovery(h, g);
-            limit_recovery(plan, island, &mut places, (h, most), scratch);
+            let measured = island.measured;
+            let slowed = |places: &Places, one, gradients: &[Vec3], impulse: f32| {
+                if measured {
+                    loads.add_impulse((plan, places), one, gradients, impulse * h);
+                }
+            };
+            limit_recovery(plan, island, &mut places, (h, most), scratch, slowed);
         }
     }
 }

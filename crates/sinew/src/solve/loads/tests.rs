@@ -136,3 +136,45 @@ fn a_torn_piece_is_let_go_of_by_its_tethers_in_the_same_step() {
         }
     }
 }
+
+/// A weight of 1 kg on a line whose first piece, of 3 m, is on the drum of a winch; the others are 10 cm long and weigh 10 g.
+fn winch(segments: u32, substeps: u32) -> Simulation {
+    let mut world = Simulation::default();
+    world.forces.gravity = Vec3::NEG_Y * G;
+    world.settings.substeps = substeps;
+    let mut above = world.particles.push(ParticleSeed::at(Vec3::ZERO).pinned()).unwrap();
+    let mut depth = 0.0;
+    for i in 1..=segments {
+        let mass = if i == segments { 1.0 } else { 0.01 };
+        let length = if i == 1 { 3.0 } else { 0.1 };
+        depth += length;
+        let seed = ParticleSeed::at(Vec3::NEG_Y * depth).with_mass(mass);
+        let row = world.particles.push(seed).unwrap();
+        world.distances_mut().push(Distance::new(above, row, length));
+        above = row;
+    }
+    world.measure_loads([0], []);
+    world
+}
+
+/// What recovery took off a correction was left in the load: at 0.25 m/s the weight read 20 N instead of 9.8.
+#[test]
+fn a_winch_reads_the_weight_that_it_hoists_at_any_speed() {
+    for segments in [1, 10] {
+        for substeps in [4, 10, 40] {
+            for speed in [0.0, 0.1, 0.25, 0.5, 1.0] {
+                let mut world = winch(segments, substeps);
+                let weight = G * (1.0 + 0.01 * (segments - 1) as f32);
+                for tick in 0..60 {
+                    world.distances_mut()[0].rest -= speed * TICK;
+                    world.step(TICK).unwrap();
+                    let load = world.distance_load(0).unwrap();
+                    assert!(
+                        tick < 31 || (load / weight - 1.0).abs() < 0.06,
+                        "{segments} pieces, {substeps} substeps, {speed} m/s, tick {tick}: {load} N"
+                    );
+                }
+            }
+        }
+    }
+}
