@@ -357,6 +357,16 @@ fn run_substeps(world: &mut World) {
         return;
     }
     load_deferred(world);
+    if alone {
+        // Nothing of the game runs between the phases.
+        let mut sinew = world.resource_mut::<SinewWorld>();
+        // A time step of zero is no error: nothing happens.
+        if sinew.simulation.step(dt).is_ok() {
+            sinew.tables.stepped = true;
+            note_times(world, began, None);
+        }
+        return;
+    }
     let substeps = {
         let mut sinew = world.resource_mut::<SinewWorld>();
         match sinew.simulation.begin_step(dt) {
@@ -372,13 +382,10 @@ fn run_substeps(world: &mut World) {
         (0..substeps).for_each(|_| sinew.simulation.time += length);
     } else {
         let ran = world.try_schedule_scope(SubstepSchedule, |world, schedule| {
-            // If no custom system runs between the phases, all substeps can be taken at once.
             if watched {
                 let mut watch = PhaseWatch::default();
                 watch.frames = shown.then(Vec::new);
                 world.resource_mut::<SinewWorld>().tables.watch = Some(Box::new(watch));
-            } else if alone {
-                world.resource_mut::<SinewWorld>().simulation.take_substeps();
             }
             for _ in 0..world.resource::<SinewWorld>().substep().remaining {
                 schedule.run(world);
