@@ -2,7 +2,9 @@
 
 use sinew::glam::{DVec3, Quat, Vec3};
 use sinew::recipes::{BoxLayout, BoxSpec, box_3d};
-use sinew::{BodyContacts, Collider, Frame, Material, Shape, Simulation};
+use sinew::{
+    BodyContacts, BodySettings, Collider, Frame, Material, ParticleSeed, Shape, Simulation,
+};
 
 use crate::Row;
 use crate::case::cases;
@@ -32,6 +34,15 @@ fn add(world: &mut Simulation, radius: f32, mass: f32, at: Vec3, velocity: Vec3,
     for i in body.build_colliding(world, contacts).expect("room") {
         world.particles.set_velocity(i, velocity);
     }
+}
+
+/// Adds a particle that collides as a ball with a radius, metres, and restitution `e`.
+fn add_particle(world: &mut Simulation, radius: f32, at: Vec3, velocity: Vec3, e: f32) {
+    let seed = ParticleSeed::at(at).with_velocity(velocity).with_radius(radius);
+    let row = world.particles.push(seed).expect("a sound particle") as usize;
+    world.particles.set_body(row, Some(world.bodies.len() as u32));
+    world.bodies.push(BodySettings::default());
+    world.contacts.push(BodyContacts { material: smooth(e), ..Default::default() });
 }
 
 /// Kinetic energy, J, and momentum, kg·m/s, from the mean velocities of the last substep.
@@ -108,14 +119,19 @@ fn a_ball_into_two_that_touch_and_a_row_of_five_keep_their_energy() -> Vec<Row> 
     let row = |gap: f32| (0..4).map(|k| Vec3::X * (2.0 + k as f32 * (1.0 + gap))).collect();
     let layouts: [(&str, &dyn Fn(f32) -> Vec<Vec3>); 2] =
         [("two that touch", &pair), ("a row of four", &row)];
-    for (name, layout) in layouts {
+    let kinds: [(&str, fn(&mut Simulation, Vec3, Vec3)); 2] = [
+        ("ball", |world, at, velocity| add(world, 0.5, 1.0, at, velocity, 1.0)),
+        ("particle", |world, at, velocity| add_particle(world, 0.5, at, velocity, 1.0)),
+    ];
+    let all = layouts.iter().flat_map(|layout| kinds.iter().map(move |kind| (layout, kind)));
+    for ((name, layout), (kind, add)) in all {
         let mut worst = [0.0_f64; 3];
         for substeps in [4, 10, 40] {
             for gap in [0.0, 1e-5] {
                 let mut world = empty(substeps);
-                add(&mut world, 0.5, 1.0, Vec3::ZERO, Vec3::X * 2.0, 1.0);
+                add(&mut world, Vec3::ZERO, Vec3::X * 2.0);
                 for at in layout(gap) {
-                    add(&mut world, 0.5, 1.0, at, Vec3::ZERO, 1.0);
+                    add(&mut world, at, Vec3::ZERO);
                 }
                 let [energy, momentum, gain] = run(&mut world, 120);
                 for (worst, seen) in worst.iter_mut().zip([(energy - 1.0).abs(), momentum, gain]) {
@@ -124,7 +140,7 @@ fn a_ball_into_two_that_touch_and_a_row_of_five_keep_their_energy() -> Vec<Row> 
             }
         }
         rows.push(Row::at_most(
-            format!("change of energy of a ball into {name}"),
+            format!("change of energy of a {kind} into {name}"),
             "",
             1e-3,
             worst[0],
