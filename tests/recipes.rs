@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyConstraints, BodyPart, BodyParts, BoxParticles, ContactsDisabled, MeshFollow, RigidPose,
-    TubeMesh, WindSurface, WorldCenterOfMass,
+    BodyConstraints, BodyContacts, BodyPart, BodyParts, BodySolver, BoxParticles, BuiltBody,
+    ContactsDisabled, MeshFollow, RigidPose, TubeMesh, WindSurface, WorldCenterOfMass,
 };
 
 use crate::support::{app, assert_finite, heard, mesh_of, particles_of, position, tick, vertices};
@@ -375,4 +375,60 @@ fn a_recipe_that_replaces_another_one_leaves_nothing_of_it() {
     tick(&mut app, 120);
     assert!((transform(&app, ball).translation.y - 0.5).abs() < 1e-3);
     assert!(heard(&app).is_empty());
+}
+
+/// Regression: the defaults of a recipe stayed on the body when it was replaced by another one, or changed: a box that had been a ragdoll was damped like one,
+/// and the joints of a ragdoll kept the damping that it was first built with.
+#[test]
+fn a_recipe_that_is_replaced_or_changed_takes_its_defaults_along_and_the_game_keeps_its_own() {
+    let mut app = app();
+    let own = BodySolver { max_sweeps: Some(7), ..default() };
+    let world = app.world_mut();
+    let [doll, other, ours] = [0.0, 5.0, 10.0]
+        .map(|x| world.spawn((Ragdoll::default(), Transform::from_xyz(x, 0.0, 0.0))).id());
+    world.entity_mut(ours).insert((own, BodyContacts { with_bodies: false, ..default() }));
+    let plain = world.spawn((RigidBox::default(), Transform::from_xyz(15.0, 0.0, 0.0))).id();
+    tick(&mut app, 2);
+    let defaults = |app: &App, body: Entity| {
+        let world = app.world();
+        (world.get::<BodySolver>(body).copied(), world.get::<BodyContacts>(body).copied())
+    };
+    let of_box = defaults(&app, plain);
+    assert_ne!(defaults(&app, doll), of_box);
+
+    app.world_mut().entity_mut(doll).remove::<Ragdoll>().insert(RigidBox::default());
+    let damping = app.world().get::<BodySolver>(other).unwrap().damping;
+    app.world_mut().get_mut::<Ragdoll>(other).unwrap().damping *= 3.0;
+    app.world_mut().entity_mut(ours).remove::<Ragdoll>().insert(RigidBox::default());
+    tick(&mut app, 2);
+    assert_eq!(defaults(&app, doll), of_box);
+    assert!((app.world().get::<BodySolver>(other).unwrap().damping - 3.0 * damping).abs() < 1e-3);
+    let kept = (Some(own), Some(BodyContacts { with_bodies: false, ..default() }));
+    assert_eq!(defaults(&app, ours), kept);
+    // One that cannot be built has none.
+    app.world_mut().entity_mut(doll).remove::<RigidBox>().insert(Ragdoll::default());
+    tick(&mut app, 2);
+    app.world_mut().get_mut::<Ragdoll>(doll).unwrap().height = f32::NAN;
+    tick(&mut app, 2);
+    assert_eq!(defaults(&app, doll), (None, None));
+}
+
+/// Regression: the first event of a clone said that it had been built before.
+#[test]
+fn the_first_build_of_a_clone_is_not_again() {
+    #[derive(Resource, Default)]
+    struct Seen(Vec<(Entity, bool)>);
+    let mut app = app();
+    app.init_resource::<Seen>().add_observer(|built: On<BodyBuilt>, mut seen: ResMut<Seen>| {
+        seen.0.push((built.entity, built.again));
+    });
+    let body = app.world_mut().spawn(RigidBox::default()).id();
+    tick(&mut app, 2);
+    app.world_mut().get_mut::<RigidBox>(body).unwrap().size.x = 2.0;
+    tick(&mut app, 2);
+    let clone = app.world_mut().entity_mut(body).clone_and_spawn();
+    tick(&mut app, 2);
+    let seen = &app.world().resource::<Seen>().0;
+    assert_eq!(*seen, [(body, false), (body, true), (clone, false)]);
+    assert_eq!(app.world().get::<BuiltBody>(clone).unwrap().builds, 1);
 }

@@ -1,5 +1,7 @@
 //! Bodies: which particles belong together, and what is extracted from them.
 
+use bevy::ecs::component::component_clone_via_clone;
+use bevy::ecs::entity::{ComponentCloneCtx, SourceComponent};
 use bevy::prelude::*;
 
 use super::collide::ResolvedShape;
@@ -448,7 +450,15 @@ pub struct BodyParts(Vec<Entity>);
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[component(clone_behavior = Custom(clone_with_particles))]
 pub struct BuiltBody {
     /// How often the body has been built, 1 or more.
     pub builds: u32,
+}
+
+/// A clone without the particles of its original is a new body, which is yet to be built.
+fn clone_with_particles(source: &SourceComponent, context: &mut ComponentCloneCtx) {
+    if context.linked_cloning() || context.moving() {
+        component_clone_via_clone::<BuiltBody>(source, context);
+    }
 }

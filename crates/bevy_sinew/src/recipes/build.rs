@@ -22,7 +22,7 @@ use crate::messages::{Refusal, refuse_in};
 use crate::recipes::bind::{ListRelationship, attach, bind, insert_related, spawn_related};
 use crate::recipes::bind_mesh::source_mesh;
 use crate::recipes::built::JustBuilt;
-use crate::recipes::{built_collider, forget_replaced};
+use crate::recipes::{built_defaults, forget_replaced};
 
 /// A component that describes a body, and builds it.
 pub(crate) trait Recipe:
@@ -91,8 +91,27 @@ pub(crate) struct Built<R: Recipe> {
     mesh: SourceMesh,
     /// The scale of the body and its parents.
     scale: Vec3,
-    /// The collider that the recipe added; any other collider belongs to the game.
+    /// What the recipe added.
+    defaults: Defaults,
+}
+
+/// The components that a recipe adds unless the body has them: any other value belongs to the game, and stays when the body is built again.
+#[derive(Reflect, Clone, Debug, Default)]
+pub(crate) struct Defaults {
     collider: Option<Collider>,
+    solver: Option<BodySolver>,
+    contacts: Option<BodyContacts>,
+}
+
+impl Defaults {
+    /// Replaces the defaults of an earlier build (`before`), from this recipe or another one, by these; returns those that are in use.
+    fn put(self, before: &Self, body: &mut EntityWorldMut) -> Self {
+        Self {
+            collider: put_default(body, before.collider.as_ref(), self.collider),
+            solver: put_default(body, before.solver.as_ref(), self.solver),
+            contacts: put_default(body, before.contacts.as_ref(), self.contacts),
+        }
+    }
 }
 
 /// The mesh that a body was built from.
@@ -130,8 +149,8 @@ pub(crate) struct AwaitsPlace {
 
 /// The result of building a body without an error.
 enum BuildOutcome {
-    /// The body is built, at this scale, and has been given this collider, unless the game's is kept.
-    Built(Vec3, Option<Collider>),
+    /// The body is built, at this scale, and has been given these components.
+    Built(Vec3, Defaults),
     /// The mesh, or another body, does not exist yet.
     Waiting,
     /// An observer despawned the body during the build.
@@ -202,8 +221,8 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
         let Ok(mut entity) = world.get_entity_mut(body) else { continue };
         entity.remove::<Rescaled>();
         match outcome {
-            Ok(BuildOutcome::Built(scale, collider)) => {
-                let built = Built { recipe, mesh: SourceMesh::Here(mesh), scale, collider };
+            Ok(BuildOutcome::Built(scale, defaults)) => {
+                let built = Built { recipe, mesh: SourceMesh::Here(mesh), scale, defaults };
                 entity.insert(built).remove::<(AwaitsMesh<R>, AwaitsPlace)>();
                 forget_replaced(&mut entity);
                 world.get_resource_or_init::<JustBuilt>().0.push(body);
@@ -213,9 +232,7 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
             }
             Ok(BuildOutcome::Gone) => {}
             Err(reason) => {
-                if entity.get::<Collider>() == built_collider(&entity) {
-                    entity.remove::<Collider>();
-                }
+                Defaults::default().put(&built_defaults(&entity), &mut entity);
                 entity.remove::<(AwaitsMesh<R>, Built<R>, BuiltBody)>();
                 despawn_built(world, body);
                 if awaits_place(world, body, &reason, at) {
@@ -264,9 +281,9 @@ fn wanted_mesh<R: Recipe>(world: &World, body: Entity, recipe: &R) -> Option<Ass
     source_mesh(world, body).filter(|_| recipe.wants_mesh()).map(Handle::id)
 }
 
-/// The collider that the last build of a body from this recipe added.
-pub(super) fn recipe_collider<'a, R: Recipe>(body: &'a EntityWorldMut) -> Option<&'a Collider> {
-    body.get::<Built<R>>().and_then(|built| built.collider.as_ref())
+/// The components that the last build of a body from this recipe added.
+pub(super) fn recipe_defaults<'a, R: Recipe>(body: &'a EntityWorldMut) -> Option<&'a Defaults> {
+    body.get::<Built<R>>().map(|built| &built.defaults)
 }
 
 /// Removes what the plugin keeps of a recipe that the body no longer has.
@@ -276,18 +293,22 @@ pub(super) fn forget_recipe<R: Recipe>(body: &mut EntityWorldMut) {
     }
 }
 
-/// Adds the collider of the recipe, unless the game has added one; returns the recipe's collider if it is used.
-fn put_collider(world: &mut World, body: Entity, own: Option<Collider>) -> Option<Collider> {
-    let mut entity = world.get_entity_mut(body).ok()?;
-    let has = entity.get::<Collider>();
-    // A collider equal to that of the recipe may have been restored.
-    if has.is_some() && has != built_collider(&entity) && has != own.as_ref() {
+/// Adds a component of the recipe (`own`), or removes that of an earlier build (`before`), unless the game has added one; returns the recipe's if it is used.
+fn put_default<C: Component + Clone + PartialEq>(
+    body: &mut EntityWorldMut,
+    before: Option<&C>,
+    own: Option<C>,
+) -> Option<C> {
+    let has = body.get::<C>();
+    // A component equal to that of the recipe may have been restored.
+    if has.is_some() && has != before && has != own.as_ref() {
         return None;
     }
     match &own {
-        Some(collider) => entity.insert(collider.clone()),
-        None => entity.remove::<Collider>(),
-    };
+        Some(component) if has != Some(component) => drop(body.insert(component.clone())),
+        None if has.is_some() => drop(body.remove::<C>()),
+        _ => {}
+    }
     own
 }
 
@@ -327,15 +348,6 @@ fn build_one<R: Recipe>(
 
     // A rebuilt body keeps its velocities.
     attach(world, body, (ExtractedTransform(Some(transform)), ExtractedVelocity(None)));
-    // The game's components take precedence over the recipe's.
-    if let Ok(mut entity) = world.get_entity_mut(body) {
-        if blueprint.settings != Default::default() {
-            entity.insert_if_new(BodySolver::from(blueprint.settings));
-        }
-        if let Some(contacts) = recipe.contacts() {
-            entity.insert_if_new(contacts);
-        }
-    }
     let all_there = particles.len() == placed.particles.len();
     if all_there && !placed.triangles.is_empty() {
         let corner = |i: u32| particles[i as usize];
@@ -349,9 +361,15 @@ fn build_one<R: Recipe>(
     if world.get_entity(body).is_ok() {
         recipe.finish(world, body, &placed, &particles);
     }
-    let collider = put_collider(world, body, recipe.collider(&blueprint));
-    if world.get_entity(body).is_ok() {
-        return Ok(BuildOutcome::Built(transform.scale, collider));
+    let has_settings = blueprint.settings != Default::default();
+    let defaults = Defaults {
+        collider: recipe.collider(&blueprint),
+        solver: has_settings.then(|| blueprint.settings.into()),
+        contacts: recipe.contacts(),
+    };
+    if let Ok(mut entity) = world.get_entity_mut(body) {
+        let defaults = defaults.put(&built_defaults(&entity), &mut entity);
+        return Ok(BuildOutcome::Built(transform.scale, defaults));
     }
     // The body's list was despawned with it; entities that were not in the list any more would remain.
     for entity in particles.into_iter().chain(bound) {

@@ -31,15 +31,14 @@ pub use soft::{SoftBody, SoftShape};
 use bevy::prelude::*;
 
 use crate::changes::any_body_may_have_moved;
-use crate::components::Collider;
 use crate::schedule::{SinewSystems, SinewTick};
 
 /// Functions of all recipes: the body of an entity may have been built from another recipe than the one that it has now.
 macro_rules! all_recipes {
     ($($recipe:ty),*) => {
-        /// The collider that the last build of a body added.
-        fn built_collider<'a>(body: &'a EntityWorldMut) -> Option<&'a Collider> {
-            None$(.or_else(|| build::recipe_collider::<$recipe>(body)))*
+        /// The components that the last build of a body added.
+        fn built_defaults(body: &EntityWorldMut) -> build::Defaults {
+            None$(.or_else(|| build::recipe_defaults::<$recipe>(body)))*.cloned().unwrap_or_default()
         }
 
         /// Removes what the plugin keeps of recipes that a body no longer has.
