@@ -128,6 +128,10 @@ pub enum Refusal {
     /// A body or a region that is round, or a figure, is scaled non-uniformly. It is left out until that is corrected.
     #[error("is left out: it cannot have a non-uniform scale")]
     UnevenScale,
+    /// A rigid body in a 2D world ([`Flatland`](crate::Flatland)) is not flat: its rods would contradict the plane. It is left out until the world is no longer
+    /// two-dimensional, or the body is changed.
+    #[error("is left out: it is not flat, and the world is two-dimensional")]
+    NotFlat,
     /// The transform of a body is not finite, or its scale is zero.
     #[error("cannot be built: its transform is not finite, or has no size")]
     Transform,

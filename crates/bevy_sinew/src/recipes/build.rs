@@ -12,8 +12,9 @@ use sinew::recipes::Blueprint;
 
 use crate::components::{
     BodyContacts, BodyPart, BodyParticles, BodyParts, BuiltBody, Collider, ConstraintOf,
-    CreationOrder, Drag, ExtractedTransform, ExtractedVelocity, Mass, MeshFollow, Particle,
-    ParticleBody, ParticleOf, Pinned, Radius, RestPlace, RigidPose, TubeMesh, WindSurface,
+    CreationOrder, Drag, ExtractedTransform, ExtractedVelocity, Flatland, Mass, MeshFollow,
+    Particle, ParticleBody, ParticleOf, Pinned, Radius, RestPlace, RigidPose, TubeMesh,
+    WindSurface,
 };
 use crate::config::BodySolver;
 use crate::frames::{Frames, Misplaced, in_world, is_same_scale};
@@ -22,6 +23,7 @@ use crate::messages::{Refusal, refuse_in};
 use crate::recipes::bind::{ListRelationship, attach, bind, insert_related, spawn_related};
 use crate::recipes::bind_mesh::source_mesh;
 use crate::recipes::built::JustBuilt;
+use crate::recipes::flat::{is_flat_world, may_be_flat};
 use crate::recipes::{built_defaults, forget_replaced};
 
 /// A component that describes a body, and builds it.
@@ -181,6 +183,22 @@ pub(crate) fn notice_scale(
     }
 }
 
+/// Tries bodies again that were refused, if the world has become two-dimensional or is no longer.
+pub(crate) fn notice_flatland(
+    mut commands: Commands,
+    flatlands: Query<(), With<Flatland>>,
+    refused: Query<Entity, With<AwaitsPlace>>,
+    mut was_flat: Local<bool>,
+) {
+    let is_flat = !flatlands.is_empty();
+    if core::mem::replace(&mut *was_flat, is_flat) == is_flat {
+        return;
+    }
+    for body in &refused {
+        commands.entity(body).insert(Rescaled);
+    }
+}
+
 /// Builds bodies whose recipe of type `R` is new or changed, whose mesh has loaded since, or whose scale changed.
 pub(crate) fn build<R: Recipe>(
     world: &mut World,
@@ -209,6 +227,10 @@ pub(crate) fn build_waiting<R: Recipe>(
 }
 
 fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entity, R, bool)>) {
+    if bodies.is_empty() {
+        return;
+    }
+    let is_flat = is_flat_world(world);
     bodies.sort_unstable_by_key(|(order, entity, ..)| (*order, *entity));
     for (_, body, recipe, waits) in bodies {
         // An observer of an earlier body may have despawned this one.
@@ -216,7 +238,7 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
             continue;
         }
         let mesh = wanted_mesh(world, body, &recipe);
-        let outcome = build_one(world, body, &recipe);
+        let outcome = build_one(world, body, &recipe, is_flat);
         let at = in_world(world, body);
         let Ok(mut entity) = world.get_entity_mut(body) else { continue };
         entity.remove::<Rescaled>();
@@ -252,7 +274,10 @@ fn awaits_place(
     at: Result<Transform, Misplaced>,
 ) -> bool {
     let Ok(mut entity) = world.get_entity_mut(body) else { return false };
-    if !matches!(reason, Refusal::Transform | Refusal::Sheared | Refusal::UnevenScale) {
+    if !matches!(
+        reason,
+        Refusal::Transform | Refusal::Sheared | Refusal::UnevenScale | Refusal::NotFlat
+    ) {
         entity.remove::<AwaitsPlace>();
         return false;
     }
@@ -317,6 +342,7 @@ fn build_one<R: Recipe>(
     world: &mut World,
     body: Entity,
     recipe: &R,
+    is_flat: bool,
 ) -> Result<BuildOutcome, Refusal> {
     if world.get::<Transform>(body).is_none() {
         return Err(Refusal::Transform);
@@ -341,6 +367,9 @@ fn build_one<R: Recipe>(
     let above = parent.map_or(Ok(Transform::IDENTITY), |parent| in_world(world, parent))?;
     if !blueprint.parts.is_empty() && !is_uniform(above.scale) {
         return Err(Refusal::Sheared);
+    }
+    if is_flat && !may_be_flat(&blueprint) {
+        return Err(Refusal::NotFlat);
     }
     let placed = blueprint.transformed(transform.rotation, transform.translation);
     let particles = spawn_particles(world, body, &blueprint, &placed);

@@ -6,6 +6,7 @@ mod bind_mesh;
 mod build;
 mod built;
 mod cloth;
+mod flat;
 mod ragdoll;
 mod rigid_box;
 mod rigid_mesh;
@@ -57,6 +58,7 @@ pub(crate) fn add(app: &mut App) {
     app.add_systems(
         SinewTick,
         (
+            build::notice_flatland,
             build::notice_scale
                 .run_if(any_body_may_have_moved.or_else(any_with_component::<build::AwaitsPlace>)),
             // Large bodies first: when something is despawned or cut, everything that was created after it is laid out and compiled again.

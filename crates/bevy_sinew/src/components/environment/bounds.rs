@@ -53,7 +53,9 @@ impl BoundingBox {
 }
 
 /// Makes the world two-dimensional: all particles stay in the entity's local xy plane, by default the plane z = 0. Only pinned particles may be outside of it.
-/// Its bodies must be flat (`RigidBox { flat: true, .. }`, ropes, loose particles): the rods of any other one contradict the plane, and it flies away.
+/// Its rigid bodies must be flat (`RigidBox { flat: true, .. }`), since the rods of any other one contradict the plane: a body that is not is refused when it is
+/// to be built ([`Refusal::NotFlat`](crate::Refusal::NotFlat)). Ropes, cloth, soft bodies and loose particles are flattened. Spawn the `Flatland` before or with
+/// the first bodies: one that is built already stays, and flies away if it is not flat.
 ///
 /// There is one world, and so one plane: of several entities, the valid one that was created first.
 ///
