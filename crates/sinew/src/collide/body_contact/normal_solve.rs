@@ -183,7 +183,8 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         wide.depenetrated = 0;
         wide.force = [[0.0; LANES]; 4];
         wide.remaining_overlap = [0.0; LANES];
-        wide.let_go(n);
+        let arm = unpressed_arm(wide, &radii, (&at, &height), (t, u, n));
+        wide.let_go(n, arm);
         return;
     }
     let (apart_t, apart_u) = plane.apart;
@@ -265,8 +266,9 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         }
         (L::load(&wide.total) + good.and(more.x)).store(&mut wide.total);
     }
+    let unpressed = unpressed_arm(wide, &radii, (&at, &height), (t, u, n));
     if !good.any() {
-        wide.let_go(n);
+        wide.let_go(n, unpressed);
         return;
     }
     let mark = marked.and(one);
@@ -288,10 +290,34 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         let (dx, dy, dz) = (at[i].0 - x, at[i].1 - y, height[i] - z);
         spread = spread + (dx * dx + dy * dy + dz * dz) * force[i];
     }
-    // Without an impulse in this substep, at the centre.
     good.and((spread * share).sqrt()).store(&mut wide.radius);
     store(n, &mut wide.up);
-    store(t * x + u * y + n * z, &mut wide.arm);
+    let arm = t * x + u * y + n * z;
+    store(arm.or_else(none.lt(share), unpressed), &mut wide.arm);
+}
+
+/// Where friction acts without an impulse in this substep, from the first one's centre: at the centre, because friction at an edge that has lifted would rock the
+/// body, for minutes; of a round shape where it is nearest, or what rolls would be held at its centre. Joints turn bones and segments on their contact points, so
+/// these count as not round here (they have no torsional radius): bones of figures that fell by a metre were off by 1.5 % instead of 1 % otherwise.
+#[inline(always)]
+fn unpressed_arm<L: Lanes, const POINTS: usize>(
+    wide: &WideContact,
+    radii: &[L; 2],
+    (at, height): (&[(L, L); POINTS], &[L; POINTS]),
+    (t, u, n): (Vector<L>, Vector<L>, Vector<L>),
+) -> Vector<L> {
+    let (none, one) = (L::zero(), L::splat(1.0));
+    let (mut count, mut x, mut y, mut z) = (none, none, none, none);
+    for i in 0..POINTS {
+        let there = L::load(&wide.missing[i]).lt(L::splat(FAR));
+        count = count + there.and(one);
+        (x, y) = (x + there.and(at[i].0), y + there.and(at[i].1));
+        z = z + there.and(height[i]);
+    }
+    let alone = none.lt(L::load(&wide.torsional_radius));
+    let is_round = none.lt(radii[0].max(radii[1])).and(alone).and(none.lt(count));
+    let share = is_round.and(one / count);
+    t * (x * share) + u * (y * share) + n * (z * share)
 }
 
 /// The anchors of both from the first one's centre; `apart` goes from there to the second one's centre.

@@ -414,11 +414,11 @@ impl WideContact {
         self.radius[lane] = radius;
     }
 
-    /// Moves the point of friction to the centre while a manifold does not press: friction at an edge that has lifted would rock the body, for minutes.
+    /// Moves the point of friction to `arm` while a manifold does not press.
     #[inline(always)]
-    pub(super) fn let_go<L: Lanes>(&mut self, normal: Vector<L>) {
+    pub(super) fn let_go<L: Lanes>(&mut self, normal: Vector<L>, arm: Vector<L>) {
         self.radius = [0.0; LANES];
-        self.arm = [[0.0; LANES]; 3];
+        store(arm, &mut self.arm);
         store(normal, &mut self.up);
     }
 }

@@ -235,3 +235,32 @@ fn a_ball_stays_on_a_ball_that_spins_below_it() {
     let at = centre(&world, high);
     assert!((at - Vec3::Y * 1.5).length() < 2e-3, "{at}");
 }
+
+/// A ball that hits a wall obliquely, in the air, has friction while it is stopped, and none when it no longer presses: it goes on along the wall at 5/7 of its
+/// speed, rolling. The friction of the substeps after the impact once acted at its centre, and left it with a half of that.
+#[test]
+fn a_ball_rolls_along_the_wall_that_it_has_hit() {
+    for (substeps, gravity) in [(4, 9.81), (10, 0.0), (10, 9.81), (40, 9.81)] {
+        // The impact is at any phase of a substep.
+        for gap in [0.0, 0.1, 0.113, 0.126, 0.139, 0.152] {
+            let mut world = world();
+            world.settings.substeps = substeps;
+            world.forces.gravity = Vec3::NEG_Y * gravity;
+            let wall = Frame::new(Vec3::ZERO, turn(Vec3::Z, core::f32::consts::FRAC_PI_2));
+            world
+                .colliders
+                .push(Collider::fixed(Shape::half_space(), wall).with_material(rough(0.5)));
+            set_material(&mut world, rough(0.5));
+            let ball = add_ball(&mut world, 0.5, Vec3::new(-0.5 - gap, 10.0, 0.0));
+            for i in ball..ball + 8 {
+                world.particles.set_velocity(i, Vec3::new(5.0, 0.0, 5.0));
+            }
+            step(&mut world, 0.2);
+            let (along, turns) = (velocity(&world, ball).z, spin(&world, ball).y);
+            let case =
+                format!("{substeps} substeps, gravity {gravity}, gap {gap}: {along} {turns}");
+            assert!((along / (25.0 / 7.0) - 1.0).abs() < 0.01, "{case}");
+            assert!((turns / (50.0 / 7.0) - 1.0).abs() < 0.01, "{case}");
+        }
+    }
+}
