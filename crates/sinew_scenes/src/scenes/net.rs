@@ -33,11 +33,9 @@ pub(super) const SCENE: Scene = Scene {
         unit: "",
         after: 1.5,
         measure: |world| {
-            let marbles = entities_named(world, "marble");
+            let marbles = entities_named(world, "right marble");
             let held = |marble: &&Entity| {
-                world
-                    .get::<Particle>(**marble)
-                    .is_some_and(|p| p.position.x > 0.0 && p.position.y > 0.35)
+                world.get::<Particle>(**marble).is_some_and(|p| p.position.y > 0.35)
             };
             (!marbles.is_empty()).then(|| marbles.iter().filter(held).count() as f64)
         },
@@ -59,8 +57,11 @@ fn spawn(world: &mut World) {
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     world.insert_resource(AirDrag(0.4));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
-    let by = [(-1.0, ContactShape::Particles, 0xd9c9a8), (1.0, ContactShape::Triangles, 0x9fc2d8)];
-    for (x, shape, color) in by {
+    let by = [
+        (-1.0, "left marble", ContactShape::Particles, 0xd9c9a8),
+        (1.0, "right marble", ContactShape::Triangles, 0x9fc2d8),
+    ];
+    for (x, name, shape, color) in by {
         let middle = Vec3::new(x, 1.2, 0.0);
         for (i, j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
             let post = post(world, 0.025, middle.y);
@@ -79,12 +80,12 @@ fn spawn(world: &mut World) {
             Interpolate,
             Transform::from_translation(middle).with_rotation(flat),
         ));
-        marbles(world, middle, times, density);
+        marbles(world, name, middle, times, density);
     }
 }
 
-/// Three layers of marbles above a sheet, none directly above another.
-fn marbles(world: &mut World, middle: Vec3, times: f32, density: f32) {
+/// Three layers of marbles above the middle of a sheet, none directly above another. Nearer to the rim, large ones would be pushed over it.
+fn marbles(world: &mut World, name: &'static str, middle: Vec3, times: f32, density: f32) {
     let colors = [0xd1495b, 0x66a182, 0xe9b44c, 0x8e6bb0, 0x2f8f83];
     let sizes = [0.035, 0.042, 0.05].map(|radius| {
         let radius = times * radius;
@@ -96,12 +97,12 @@ fn marbles(world: &mut World, middle: Vec3, times: f32, density: f32) {
         let [i, j] = [place % 4, place / 4].map(|i| i as f32);
         let shift = 0.07 * layer as f32;
         let across =
-            Vec3::new(0.26 * (i - 1.5) + shift - 0.05, 0.0, 0.3 * (j - 1.0) - shift + 0.06);
+            Vec3::new(0.2 * (i - 1.5) + shift - 0.07, 0.0, 0.22 * (j - 1.0) - shift + 0.07);
         let at = middle + across + Vec3::Y * (0.5 + 0.35 * layer as f32 + 0.03 * i);
         let (radius, skin) = &sizes[n as usize % 3];
         world.spawn((
             InScene,
-            Name::new("marble"),
+            Name::new(name),
             Particle::at(at),
             // The default density is that of wood; glass has 2500 kg/m³.
             Mass(density * 4.18879 * radius * radius * radius),
