@@ -9,8 +9,9 @@
 //! u' is clamped between 0 and max(u, 0)               where e = 0, between two moving sides
 //! ```
 //!
-//! The first is one problem over all contacts that touch: a contact solves it for itself, and the [rounds](solve_in_rounds) for all, starting from the impulses of
-//! the positions. With `e = 1` everywhere it keeps the energy, whatever touches what: a ball into two that touch, a gas.
+//! The first is one problem over all contacts of a kind that touch: a contact solves it for itself, and the [rounds](solve_in_rounds) for all, starting from the
+//! impulses of the positions. With `e = 1` everywhere it keeps the energy, however many touch. Between kinds it does not: particles on colliders bounce before
+//! those on each other, so what touches a wall and another particle in one substep loses energy.
 //!
 //! The [`threshold`] `2gh` is twice the speed that gravity adds in a substep: below it a contact is taken for a resting one, which would otherwise bounce for
 //! ever. `g` is the gravity on the two ([`RowGravity`](crate::forces::RowGravity)), the greater one if they differ. Without restitution two moving sides neither

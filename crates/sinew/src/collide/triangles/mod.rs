@@ -29,7 +29,8 @@
 //! candidates, eight at a time (`close_list`), and sweeps over these up to [`SWEEPS`] times: candidates that overlap or have passed through each other are
 //! corrected at once. A later sweep tests only candidates with a member that moved since the last one, and a further round of sweeps only those with a member
 //! that contacts displaced by more than its reserve. Candidates that still pass through each other after that move together for the rest of the substep
-//! (`zone`). Searches use all workers. All decisions are made in double precision and one after the other: this tier is for tens of thousands of triangles, not for millions.
+//! (`zone`). Searches use all workers. All decisions are made in double precision and one after the other: this tier is for tens of thousands of triangles, not
+//! for millions.
 //!
 //! # Order and determinism
 //!
