@@ -9,9 +9,9 @@
 //! u' is clamped between 0 and max(u, 0)               where e = 0, between two moving sides
 //! ```
 //!
-//! The first is one problem over all contacts of a kind that touch: a contact solves it for itself, and the [rounds](solve_in_rounds) for all, starting from the
-//! impulses of the positions. With `e = 1` everywhere it keeps the energy, however many touch. Between kinds it does not: particles on colliders bounce before
-//! those on each other, so what touches a wall and another particle in one substep loses energy.
+//! The first is one problem over all contacts that touch: a contact solves it for itself, and the [rounds](ImpactRounds) for all, starting from the impulses of
+//! the positions. With `e = 1` everywhere it keeps the energy, however many touch. There are two such problems: that of body colliders, and that of particles,
+//! with each other, with triangles and with colliders. What of the second touches a body collider in the same substep loses energy.
 //!
 //! The [`threshold`] `2gh` is twice the speed that gravity adds in a substep: below it a contact is taken for a resting one, which would otherwise bounce for
 //! ever. `g` is the gravity on the two ([`RowGravity`](crate::forces::RowGravity)), the greater one if they differ. Without restitution two moving sides neither
@@ -72,26 +72,63 @@ pub(super) fn contact_impulse<N: Number>(
     (n * (gained / inverse_mass) - slip * (share / inverse_mass), gained)
 }
 
-/// The part of the change `gained` of a contact, m/s, that asks for another [round](solve_in_rounds): all of it if it has a restitution; in the `first` round
-/// only if it was fast enough to bounce.
+/// Mask of the contacts whose change `gained`, m/s, reaches their neighbours in the next [round](ImpactRounds): in the `first` one only what was fast enough to
+/// bounce, since the rest has been solved with its neighbours in positions.
 #[inline(always)]
-pub(super) fn change_in_round<N: Number>(
+pub(super) fn spreads<N: Number>(
     (coefficient, before, threshold): (N, N, N),
     gained: N,
     first: bool,
 ) -> N {
-    let elastic = is_elastic(coefficient, before.abs(), threshold);
-    let counts = if first { elastic } else { N::zero().lt(coefficient) };
-    counts.and(gained.abs())
+    let changed = N::splat(QUIET).lt(gained.abs());
+    if first { is_elastic(coefficient, before.abs(), threshold).and(changed) } else { changed }
 }
 
-/// Repeats a pass over all contacts that touched in a substep until none with a restitution changes any more. A pass gets whether it is the first, and returns
-/// the largest [change](change_in_round), m/s.
-pub(super) fn solve_in_rounds(mut pass: impl FnMut(bool) -> f32) {
-    for round in 0..ROUNDS {
-        if pass(round == 0) <= QUIET {
-            break;
+/// Rounds of Gauss–Seidel over the contacts of particles that touched in a substep. The first solves all; each further one those with a particle whose velocity
+/// an impact has changed since the round before. So a contact is solved as often as its neighbours demand, whatever happens elsewhere.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ImpactRounds {
+    /// For each row the last round in which an impact changed its velocity. Rounds are counted on from substep to substep.
+    changed_in: Vec<u32>,
+    round: u32,
+    is_first: bool,
+    any_changed: bool,
+}
+
+impl ImpactRounds {
+    /// Calls `pass` for each round of a substep with this many rows.
+    pub(super) fn run(&mut self, rows: usize, mut pass: impl FnMut(&mut Self)) {
+        if self.round > u32::MAX - 2 * ROUNDS {
+            *self = Self::default();
         }
+        self.changed_in.resize(rows, 0);
+        // Rows that were changed in the last round of the substep before are too long ago.
+        self.round += 2;
+        for number in 0..ROUNDS {
+            self.is_first = number == 0;
+            self.any_changed = false;
+            pass(self);
+            self.round += 1;
+            if !self.any_changed {
+                break;
+            }
+        }
+    }
+
+    /// Whether this is the first round.
+    pub(super) fn is_first(&self) -> bool {
+        self.is_first
+    }
+
+    /// Whether a contact of these rows is solved in this round.
+    pub(super) fn reaches(&self, rows: impl IntoIterator<Item = u32>) -> bool {
+        self.is_first || rows.into_iter().any(|row| self.changed_in[row as usize] + 1 >= self.round)
+    }
+
+    /// Records that an impact has changed the velocity of a row.
+    pub(super) fn mark(&mut self, row: u32) {
+        self.changed_in[row as usize] = self.round;
+        self.any_changed = true;
     }
 }
 
@@ -104,6 +141,28 @@ mod tests {
         let (n, v) = (Vector::new(1.0_f32, 0.0, 0.0), Vector::new(now, 0.0, 0.0));
         let restitution = (coefficient, before, threshold(8.0, 1.0 / 64.0));
         contact_impulse(n, v, restitution, (0.0, 0.0), (1.0, pressed)).1
+    }
+
+    #[test]
+    fn only_what_is_next_to_a_change_is_solved_again() {
+        let mut rounds = ImpactRounds::default();
+        for _substep in 0..2 {
+            // A chain of contacts `[i, i + 1]`: the first changes in the first round, and each one in the round after its neighbour.
+            let mut solved = [0; 7];
+            let mut numbers = 0;
+            rounds.run(8, |round| {
+                for i in (0..7).rev() {
+                    if round.reaches([i, i + 1]) {
+                        solved[i as usize] += 1;
+                        if i == numbers && numbers < 3 {
+                            round.mark(i + 1);
+                        }
+                    }
+                }
+                numbers += 1;
+            });
+            assert_eq!((numbers, solved), (4, [2, 3, 3, 2, 1, 1, 1]));
+        }
     }
 
     #[test]

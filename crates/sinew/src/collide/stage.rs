@@ -7,6 +7,7 @@ use super::nearby::Nearby;
 use super::pairs::Pairs;
 use super::particle_contact::{NormalImpulse, NormalImpulses, ParticleContacts};
 use super::pressed::PressedCloth;
+use super::restitution::ImpactRounds;
 use super::triangles::Triangles;
 use super::world::World;
 use crate::forces::RowGravity;
@@ -24,6 +25,7 @@ pub(crate) struct Contacts {
     nearby: Nearby,
     pairs: Pairs,
     triangles: Triangles,
+    impact_rounds: ImpactRounds,
     pub(crate) body_contact: BodyContactSolver,
     impacts: Impacts,
 }
@@ -122,10 +124,19 @@ impl Contacts {
 
     /// Solves restitution: after the velocities of a substep.
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
+        let Self { particle_contacts, normal_impulses, pairs, triangles, .. } = self;
         self.body_contact.bounce(particles, h, gravity);
-        self.pairs.bounce(particles, h, gravity);
-        self.triangles.bounce(particles, h, gravity);
-        self.particle_contacts.flatten(particles, true);
+        if pairs.any_touched() || triangles.any_touched() {
+            let mut normal_impulses = NormalImpulses::all(normal_impulses);
+            self.impact_rounds.run(particles.len(), |rounds| {
+                pairs.bounce(particles, h, gravity, rounds);
+                triangles.bounce(particles, h, gravity, rounds);
+                particle_contacts.bounce_again(particles, &mut normal_impulses, h, rounds);
+            });
+            pairs.end_substep();
+            triangles.end_substep();
+        }
+        particle_contacts.flatten(particles, true);
     }
 
     /// Depths of overlap of body colliders with each other and with static geometry, metres, each with a row of the two.

@@ -86,12 +86,24 @@ kernel!(
 );
 
 /// Magnitude of the gravity on each row in a step, m/s². Contacts take for resting what approaches no faster than it accelerates a row in some substeps.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct RowGravity {
     /// On every row that is not listed.
     uniform: f32,
     /// On each row, none on pinned ones; empty where it is the same on all others.
     rows: Vec<f32>,
+}
+
+/// Keeps the memory of the list in [`clone_from`](Clone::clone_from), which is called once a step.
+impl Clone for RowGravity {
+    fn clone(&self) -> Self {
+        Self { uniform: self.uniform, rows: self.rows.clone() }
+    }
+
+    fn clone_from(&mut self, other: &Self) {
+        self.uniform = other.uniform;
+        self.rows.clone_from(&other.rows);
+    }
 }
 
 impl RowGravity {

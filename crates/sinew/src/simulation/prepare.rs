@@ -264,7 +264,7 @@ impl Simulation {
         let world = contact_world(given, among, pull, steps);
         let execution = execution(self.instructions, &self.workers);
         scratch.contacts.begin((particles, &forces.surfaces), world, contact_cache, execution);
-        scratch.contacts.particle_contacts.note_inside(particles);
+        scratch.contacts.particle_contacts.note_inside(particles, length);
         let Scratch { contacts, plan, .. } = scratch;
         let Islands { list, members, rows_near_colliders, .. } = &mut plan.islands;
         rows_near_colliders.clear();

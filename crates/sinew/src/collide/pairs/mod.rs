@@ -52,7 +52,7 @@ use glam::Vec3;
 use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
-use super::restitution::solve_in_rounds;
+use super::restitution::ImpactRounds;
 use crate::forces::RowGravity;
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
@@ -151,18 +151,30 @@ impl Pairs {
         worst
     }
 
-    /// Applies restitution to the pairs that touched in the substep of `h` seconds. To be called after velocities have been derived.
-    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
+    /// Whether any pair touched in this substep.
+    pub(super) fn any_touched(&self) -> bool {
+        !(self.touched.is_empty() && self.hits.is_empty())
+    }
+
+    /// Applies restitution to the pairs that touched in the substep of `h` seconds, in one of its rounds. To be called after velocities have been derived.
+    pub(super) fn bounce(
+        &mut self,
+        particles: &mut Particles,
+        h: f32,
+        gravity: &RowGravity,
+        rounds: &mut ImpactRounds,
+    ) {
         let Self { touched, neighbours, hits, instructions, .. } = self;
-        solve_in_rounds(|first| {
-            let velocity = &mut particles.velocity[..];
-            let blocks = &neighbours.blocks[..];
-            let most = bounce_pairs(touched, blocks, velocity, gravity, h, first, *instructions);
-            let single = hits.iter_mut().map(|hit| hit.bounce(particles, h, gravity, first));
-            single.fold(most, f32::max)
-        });
+        let (velocity, blocks) = (&mut particles.velocity[..], &neighbours.blocks[..]);
+        bounce_pairs(touched, blocks, velocity, gravity, h, rounds, *instructions);
+        hits.iter_mut().for_each(|hit| hit.bounce(particles, h, gravity, rounds));
+    }
+
+    /// Records the contacts to be reported, after the last round of a substep.
+    pub(super) fn end_substep(&mut self) {
+        let Self { touched, hits, reported, .. } = self;
         hits.iter_mut().for_each(|hit| hit.note_impulse(touched));
-        self.reported.extend(self.hits.iter().filter(|hit| hit.reported));
+        reported.extend(hits.iter().filter(|hit| hit.reported));
     }
 
     /// Reports the contacts of the step that involve a body with events enabled.

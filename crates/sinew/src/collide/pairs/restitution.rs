@@ -10,10 +10,10 @@ use glam::{Vec3, Vec4};
 
 use super::super::filter::ContactFilter;
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::{change_in_round, contact_impulse, threshold};
+use super::super::restitution::{ImpactRounds, contact_impulse, spreads, threshold};
 use super::neighbour_list::PairBlock;
 use crate::forces::RowGravity;
-use crate::lanes::{LANES, Lanes, Vector, kernel};
+use crate::lanes::{LANES, Lanes, Number, SetLanes, Vector, kernel};
 use crate::particles::Particles;
 
 /// A block of pairs of which some touched.
@@ -35,7 +35,7 @@ pub(super) struct Touched {
 }
 
 kernel!(
-    /// Solves the velocities of all blocks that touched, in the first round with the friction of the overlaps. Returns the largest change, m/s.
+    /// Solves the velocities of the blocks that touched in one of the rounds, in the first with the friction of the overlaps.
     pub(super) fn bounce_pairs<L: Lanes>(
         touched: &mut [Touched],
         blocks: &[PairBlock],
@@ -43,18 +43,25 @@ kernel!(
         gravity: &RowGravity,
         // Length of the substep, seconds.
         h: f32,
-        first: bool,
-    ) -> f32 {
-        let (none, rate) = (L::zero(), L::splat(1.0 / h));
-        let mut most = none;
+        rounds: &mut ImpactRounds,
+    ) -> () {
+        let (none, rate, first) = (L::zero(), L::splat(1.0 / h), rounds.is_first());
         for one in touched {
             let block = &blocks[one.block as usize];
             let [rows_a, rows_b] = &block.rows;
-            let (a, lag_a) = Vector::of(L::rows(velocity, rows_a));
-            let (b, lag_b) = Vector::of(L::rows(velocity, rows_b));
             let [x, y, z] = &one.normal;
             let n = Vector::new(L::load(x), L::load(y), L::load(z));
-            let hit = L::splat(0.5).lt(n.length_squared());
+            let mut hit = L::splat(0.5).lt(n.length_squared());
+            if !first {
+                let reached = |lane: &usize| rounds.reaches([rows_a[*lane], rows_b[*lane]]);
+                let reached = SetLanes(hit.bits()).filter(reached).fold(0, |all, i| all | 1 << i);
+                if reached == 0 {
+                    continue;
+                }
+                hit = L::mask(reached);
+            }
+            let (a, lag_a) = Vector::of(L::rows(velocity, rows_a));
+            let (b, lag_b) = Vector::of(L::rows(velocity, rows_b));
             let least = threshold(L::load(&gravity.of_pairs(rows_a, rows_b)), h);
             let elastic = (L::load(&block.restitution), L::load(&one.parting), least);
             let (w_a, w_b) = (L::load(&one.weights[0]), L::load(&one.weights[1]));
@@ -63,13 +70,16 @@ kernel!(
             let limit = if first { friction * L::load(&one.overlap) * rate } else { none };
             let (impulse, gained) =
                 contact_impulse(n, a - b, elastic, (friction, limit), (w_a + w_b, pressed + added));
-            (added + gained).store(&mut one.gained);
-            most = most.max(hit.and(change_in_round(elastic, gained, first)));
+            (added + hit.and(gained)).store(&mut one.gained);
             let (a, b) = ((a + impulse * w_a).or_else(hit, a), (b - impulse * w_b).or_else(hit, b));
             L::put_rows(velocity, rows_a, a.with(lag_a));
             L::put_rows(velocity, rows_b, b.with(lag_b));
+            let spreads = hit.and(spreads(elastic, gained, first));
+            for (rows, w) in [(rows_a, w_a), (rows_b, w_b)] {
+                let moves = spreads.and(none.lt(w)).bits();
+                SetLanes(moves).for_each(|lane| rounds.mark(rows[lane]));
+            }
         }
-        most.largest(0.0)
     }
 );
 
@@ -123,16 +133,16 @@ impl PairHit {
         }
     }
 
-    /// Applies restitution to the pair after a substep of `h` seconds, unless its block does. Returns its change, m/s.
+    /// Applies restitution to the pair in one of the rounds after a substep of `h` seconds, unless its block does.
     pub(super) fn bounce(
         &mut self,
         particles: &mut Particles,
         h: f32,
         gravity: &RowGravity,
-        first: bool,
-    ) -> f32 {
-        if self.place.is_some() {
-            return 0.0;
+        rounds: &mut ImpactRounds,
+    ) {
+        if self.place.is_some() || !rounds.reaches(self.rows) {
+            return;
         }
         let [a, b] = self.rows.map(|row| row as usize);
         let (w_a, w_b) = (particles.inverse_mass(a), particles.inverse_mass(b));
@@ -146,9 +156,15 @@ impl PairHit {
         let (impulse, gained) = contact_impulse(normal, velocity, elastic, friction, pressed);
         let impulse = Vec3::from(impulse);
         self.impulse += gained / weights;
-        particles.velocity[a] += (impulse * w_a).extend(0.0);
-        particles.velocity[b] -= (impulse * w_b).extend(0.0);
-        change_in_round(elastic, gained, first)
+        let spreads = spreads(elastic, gained, rounds.is_first()).any();
+        for (row, w, sign) in [(self.rows[0], w_a, 1.0), (self.rows[1], w_b, -1.0)] {
+            if w > 0.0 {
+                particles.velocity[row as usize] += (impulse * (w * sign)).extend(0.0);
+                if spreads {
+                    rounds.mark(row);
+                }
+            }
+        }
     }
 
     /// Adds the impulse that its block has added, if it is in one.

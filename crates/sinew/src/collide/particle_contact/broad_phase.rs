@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::super::material::CombinedMaterial;
 use super::super::nearby;
 use super::super::world::World;
 use super::surface::SurfaceForm;
@@ -28,6 +27,8 @@ impl ParticleContacts {
     ) {
         self.first.clear();
         self.candidates.clear();
+        self.elastic.clear();
+        self.late.0.clear();
         normal_impulses.clear();
         self.reaches.clear();
         self.batches.clear();
@@ -91,16 +92,11 @@ impl ParticleContacts {
                         continue;
                     }
                     let material = self.materials[number * classes + self.classes.of(row)];
-                    let Some(CombinedMaterial { friction, restitution, drag }) = material else {
+                    let Some(material) = material.filter(|_| !self.ignores(row, number)) else {
                         continue;
                     };
-                    if self.ignores(row, number) {
-                        continue;
-                    }
-                    let (surface, gravity) = (number as u32, world.row_gravity.of(row));
-                    let candidate =
-                        SurfaceCandidate { surface, friction, restitution, drag, gravity };
-                    self.sort.found.push((row, candidate));
+                    let gravity = world.row_gravity.of(row);
+                    self.sort.found.push((row, SurfaceCandidate::new(number, material, gravity)));
                 }
             }
         }
@@ -138,7 +134,9 @@ impl ParticleContacts {
 
     /// Counting sort of the candidates by row, stable in the order of surfaces.
     fn sort_by_row(&mut self, rows: usize) {
-        let Self { first, candidates, sort: CandidateSort { found, .. }, .. } = self;
+        let Self {
+            first, candidates, elastic, surfaces, sort: CandidateSort { found, .. }, ..
+        } = self;
         first.resize(rows + 1, 0);
         for &(row, _) in found.iter() {
             first[row as usize + 1] += 1;
@@ -151,6 +149,9 @@ impl ParticleContacts {
         for &(row, candidate) in found.iter() {
             let place = &mut first[row as usize];
             candidates[*place as usize] = candidate;
+            if candidate.restitution > 0.0 && !surfaces[candidate.surface as usize].sensor {
+                elastic.push([row, *place]);
+            }
             *place += 1;
         }
         first.rotate_right(1);

@@ -6,7 +6,9 @@
 use glam::Vec3;
 
 use super::super::recovery::{MAX_DEPENETRATION, in_substep, recovery};
-use super::{ParticleContact, ParticleContacts};
+use super::super::restitution::{is_elastic, threshold};
+use super::{ParticleContact, ParticleContacts, SurfaceCandidate};
+use crate::lanes::Number;
 use crate::particles::{Particles, Places};
 
 /// A row that overlaps something at the start of a step.
@@ -31,8 +33,9 @@ impl ParticleContacts {
         self.recover
     }
 
-    /// Records the rows that overlap something at the start of the step.
-    pub(crate) fn note_inside(&mut self, particles: &mut Particles) {
+    /// Records the rows that overlap something at the start of a step of substeps of `h` seconds, apart from those that bounce off it: that sets their velocity,
+    /// whatever the recovery has made of it. A particle that another one has just pushed into a wall lost all of its velocity otherwise.
+    pub(crate) fn note_inside(&mut self, particles: &mut Particles, h: f32) {
         let mut inside = core::mem::take(&mut self.inside);
         inside.clear();
         let places = Places::all(particles);
@@ -40,24 +43,37 @@ impl ParticleContacts {
             if self.is_excluded(row) || places.position[row as usize].w == 0.0 {
                 continue;
             }
-            let deepest = self.overlaps(&places, row).max_by(|a, b| a.depth.total_cmp(&b.depth));
-            let deep = deepest.filter(|overlap| overlap.depth > self.max_depenetration);
-            inside.extend(deep.map(|ParticleContact { normal, .. }| {
-                let leaving = places.velocity[row as usize].truncate().dot(normal).max(0.0);
-                InsideRow { row, normal, leaving }
-            }));
+            let deepest =
+                self.overlaps(&places, row).max_by(|a, b| a.0.depth.total_cmp(&b.0.depth));
+            let deep = deepest.filter(|(overlap, _)| overlap.depth > self.max_depenetration);
+            let Some((ParticleContact { normal, .. }, candidate)) = deep else { continue };
+            let along = places.velocity[row as usize].truncate().dot(normal);
+            let bounces = |candidate: &SurfaceCandidate| {
+                let least = threshold(candidate.gravity, h);
+                is_elastic(candidate.restitution, along.abs(), least).any()
+            };
+            if !candidate.is_some_and(bounces) {
+                inside.push(InsideRow { row, normal, leaving: along.max(0.0) });
+            }
         }
         self.inside = inside;
     }
 
-    /// The overlaps of a row at the start of a step.
-    fn overlaps(&self, places: &Places, row: u32) -> impl Iterator<Item = ParticleContact> {
+    /// The overlaps of a row at the start of a step, those with surfaces with their candidate.
+    fn overlaps(
+        &self,
+        places: &Places,
+        row: u32,
+    ) -> impl Iterator<Item = (ParticleContact, Option<&SurfaceCandidate>)> {
         let bounds = self.bounds.of(self.classes.of(row));
         let bounds = bounds.corrections(places, row).filter_map(ParticleContact::along);
+        let bounds = bounds.map(|overlap| (overlap, None));
         let surfaces = self.of(row).filter_map(move |number| {
-            let number = self.candidates[number as usize].surface as usize;
+            let candidate = &self.candidates[number as usize];
+            let number = candidate.surface as usize;
             let (surface, frame) = (&self.surfaces[number], &self.frames[number]);
-            if surface.sensor { None } else { surface.overlap(places, row, frame) }
+            let overlap = if surface.sensor { None } else { surface.overlap(places, row, frame) };
+            overlap.map(|overlap| (overlap, Some(candidate)))
         });
         bounds.chain(surfaces)
     }

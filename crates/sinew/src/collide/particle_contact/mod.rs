@@ -6,11 +6,12 @@
 //! Nothing gets through, however fast the particle and however thin the shape.
 //!
 //! The broad phase runs once a step (`broad_phase`), with a margin for the distance that the fastest particle of an island may cover. A particle that
-//! nevertheless moves further, flung by something, is tested against every collider.
+//! nevertheless moves further, flung by something, is tested against every collider (`late`).
 
 mod batches;
 mod broad_phase;
 mod inside;
+mod late;
 mod normal_impulse;
 mod reach;
 mod restitution;
@@ -28,12 +29,15 @@ use super::recovery::{limit_correction, limit_depth};
 use super::shape::ShapeTouch;
 use super::world::World;
 use crate::constraints::{PlanarDrag, Plane};
+use crate::forces::RowGravity;
+use crate::not_cloned::NotCloned;
 use crate::particles::{Particles, Places};
 
 pub(crate) use normal_impulse::{NormalImpulse, NormalImpulses};
 
 use batches::CandidateBatches;
 use inside::InsideRow;
+use late::LateContacts;
 use surface::{ContactSurface, SurfaceForm};
 
 /// Everything that single particles collide with in one step. Scratch.
@@ -53,6 +57,10 @@ pub(crate) struct ParticleContacts {
     /// Index of the first candidate of each row, followed by the number of candidates; empty where there are no surfaces.
     first: Vec<u32>,
     candidates: Vec<SurfaceCandidate>,
+    /// Rows and numbers of the candidates with a restitution, sensors apart.
+    elastic: Vec<[u32; 2]>,
+    late: NotCloned<LateContacts>,
+    gravity: RowGravity,
     /// Surfaces with the rows whose bodies ignore them; sorted.
     ignored: Vec<[u32; 2]>,
     /// `[x y z d²]`: position of each row when the broad phase ran, from its origin, and the square of the distance that it may move from there, m².
@@ -103,6 +111,14 @@ struct SurfaceCandidate {
     gravity: f32,
 }
 
+impl SurfaceCandidate {
+    /// Gravity in m/s².
+    fn new(surface: usize, material: CombinedMaterial, gravity: f32) -> Self {
+        let CombinedMaterial { friction, restitution, drag } = material;
+        Self { surface: surface as u32, friction, restitution, drag, gravity }
+    }
+}
+
 impl ParticleContacts {
     /// Begins a step: takes the valid surfaces and finds the candidates of each row, except rows that do not collide as particles: those of body colliders, marked
     /// in `solid`, and those of bodies whose contacts are disabled.
@@ -130,6 +146,7 @@ impl ParticleContacts {
             self.frames.extend(self.surfaces.iter().map(|surface| surface.frame_at(share)));
         }
         self.mark_excluded(particles, world.filter, solid);
+        self.gravity.clone_from(world.row_gravity);
         self.broad_phase(particles, world, normal_impulses);
     }
 
@@ -338,34 +355,25 @@ impl ParticleContacts {
         (row, number): (u32, u32),
         contact: &ParticleContact,
     ) -> f32 {
-        normal_impulses.at(number).record(places, row, contact);
         let candidate = &self.candidates[number as usize];
+        self.resolve(places, normal_impulses.at(number), (row, candidate), contact)
+    }
+
+    /// Records a contact and resolves it; returns the depth, metres.
+    #[inline]
+    fn resolve(
+        &self,
+        places: &mut Places,
+        impulse: &mut NormalImpulse,
+        (row, candidate): (u32, &SurfaceCandidate),
+        contact: &ParticleContact,
+    ) -> f32 {
+        impulse.record(places, row, contact);
         if self.surfaces[candidate.surface as usize].sensor {
             return 0.0;
         }
         contact.resolve(places, row, candidate.friction);
         contact.depth
-    }
-
-    /// As [`project_to_surfaces`](Self::project_to_surfaces), against all surfaces: for a row that moved further than the broad phase allowed for.
-    #[cold]
-    fn project_to_all_surfaces(
-        &self,
-        places: &mut Places,
-        row: u32,
-        interval: InstantInterval,
-    ) -> f32 {
-        let mut worst = 0.0_f32;
-        for (number, surface) in self.surfaces.iter().enumerate() {
-            let material = self.material(number, self.classes.of(row));
-            let touches = || !surface.sensor && !self.ignores(row, number);
-            let Some(material) = material.filter(|_| touches()) else { continue };
-            if let Some(contact) = self.contact(places, row, number, interval) {
-                worst = worst.max(contact.depth);
-                contact.resolve(places, row, material.friction);
-            }
-        }
-        worst
     }
 
     /// Whether the body of a row ignores a surface.

@@ -16,6 +16,8 @@ pub(crate) struct NormalImpulse {
     pub(super) carried: Vec3,
     /// Velocity of the row along the normal at the start of this substep, m/s; negative when approaching.
     pub(super) approach: f32,
+    /// Normal velocity that the contact has added in this substep, m/s, in positions and by restitution; 0 where it did not touch.
+    pub(super) pressed: f32,
     /// Accumulated impulse in the step, N·s: in each substep mass times depth / h.
     pub(super) sum: f32,
 }

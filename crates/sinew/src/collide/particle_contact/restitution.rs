@@ -1,18 +1,26 @@
 //! After the velocities are derived: restitution, drag of surfaces, and contact events.
 
-use super::super::friction::friction_share;
+use glam::Vec3;
+
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::{is_elastic, rebound, threshold};
-use super::{NormalImpulses, ParticleContacts};
+use super::super::restitution::{ImpactRounds, contact_impulse, is_elastic, spreads, threshold};
+use super::late::LateContact;
+use super::{NormalImpulse, NormalImpulses, ParticleContacts, SurfaceCandidate};
 use crate::constraints::PlanarDrag;
-use crate::lanes::Number;
+use crate::lanes::{Number, Vector};
 use crate::particles::{NO_BODY, Particles, Places};
 
 impl ParticleContacts {
+    /// Whether rows may have touched something that the broad phase has not foreseen.
+    #[inline]
+    pub(crate) fn any_late(&self) -> bool {
+        self.late.0.any()
+    }
+
     /// Whether there may be velocities to solve after they are derived.
     #[inline]
     pub(crate) fn bounces(&self) -> bool {
-        !self.candidates.is_empty()
+        !self.candidates.is_empty() || self.any_late()
     }
 
     /// Applies restitution and drag to rows that touched something in the substep of `h` seconds.
@@ -28,39 +36,83 @@ impl ParticleContacts {
         rows: core::ops::Range<u32>,
         h: f32,
     ) {
-        for row in rows {
+        for row in rows.clone() {
             for number in self.of(row) {
-                let contact = normal_impulses.at(number);
-                let depth = core::mem::take(&mut contact.depth);
-                if depth == 0.0 {
-                    continue;
-                }
-                let i = places.at(row);
-                contact.sum += depth / (places.position[i].w * h);
                 let candidate = &self.candidates[number as usize];
-                if self.surfaces[candidate.surface as usize].sensor {
-                    continue;
-                }
-                let (normal, carried) = (contact.normal, contact.carried / h);
-                let approach = contact.approach - carried.dot(normal);
-                let velocity = places.velocity[i].truncate() - carried;
-                let along = velocity.dot(normal);
-                let least = threshold(candidate.gravity, h);
-                if is_elastic(candidate.restitution, -approach, least).any() {
-                    let wanted = rebound(candidate.restitution, approach);
-                    let (gained, slip) = (wanted - along, velocity - normal * along);
-                    let taken = friction_share(slip.length(), candidate.friction * gained);
-                    places.velocity[i] += (normal * gained - slip * taken).extend(0.0);
-                    contact.sum += gained / places.position[i].w;
-                }
-                if candidate.drag != PlanarDrag::default() {
-                    let across = normal * along;
-                    let lost = candidate.drag.lost_in(h);
-                    let taken = (velocity - across) * lost[0] + across * lost[1];
-                    places.velocity[i] -= taken.extend(0.0);
-                }
+                self.bounce_one(places, normal_impulses.at(number), (row, candidate), h);
             }
         }
+        self.late.0.each(rows, |row, LateContact { candidate, impulse }| {
+            self.bounce_one(places, impulse, (row, candidate), h);
+        });
+    }
+
+    /// Applies restitution and drag to a contact.
+    #[inline]
+    fn bounce_one(
+        &self,
+        places: &mut Places,
+        contact: &mut NormalImpulse,
+        (row, candidate): (u32, &SurfaceCandidate),
+        h: f32,
+    ) {
+        let depth = core::mem::take(&mut contact.depth);
+        contact.pressed = depth / h;
+        if depth == 0.0 {
+            return;
+        }
+        let i = places.at(row);
+        contact.sum += depth / (places.position[i].w * h);
+        if self.surfaces[candidate.surface as usize].sensor {
+            return;
+        }
+        let (coefficient, before, least) = contact.elasticity(candidate, h);
+        if is_elastic(coefficient, before.abs(), least).any() {
+            contact.bounce(places, row, candidate, h);
+        }
+        if candidate.drag != PlanarDrag::default() {
+            let carried = contact.carried / h;
+            let velocity = places.velocity[i].truncate() - carried;
+            let across = contact.normal * velocity.dot(contact.normal);
+            let lost = candidate.drag.lost_in(h);
+            let taken = (velocity - across) * lost[0] + across * lost[1];
+            places.velocity[i] -= taken.extend(0.0);
+        }
+    }
+
+    /// Solves the contacts with a restitution again in one of the rounds after a substep of `h` seconds, together with those between particles. In the first
+    /// round they have just been [solved](Self::bounce): those that bounced reach their neighbours.
+    pub(in crate::collide) fn bounce_again(
+        &self,
+        particles: &mut Particles,
+        normal_impulses: &mut NormalImpulses,
+        h: f32,
+        rounds: &mut ImpactRounds,
+    ) {
+        let mut places = Places::all(particles);
+        let mut again = |contact: &mut NormalImpulse, row, candidate: &SurfaceCandidate| {
+            if contact.pressed == 0.0 || !rounds.reaches([row]) {
+                return;
+            }
+            let first = rounds.is_first();
+            let gained = if first {
+                contact.pressed
+            } else {
+                contact.bounce(&mut places, row, candidate, h)
+            };
+            if spreads(contact.elasticity(candidate, h), gained, first).any() {
+                rounds.mark(row);
+            }
+        };
+        for &[row, number] in &self.elastic {
+            again(normal_impulses.at(number), row, &self.candidates[number as usize]);
+        }
+        self.late.0.each(0..u32::MAX, |row, LateContact { candidate, impulse }| {
+            let is_sensor = self.surfaces[candidate.surface as usize].sensor;
+            if candidate.restitution > 0.0 && !is_sensor {
+                again(impulse, row, candidate);
+            }
+        });
     }
 
     /// Reports the contacts of a step whose body or surface has events enabled.
@@ -74,30 +126,65 @@ impl ParticleContacts {
         if !(reported || self.surfaces.iter().any(|surface| surface.events)) {
             return;
         }
-        for row in 0..particles.len() {
-            for number in self.of(row as u32) {
-                let contact = normal_impulses.at(number);
-                let surface = &self.surfaces[self.candidates[number as usize].surface as usize];
-                let body = particles.body[row];
-                let is_reported = self.reported.get(body as usize) == Some(&true);
-                if contact.sum == 0.0 || !(is_reported || surface.events) {
-                    continue;
-                }
-                let participant = if body == NO_BODY {
-                    ContactParticipant::Particle(row as u32)
-                } else {
-                    ContactParticipant::Body(body)
-                };
-                let point = particles.position(row) - contact.normal * particles.radius[row];
-                let impulse = if surface.sensor { 0.0 } else { contact.sum };
-                impacts.add(
-                    [participant, surface.participant],
-                    point,
-                    contact.normal,
-                    impulse,
-                    surface.sensor,
-                );
+        let mut report = |row: u32, contact: &NormalImpulse, candidate: &SurfaceCandidate| {
+            let surface = &self.surfaces[candidate.surface as usize];
+            let body = particles.body[row as usize];
+            let is_reported = self.reported.get(body as usize) == Some(&true);
+            if contact.sum == 0.0 || !(is_reported || surface.events) {
+                return;
+            }
+            let participant = if body == NO_BODY {
+                ContactParticipant::Particle(row)
+            } else {
+                ContactParticipant::Body(body)
+            };
+            let row = row as usize;
+            let point = particles.position(row) - contact.normal * particles.radius[row];
+            let impulse = if surface.sensor { 0.0 } else { contact.sum };
+            impacts.add(
+                [participant, surface.participant],
+                point,
+                contact.normal,
+                impulse,
+                surface.sensor,
+            );
+        };
+        for row in 0..particles.len() as u32 {
+            for number in self.of(row) {
+                report(row, normal_impulses.at(number), &self.candidates[number as usize]);
             }
         }
+        self.late.0.each(0..u32::MAX, |row, late| report(row, &late.impulse, &late.candidate));
+    }
+}
+
+impl NormalImpulse {
+    /// Coefficient of restitution, relative normal velocity before the contact and threshold, m/s, in a substep of `h` seconds.
+    fn elasticity(&self, candidate: &SurfaceCandidate, h: f32) -> (f32, f32, f32) {
+        let before = self.approach - self.carried.dot(self.normal) / h;
+        (candidate.restitution, before, threshold(candidate.gravity, h))
+    }
+
+    /// Applies restitution to its row in a substep of `h` seconds, and returns what it adds to the velocity along the normal, m/s.
+    fn bounce(
+        &mut self,
+        places: &mut Places,
+        row: u32,
+        candidate: &SurfaceCandidate,
+        h: f32,
+    ) -> f32 {
+        let i = places.at(row);
+        let velocity = places.velocity[i].truncate() - self.carried / h;
+        let (by, gained) = contact_impulse::<f32>(
+            Vector::splat(self.normal),
+            Vector::splat(velocity),
+            self.elasticity(candidate, h),
+            (candidate.friction, 0.0),
+            (1.0, self.pressed),
+        );
+        places.velocity[i] += Vec3::from(by).extend(0.0);
+        self.pressed += gained;
+        self.sum += gained / places.position[i].w;
+        gained
     }
 }

@@ -64,7 +64,7 @@ mod zone;
 use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
-use super::restitution::solve_in_rounds;
+use super::restitution::ImpactRounds;
 use crate::forces::RowGravity;
 use crate::particles::Particles;
 use crate::threads::ExecutionContext;
@@ -246,12 +246,24 @@ impl Triangles {
         }
     }
 
-    /// Applies restitution and friction to the contacts of a substep of `h` seconds. To be called after velocities are derived.
-    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
-        let hits = &mut self.hits;
-        solve_in_rounds(|first| {
-            hits.iter_mut().map(|hit| hit.bounce(particles, h, gravity, first)).fold(0.0, f32::max)
-        });
+    /// Whether anything touched in this substep.
+    pub(super) fn any_touched(&self) -> bool {
+        !self.hits.is_empty()
+    }
+
+    /// Applies restitution and friction to the contacts of a substep of `h` seconds, in one of its rounds. To be called after velocities are derived.
+    pub(super) fn bounce(
+        &mut self,
+        particles: &mut Particles,
+        h: f32,
+        gravity: &RowGravity,
+        rounds: &mut ImpactRounds,
+    ) {
+        self.hits.iter_mut().for_each(|hit| hit.bounce(particles, h, gravity, rounds));
+    }
+
+    /// Records the contacts to be reported, after the last round of a substep.
+    pub(super) fn end_substep(&mut self) {
         self.reported.extend(self.hits.iter().filter(|hit| hit.reported));
     }
 

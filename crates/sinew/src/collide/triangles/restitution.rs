@@ -7,12 +7,12 @@ use glam::Vec3;
 
 use super::super::filter::ContactFilter;
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::{change_in_round, contact_impulse, threshold};
+use super::super::restitution::{ImpactRounds, contact_impulse, spreads, threshold};
 use super::participants::TriangleParticipants;
 use super::search::TriangleCandidate;
 use super::solve::{SubstepState, TriangleContact};
 use crate::forces::RowGravity;
-use crate::lanes::Vector;
+use crate::lanes::{Number, Vector};
 use crate::particles::Particles;
 
 /// A contact of four particles.
@@ -89,14 +89,18 @@ impl TriangleHit {
         of(0) + of(1) + of(2) + of(3)
     }
 
-    /// Applies restitution and friction after a substep of `h` seconds. Returns its change, m/s.
+    /// Applies restitution and friction in one of the rounds after a substep of `h` seconds.
     pub(super) fn bounce(
         &mut self,
         particles: &mut Particles,
         h: f32,
         gravity: &RowGravity,
-        first: bool,
-    ) -> f32 {
+        rounds: &mut ImpactRounds,
+    ) {
+        if !rounds.reaches(self.rows) {
+            return;
+        }
+        let first = rounds.is_first();
         let (normal, velocity) = (self.normal, self.velocity(particles));
         let least = threshold(gravity.greatest(self.rows), h);
         let elastic = (self.restitution, self.parting, least);
@@ -114,14 +118,17 @@ impl TriangleHit {
         );
         self.impulse += gained / self.inverse;
         let impulse = Vec3::from(impulse);
+        let spreads = spreads(elastic, gained, first).any();
         for (&row, share) in self.rows.iter().zip(self.shares) {
             let i = row as usize;
             let by = particles.inverse_mass(i) * share;
             if by != 0.0 {
                 particles.velocity[i] += (impulse * by).extend(0.0);
+                if spreads {
+                    rounds.mark(row);
+                }
             }
         }
-        change_in_round(elastic, gained, first)
     }
 
     /// Adds its contact event.

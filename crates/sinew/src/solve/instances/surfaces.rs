@@ -70,11 +70,17 @@ impl SurfaceContext<'_> {
     pub(super) fn bounce(&self, storage: &mut LaneStorage, normal_impulses: &mut NormalImpulses) {
         let SolveContext { contacts, substep: SubstepParameters { h, .. }, .. } = self.context;
         for lane in 0..storage.bodies {
-            let first = self.rows(storage, lane).start;
-            for &row in contacts.touching(storage.islands[lane] as usize).unwrap_or_default() {
-                self.at_row(storage, (lane, row, first), |places| {
+            let own = self.rows(storage, lane);
+            let touching = contacts.touching(storage.islands[lane] as usize).unwrap_or_default();
+            let mut bounce = |row| {
+                self.at_row(storage, (lane, row, own.start), |places| {
                     contacts.bounce(places, normal_impulses, row..row + 1, h);
                 });
+            };
+            if contacts.any_late() {
+                own.clone().for_each(bounce);
+            } else {
+                touching.iter().for_each(|&row| bounce(row));
             }
         }
     }

@@ -10,6 +10,7 @@ use glam::{Vec3, Vec4};
 
 use super::Pairs;
 use crate::collide::nearby::Nearby;
+use crate::collide::restitution::ImpactRounds;
 use crate::collide::{BodyContacts, ContactFilter, Material};
 use crate::integrate::{Derive, Integrator, StepRows, derive, predict};
 use crate::lanes::InstructionSet;
@@ -89,7 +90,10 @@ impl World {
         let worst = pairs.project(particles, filter, h);
         let Particles { position, start, velocity, .. } = particles;
         derive(Derive { position, start, velocity, momentum_drift: &[], h, lag: h }, execution);
-        pairs.bounce(particles, h, &self.gravity.length().into());
+        ImpactRounds::default().run(particles.len(), |rounds| {
+            pairs.bounce(particles, h, &self.gravity.length().into(), rounds);
+        });
+        pairs.end_substep();
         worst
     }
 
