@@ -196,3 +196,45 @@ fn a_box_between_the_bones_of_a_body_keeps_it_awake_only_where_it_touches_one() 
     assert!(sleeps_beside(Vec3::new(0.3, 0.0, 0.7)), "it is half a metre from either bone");
     assert!(!sleeps_beside(Vec3::new(1.0, 0.0, 1.205)), "it lies at the end of one");
 }
+
+/// A support that went in just the tick in which a body fell asleep was not missed: the body's hash was that of the air below it, and it floated until something
+/// woke it.
+#[test]
+fn what_loses_its_support_falls_in_whatever_tick_that_is() {
+    for by_box in [false, true] {
+        for ticks in 20..40 {
+            let mut world = Simulation::default();
+            let ground = Shape::cuboid(Vec3::new(4.0, 1.0, 4.0)).unwrap();
+            let below = Frame::new(Vec3::NEG_Y * if by_box { 0.9 } else { 0.5 }, Quat::IDENTITY);
+            world.colliders.push(Collider::fixed(ground, below));
+            let mut rows = Vec::new();
+            for height in if by_box { vec![-0.2, 0.2] } else { vec![0.2] } {
+                let spec = BoxSpec { size: Vec3::splat(0.4), ..Default::default() };
+                let body = box_3d(&spec).unwrap().transformed(Quat::IDENTITY, Vec3::Y * height);
+                rows.push(body.build_colliding(&mut world, BodyContacts::default()).unwrap());
+            }
+            world.sleep.resize(world.bodies.len(), Sleep::allowed());
+            for _ in 0..ticks {
+                world.step(DT).unwrap();
+            }
+            if by_box {
+                // Out from under the other one.
+                for row in rows.remove(0) {
+                    let at = world.particles.position(row);
+                    world.particles.set_position(row, at + Vec3::X * 3.0);
+                }
+                world.check_sleepers();
+            } else {
+                world.colliders.clear();
+            }
+            let upper = rows[0].clone();
+            let height = |world: &Simulation| world.particles.position(upper.start).y;
+            let began = height(&world);
+            for _ in 0..20 {
+                world.step(DT).unwrap();
+            }
+            let fallen = began - height(&world);
+            assert!(fallen > 0.2, "after {ticks} ticks, on a box: {by_box}: {fallen}");
+        }
+    }
+}

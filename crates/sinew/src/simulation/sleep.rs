@@ -24,6 +24,7 @@ use glam::{Vec3, Vec4};
 
 use dormant::Dormant;
 use pieces::Pieces;
+use support::SupportHash;
 
 use super::Simulation;
 use crate::collide::{Broad, Collider};
@@ -45,7 +46,8 @@ pub struct Sleep {
     /// Whether it sleeps. Default false. To wake a body, clear this and `still`.
     pub asleep: bool,
     /// Hash of the support when it fell asleep: of its group's particles, shapes, constraints and springs, and of the colliders beside it. If the hash is
-    /// another one now, it wakes. Default 0, also while it is awake.
+    /// another one now, it wakes. In the tick before it may fall asleep, of the same without positions: it falls asleep only if nothing of that has changed since.
+    /// Default 0, also while it is otherwise awake.
     pub support_hash: u64,
 }
 
@@ -101,8 +103,8 @@ pub(super) struct SleepScratch {
     bounding_radius: Vec<f32>,
     /// Rows put to sleep in this step, and their inverse masses.
     masses: Vec<(u32, f32)>,
-    /// Support hash of each island; at the first island of a group, of all that sleep in the group.
-    hashes: Vec<u64>,
+    /// Support hash of each island; at the first island of a group, of all in the group.
+    hashes: Vec<SupportHash>,
     /// [Edits](crate::Particles::edits) of the particles, the revision of `contacts`, and the hashes of [static geometry](support::of_surfaces), of
     /// [springs and hulls](support::of_springs_and_hulls) and of [ignored pairs](support::of_ignored) when supports were last compared; `None` if constraints,
     /// body colliders or particles were added or removed since.
@@ -130,11 +132,19 @@ struct IslandActivity {
     asleep: bool,
     /// Time for which all of it has been still, seconds.
     still: f32,
+    /// Whether it may not fall asleep yet, because its support is not the one that it had in the last step.
+    unsettled: bool,
 }
 
 impl IslandActivity {
     /// A moving island; the other fields do not matter then.
-    const MOVING: Self = Self { active: true, allowed: true, asleep: true, still: f32::INFINITY };
+    const MOVING: Self =
+        Self { active: true, allowed: true, asleep: true, still: f32::INFINITY, unsettled: false };
+
+    /// Whether its support is compared in this step of `dt` seconds: it sleeps, or falls asleep in this step or the next.
+    fn is_drowsy(&self, dt: f32) -> bool {
+        self.allowed && !self.active && self.still + dt >= TIME_TO_SLEEP
+    }
 }
 
 /// Whether a particle of a body is still. A NaN velocity is not.
@@ -183,10 +193,10 @@ impl Simulation {
                 sleepers.dormant.forget();
                 self.visit_islands(&mut sleepers, dt);
             }
-            // Groups that fall asleep store their support hash.
+            // Groups that are about to fall asleep store their support hash.
             let falls_asleep = |&number: &u32| {
                 let island = sleepers.activities[number as usize];
-                island.allowed && !island.asleep && !island.active && island.still >= TIME_TO_SLEEP
+                !island.asleep && island.is_drowsy(dt)
             };
             let compare = changed || sleepers.visited.iter().any(falls_asleep);
             self.group(&mut sleepers, compare);
@@ -303,8 +313,7 @@ impl Simulation {
     /// Activity of an island. Once a part of it moves, the other fields do not matter.
     fn activity_of(&self, island: &Island) -> IslandActivity {
         let Self { particles, forces, .. } = self;
-        let mut activity =
-            IslandActivity { active: false, allowed: true, asleep: true, still: f32::INFINITY };
+        let mut activity = IslandActivity { active: false, ..IslandActivity::MOVING };
         for (i, body) in self.loose_members(island) {
             let pushed = particles.external[i] != Vec3::ZERO;
             if !is_still(&body, particles.velocity[i]) || pushed || body.keeps_awake {
@@ -467,7 +476,7 @@ impl Simulation {
                 may && !group.active && group.still >= TIME_TO_SLEEP;
         }
         if compare {
-            self.compare_support(sleepers);
+            self.compare_support(sleepers, dt);
         }
         let SleepScratch { activities, groups, masses, hashes, visited, dormant, .. } = sleepers;
         let Self { particles, sleep, scratch, .. } = self;
@@ -481,7 +490,8 @@ impl Simulation {
             let group = activities[root];
             let number = number as usize;
             let island = &mut plan.islands.list[number];
-            island.asleep &= !group.active;
+            island.asleep &= !(group.active || group.unsettled);
+            let is_drowsy = group.is_drowsy(dt) && activities[number].allowed;
             let mut last = None;
             for &row in &plan.islands.members[island.members.clone()] {
                 let i = row as usize;
@@ -502,8 +512,9 @@ impl Simulation {
                     };
                     body.asleep = island.asleep;
                     body.support_hash = match (island.asleep, compare) {
-                        (true, true) => hashes[root],
+                        (true, true) => hashes[root].whole(),
                         (true, false) => body.support_hash,
+                        (false, true) if is_drowsy => hashes[root].without_positions,
                         (false, _) => 0,
                     };
                 }
@@ -518,40 +529,48 @@ impl Simulation {
         }
     }
 
-    /// Sums up the support hashes of the sleeping islands of each group, and marks a group as active where a body's stored hash is another one.
-    fn compare_support(&self, sleepers: &mut SleepScratch) {
+    /// Sums up the support hashes of the islands of each group, and marks a group as active where a sleeping body's stored hash is another one, and as unsettled
+    /// where that of a body that would fall asleep is.
+    ///
+    /// What lies still is not simulated any more from the step in which it falls asleep, so a support that was taken away just before that step would not be
+    /// missed.
+    fn compare_support(&self, sleepers: &mut SleepScratch, dt: f32) {
         let SleepScratch { activities, groups, hashes, bounds, visited, first_of, .. } = sleepers;
         let islands = &self.scratch.plan.islands;
         hashes.clear();
-        hashes.resize(islands.list.len(), 0);
+        hashes.resize(islands.list.len(), SupportHash::default());
         self.add_springs_and_hulls(hashes);
         self.add_shapes(hashes);
         self.add_ignored(hashes, first_of, |island| groups.root(island));
-        for number in visited.iter().map(|&number| number as usize) {
-            let (island, hash) = (&islands.list[number], &mut hashes[number]);
-            *hash = if island.asleep {
-                hash.wrapping_add(self.support_of(island, bounds[number]))
+        for &number in visited.iter() {
+            let group = activities[groups.root(number) as usize];
+            let (island, hash) = (&islands.list[number as usize], &mut hashes[number as usize]);
+            if island.asleep || group.is_drowsy(dt) {
+                *hash += self.support_of(island, bounds[number as usize]);
             } else {
-                0
-            };
+                *hash = SupportHash::default();
+            }
         }
         for &number in visited.iter() {
             let root = groups.root(number) as usize;
             if root != number as usize {
-                hashes[root] = hashes[root].wrapping_add(hashes[number as usize]);
+                let own = hashes[number as usize];
+                hashes[root] += own;
             }
         }
         for &number in visited.iter().filter(|&&number| islands.list[number as usize].asleep) {
             let island = &islands.list[number as usize];
             let root = groups.root(number) as usize;
-            let bodies = islands.members[island.members.clone()].iter();
-            let other = |&row: &u32| {
+            for &row in &islands.members[island.members.clone()] {
                 let body = self.sleep.get(self.particles.body[row as usize] as usize);
-                body.is_some_and(|body| {
-                    body.asleep && body.support_hash != 0 && body.support_hash != hashes[root]
-                })
-            };
-            activities[root].active |= bodies.into_iter().any(other);
+                let Some(&Sleep { asleep, support_hash, .. }) = body else { continue };
+                if asleep {
+                    let changed = support_hash != 0 && support_hash != hashes[root].whole();
+                    activities[root].active |= changed;
+                } else {
+                    activities[root].unsettled |= support_hash != hashes[root].without_positions;
+                }
+            }
         }
     }
 }

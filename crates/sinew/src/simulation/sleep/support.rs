@@ -24,31 +24,57 @@ const FLATLAND: u32 = 10;
 const SHAPE: u32 = 11;
 const IGNORED: u32 = 12;
 
+/// The support hash of an island or a group.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SupportHash {
+    /// Of positions and of the values of constraints.
+    pub(super) positions: u64,
+    /// Of everything else. Never 0 once something was added, which stands for none.
+    pub(super) without_positions: u64,
+}
+
+impl SupportHash {
+    pub(super) fn whole(self) -> u64 {
+        self.positions.wrapping_add(self.without_positions)
+    }
+}
+
+impl core::ops::AddAssign for SupportHash {
+    fn add_assign(&mut self, other: Self) {
+        self.positions = self.positions.wrapping_add(other.positions);
+        self.without_positions = self.without_positions.wrapping_add(other.without_positions);
+    }
+}
+
+/// A part that has no position.
+impl core::ops::AddAssign<u64> for SupportHash {
+    fn add_assign(&mut self, other: u64) {
+        self.without_positions = self.without_positions.wrapping_add(other);
+    }
+}
+
 impl Simulation {
     /// The hash of an island: positions and masses of its particles, and its constraints, independent of where they are in the columns. Of a constraint the
     /// hash takes the value at rest, which stands for its parameters; of colliders, planes and boxes it takes those that reach into `bounds`.
-    pub(super) fn support_of(&self, island: &Island, bounds: (Vec3, Vec3)) -> u64 {
+    pub(super) fn support_of(&self, island: &Island, bounds: (Vec3, Vec3)) -> SupportHash {
         let (particles, plan) = (&self.particles, &self.scratch.plan);
         let members = &plan.islands.members[island.members.clone()];
-        let (mut sum, mut last) = (0_u64, None);
+        let (mut sum, mut last) = (SupportHash::default(), None);
         for (rank, &row) in (0..).zip(members) {
             let i = row as usize;
             // Position and remainder, which do not depend on the origin.
             let (place, remainder) = (particles.position(i), particles.remainder(i));
+            let places = [place, remainder].map(|it| it.to_array().map(f32::to_bits));
+            let own = fnv([PARTICLE, rank].into_iter().chain(places.into_iter().flatten()));
+            sum.positions = sum.positions.wrapping_add(own);
             let properties = [
-                place.x,
-                place.y,
-                place.z,
-                remainder.x,
-                remainder.y,
-                remainder.z,
                 particles.position[i].w,
                 particles.gravity_scale[i],
                 particles.charge[i],
                 particles.radius[i],
                 particles.damping[i],
             ];
-            sum = sum.wrapping_add(fnv([PARTICLE, rank].into_iter().chain(bits(properties))));
+            sum += fnv([PARTICLE, rank].into_iter().chain(bits(properties)));
         }
         // How its bodies take part in contacts.
         for &row in members {
@@ -64,7 +90,7 @@ impl Simulation {
             let kind = [BODY, layers.memberships, layers.filters];
             let switches = [with_bodies, with_itself, surface, disabled].map(|&on| u32::from(on));
             let own = kind.into_iter().chain(switches).chain(numbers_of_material(material));
-            sum = sum.wrapping_add(fnv(own));
+            sum += fnv(own);
         }
         let rank = member_index(members);
         let (mut now, mut gradients) = (Vec::new(), Vec::new());
@@ -73,7 +99,7 @@ impl Simulation {
                 for d in &plan.distances[group.range.clone()] {
                     let kind = [DISTANCE, rank(d.a), rank(d.b), d.bound as u32];
                     let numbers = bits([d.rest]).chain(softness(d.softness));
-                    sum = sum.wrapping_add(fnv(kind.into_iter().chain(numbers)));
+                    sum += fnv(kind.into_iter().chain(numbers));
                 }
                 continue;
             }
@@ -89,8 +115,10 @@ impl Simulation {
                 let value = equation.evaluate(&points, &mut gradients);
                 let kind = [CONSTRAINT, c.kind.rank(), equation.bound() as u32];
                 let rows = c.rows.iter().map(|&row| rank(row));
-                let numbers = bits([value]).chain(softness(equation.softness()));
-                sum = sum.wrapping_add(fnv(kind.into_iter().chain(rows).chain(numbers)));
+                let kind = kind.into_iter().chain(rows);
+                let value = fnv(kind.clone().chain(bits([value])));
+                sum.positions = sum.positions.wrapping_add(value);
+                sum += fnv(kind.chain(softness(equation.softness())));
             }
         }
         let is_near = |collider: &&Collider| {
@@ -104,11 +132,12 @@ impl Simulation {
         let boxes = boxes.iter().filter(|one| one.is_valid() && is_at_wall(one, bounds));
         let near = colliders.filter(is_near).map(of_collider);
         let standing = near.chain(planes.map(of_plane)).chain(boxes.map(of_box));
-        standing.chain(flatland).fold(sum, u64::wrapping_add)
+        standing.chain(flatland).for_each(|hash| sum += hash);
+        sum
     }
 
     /// Adds to the hashes of all islands the shapes that their particles collide by.
-    pub(super) fn add_shapes(&self, hashes: &mut [u64]) {
+    pub(super) fn add_shapes(&self, hashes: &mut [SupportHash]) {
         let islands = &self.scratch.plan.islands;
         for solid in &self.body_colliders {
             let first = solid.rows.first().and_then(|&row| islands.of.get(row as usize));
@@ -120,7 +149,7 @@ impl Simulation {
             let rest = solid.rest.iter().flat_map(Vec3::to_array).map(f32::to_bits);
             let own =
                 fnv([SHAPE, hash as u32, (hash >> 32) as u32].into_iter().chain(rows).chain(rest));
-            hashes[number as usize] = hashes[number as usize].wrapping_add(own);
+            hashes[number as usize] += own;
         }
     }
 
@@ -128,7 +157,7 @@ impl Simulation {
     /// `root` identifies the group of an island.
     pub(super) fn add_ignored(
         &self,
-        hashes: &mut [u64],
+        hashes: &mut [SupportHash],
         first_of: &[u32],
         mut root: impl FnMut(u32) -> u32,
     ) {
@@ -152,12 +181,12 @@ impl Simulation {
                 }
                 _ => continue,
             };
-            hashes[number as usize] = hashes[number as usize].wrapping_add(own);
+            hashes[number as usize] += own;
         }
     }
 
     /// Adds to the hashes of all islands the springs that act on them, and the hulls that they float by.
-    pub(super) fn add_springs_and_hulls(&self, hashes: &mut [u64]) {
+    pub(super) fn add_springs_and_hulls(&self, hashes: &mut [SupportHash]) {
         let islands = &self.scratch.plan.islands;
         for hull in &self.forces.hulls {
             for &row in &hull.rows {
@@ -166,7 +195,7 @@ impl Simulation {
                 let own = fnv([HULL, member_index(members)(row)]
                     .into_iter()
                     .chain(words(hull.content_hash())));
-                hashes[number as usize] = hashes[number as usize].wrapping_add(own);
+                hashes[number as usize] += own;
             }
         }
         for spring in &self.forces.springs {
@@ -175,7 +204,7 @@ impl Simulation {
                 let members = &islands.members[islands.list[number as usize].members.clone()];
                 let own =
                     fnv([SPRING, member_index(members)(end)].into_iter().chain(numbers_of(spring)));
-                hashes[number as usize] = hashes[number as usize].wrapping_add(own);
+                hashes[number as usize] += own;
             }
         }
     }
