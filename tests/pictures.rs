@@ -282,3 +282,141 @@ fn normals_are_perpendicular_to_the_surface_in_a_stretched_or_mirrored_frame() {
         }
     }
 }
+
+/// What the game is to do in its next `FixedUpdate`.
+#[derive(Resource, Default)]
+struct Next(Option<fn(&mut World, Entity)>, Option<Entity>);
+
+/// A world without gravity in which `Next` is done, and something in it that has been drawn for some ticks at this speed and is within a tick: `lead` fifths of a
+/// tick after one.
+fn drawn_at_speed(
+    speed: f32,
+    lead: usize,
+    spawn: impl FnOnce(&mut World) -> Entity,
+) -> (App, Entity) {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO)).init_resource::<Next>();
+    app.add_systems(FixedUpdate, |world: &mut World| {
+        let Next(go, body) = core::mem::take(&mut *world.resource_mut::<Next>());
+        go.into_iter().zip(body).for_each(|(go, body)| go(world, body));
+    });
+    let body = spawn(app.world_mut());
+    tick(&mut app, 5);
+    app.world_mut().resource_mut::<SinewControl>().relative_speed = speed;
+    tick(&mut app, 5);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK / 5));
+    (0..lead).for_each(|_| app.update());
+    (app, body)
+}
+
+/// The places at which a body is drawn: of its parts, or of its mesh, or its own.
+fn drawn_places(app: &App, body: Entity) -> Vec<Vec3> {
+    let parts = app.world().get::<bevy_sinew::BodyParts>(body);
+    let drawn: Vec<Entity> = parts.map_or_else(|| vec![body], |parts| parts.iter().collect());
+    let place = |one: Entity| app.world().get::<Transform>(one).unwrap().translation;
+    if app.world().get::<MeshFollow>(body).is_some() {
+        mesh_of(app, body).into_iter().map(|at| place(body) + at).collect()
+    } else {
+        drawn.into_iter().map(place).collect()
+    }
+}
+
+/// Regression: a teleport that the game writes in `FixedUpdate` was drawn as a glide over a whole tick; so were the limbs of a ragdoll, whenever it was written.
+#[test]
+fn an_interpolated_body_that_is_teleported_is_never_drawn_on_the_way() {
+    const FAR: Vec3 = Vec3::new(30.0, 0.0, 0.0);
+    /// A frame in which that is the same.
+    fn turned(world: &mut World) -> Entity {
+        world.spawn(Transform::from_rotation(Quat::from_rotation_x(0.3))).id()
+    }
+    type Spawn = fn(&mut World) -> Entity;
+    let bodies: [(&str, Spawn); 6] = [
+        ("a box", |world| world.spawn((RigidBox::default(), Interpolate)).id()),
+        ("a box in a frame", |world| {
+            let parent = turned(world);
+            world.spawn((RigidBox::default(), Interpolate, ChildOf(parent))).id()
+        }),
+        ("a ragdoll", |world| world.spawn((Ragdoll::default(), Interpolate)).id()),
+        ("a ragdoll in a frame", |world| {
+            let parent = turned(world);
+            world.spawn((Ragdoll::default(), Interpolate, ChildOf(parent))).id()
+        }),
+        ("a cloth", |world| world.spawn((Cloth::grid(1.0, 1.0, 4, 4), Interpolate)).id()),
+        ("a particle", |world| {
+            world.spawn((Particle::at(Vec3::ZERO), Transform::default(), Interpolate)).id()
+        }),
+    ];
+    type Move = fn(&mut World, Entity);
+    let moves: [(&str, Move); 2] = [
+        // Only particles are moved by their own place.
+        ("a component", |world, body| match world.get_mut::<Particle>(body) {
+            Some(mut particle) => particle.position += FAR,
+            None => world.get_mut::<Transform>(body).unwrap().translation += FAR,
+        }),
+        ("a command", |world, body| {
+            let at = *world.get::<Transform>(body).unwrap();
+            let to = at.with_translation(at.translation + FAR);
+            world.entity_mut(body).teleport(to);
+        }),
+    ];
+    // At a speed of its own, the simulation takes a tick in some fixed ticks, and none or several in others.
+    let times = [(1.0, 7), (0.4, 7), (0.4, 12), (0.4, 17), (2.5, 7), (2.5, 12)];
+    let mut glides = Vec::new();
+    for (name, spawn) in bodies {
+        for ((how, go), fixed) in moves.into_iter().flat_map(|go| [(go, true), (go, false)]) {
+            for (speed, lead) in times {
+                let (mut app, body) = drawn_at_speed(speed, lead, spawn);
+                if fixed {
+                    app.insert_resource(Next(Some(go), Some(body)));
+                } else {
+                    go(app.world_mut(), body);
+                }
+                for frame in 0..25 {
+                    app.update();
+                    for at in drawn_places(&app, body) {
+                        if at.length() > 2.0 && at.distance(FAR) > 2.0 {
+                            glides.push(format!(
+                                "{name}, {how}, fixed {fixed}, speed {speed} after {lead}, frame {frame}: {at}"
+                            ));
+                        }
+                    }
+                }
+                let all = drawn_places(&app, body);
+                assert!(all.iter().all(|at| at.x > 20.0), "{name} {how}: it was moved");
+            }
+        }
+    }
+    assert!(
+        glides.is_empty(),
+        "{} places on the way, for instance {:#?}",
+        glides.len(),
+        &glides[..glides.len().min(12)]
+    );
+}
+
+/// A parent that moves is no teleport: the body in it, and its limbs, are drawn on the way.
+#[test]
+fn an_interpolated_body_in_a_moving_frame_is_drawn_moving_evenly() {
+    const STEP: f32 = 0.1;
+    for speed in [1.0, 0.4] {
+        let mut frame = Entity::PLACEHOLDER;
+        let (mut app, body) = drawn_at_speed(speed, 7, |world| {
+            frame = world.spawn(Transform::default()).id();
+            world.spawn((Ragdoll::default(), Interpolate, ChildOf(frame))).id()
+        });
+        app.add_systems(FixedUpdate, move |mut frames: Query<&mut Transform>| {
+            frames.get_mut(frame).unwrap().translation.x += STEP;
+        });
+        (0..10).for_each(|_| app.update());
+        let mut before = drawn_places(&app, body);
+        for _ in 0..25 {
+            app.update();
+            let now = drawn_places(&app, body);
+            for (from, to) in before.iter().zip(&now) {
+                let way = to.x - from.x;
+                assert!((way - STEP / 5.0).abs() < STEP / 50.0, "at speed {speed}: {way} m");
+            }
+            before = now;
+        }
+    }
+}

@@ -8,7 +8,7 @@ use bevy_sinew::{StateRole, StateTypes};
 use crate::support::app;
 
 /// Components and resources that are not state, and why.
-const NO_STATE: [(&str, &str); 22] = [
+const NO_STATE: [(&str, &str); 23] = [
     ("ParticleRow", "scratch: given anew whenever particles come or go"),
     ("ResolvedRows", "scratch: resolved anew where what it is of has changed"),
     ("ResolvedShape", "scratch: found again where what it follows from has changed"),
@@ -29,6 +29,7 @@ const NO_STATE: [(&str, &str); 22] = [
     ("MouseDrag", "settings of a tool"),
     ("PointerState", "where the mouse is"),
     ("WatchedContacts", "what a tool looks at"),
+    ("Jumps", "scratch: emptied in every tick"),
     ("JustBuilt", "scratch: emptied in the tick that filled it"),
     ("Breakables", "scratch: listed anew where what it follows from has changed"),
 ];

@@ -51,6 +51,20 @@ impl RigidMotion {
         }
     }
 
+    /// The place to which the motion moves a point.
+    #[cfg(feature = "interpolation")]
+    pub(crate) fn of_point(&self, point: Vec3) -> Vec3 {
+        let arm = point.as_dvec3() - self.from;
+        (self.to + self.turn.map_or(arm, |turn| turn * arm)).as_vec3()
+    }
+
+    /// The frame to which the motion moves one.
+    #[cfg(feature = "interpolation")]
+    pub(crate) fn applied_to(&self, mut frame: Transform) -> Transform {
+        self.apply_to_frame(&mut frame);
+        frame
+    }
+
     /// Applies the motion to a frame; its scale stays.
     pub(crate) fn apply_to_frame(&self, frame: &mut Transform) {
         let arm = frame.translation.as_dvec3() - self.from;
@@ -71,4 +85,20 @@ fn unit(q: Quat) -> Option<DQuat> {
     let q = DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into());
     let length = q.length();
     (length.is_finite() && length > 0.0).then(|| q * (1.0 / length))
+}
+
+/// The bodies and parts that the game moved since their last tick, in the order in which it happened: what is interpolated between two ticks jumps with them.
+/// Scratch; exists only where something is interpolated.
+#[derive(Resource, Default)]
+pub(crate) struct Jumps(pub(crate) Vec<Jump>);
+
+/// How the game moved a body, or a part of one.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(feature = "interpolation"), expect(dead_code, reason = "read by the interpolation"))]
+pub(crate) struct Jump {
+    pub(crate) body: Entity,
+    /// The motion in the world.
+    pub(crate) motion: RigidMotion,
+    /// Whether the body was not moved itself, but is carried by a parent. Not known of an interpolated body, whose transform the simulation writes, too.
+    pub(crate) carried: bool,
 }

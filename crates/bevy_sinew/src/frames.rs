@@ -30,6 +30,13 @@ impl Frames<'_, '_> {
         let own = |entity| self.transforms.get(entity).ok().copied();
         world_transform(own(entity).unwrap_or_default(), entity, own, &self.parents)
     }
+
+    /// The world transform of an entity's parent; the identity if it has none.
+    #[cfg(feature = "interpolation")]
+    pub(crate) fn above(&self, entity: Entity) -> Result<Transform, Misplaced> {
+        let own = |entity| self.transforms.get(entity).ok().copied();
+        world_transform(Transform::IDENTITY, entity, own, &self.parents)
+    }
 }
 
 /// The world transform of `inner` in the frame of an entity's parents.

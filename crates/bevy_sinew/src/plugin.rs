@@ -57,16 +57,29 @@ impl Plugin for EasePlugin {
         use bevy_transform_interpolation::TransformEasingSystems as Easing;
         use bevy_transform_interpolation::prelude::TransformInterpolationPlugin;
         // After the ends of a tick are noted: an end without a start would undo what the game does with a new body before the next tick.
-        app.add_systems(FixedLast, ease::opt_in.after(Easing::UpdateEnd))
-            .add_observer(ease::opt_out);
+        // What is new has been played up to there, too, so that the game can teleport it before the next tick.
+        app.add_systems(
+            FixedLast,
+            (ease::opt_in, ease::record_played.run_if(anything_eased))
+                .chain()
+                .after(Easing::UpdateEnd),
+        )
+        .add_observer(ease::opt_out);
         app.add_systems(
             SinewTick,
-            ease::note_start
-                .after(SinewSystems::Scatter)
-                .before(SinewSystems::Extract)
-                .run_if(schedule::time_passes.and_then(anything_eased)),
+            ease::note_tick.after(SinewSystems::Extract).run_if(anything_eased),
         )
-        .add_systems(FixedLast, ease::record_played.after(Easing::UpdateEnd).run_if(anything_eased))
+        .init_resource::<crate::carry::Jumps>()
+        .add_systems(
+            SinewTick,
+            (
+                ease::follow_jumps.run_if(ease::any_jump),
+                ease::start_at_particles.run_if(anything_eased),
+            )
+                .chain()
+                .after(attach::resolve::resolve_attachments)
+                .before(layout::lay_out),
+        )
         .add_systems(
             RunFixedMainLoop,
             ease::ease_played

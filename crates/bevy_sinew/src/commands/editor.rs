@@ -7,7 +7,7 @@ use sinew::pose::{Motion, motion};
 use sinew::{ParticleSeed, Particles};
 
 use super::{BodyEdit, PendingEdits};
-use crate::carry::RigidMotion;
+use crate::carry::{Jump, Jumps, RigidMotion};
 use crate::components::{
     AngularVelocity, BodyParticles, CreationOrder, DrawnTransform, ExtractedTransform,
     ExtractedVelocity, LinearVelocity, Mass, PartOf, Particle, ParticleBody, ParticleOf, Pinned,
@@ -131,6 +131,7 @@ pub(crate) struct Editor<'w, 's> {
             &'static mut ExtractedVelocity,
         ),
     >,
+    jumps: Option<ResMut<'w, Jumps>>,
     owners: Query<'w, 's, (Option<&'static PartOf>, Option<&'static ParticleOf>)>,
 }
 
@@ -261,6 +262,7 @@ impl Editor<'_, '_> {
         if let Some(rigid_motion) = moved.filter(|_| known != now) {
             group.move_all(&rigid_motion);
         }
+        let before = known.or(now);
         let mut frame = if moved.is_some() || known.is_none() { now } else { known };
         group.edit(edit, frame.as_mut())?;
         let moves =
@@ -269,6 +271,10 @@ impl Editor<'_, '_> {
             return Err(EditFault::NotFinite);
         }
         self.commit(&group)?;
+        if let (Some(jumps), Some((before, frame))) = (&mut self.jumps, before.zip(frame)) {
+            let motion = RigidMotion::between(&before, &frame).filter(|to| !to.is_identity());
+            jumps.0.extend(motion.map(|motion| Jump { body: target, motion, carried: false }));
+        }
         if let Some(frame) = frame {
             self.leave(target, frame, moves, known.is_some());
         }

@@ -6,8 +6,13 @@ use bevy_transform_interpolation::prelude::TransformInterpolation;
 use bevy_transform_interpolation::{RotationEasingState, ScaleEasingState, TranslationEasingState};
 
 use crate::bevy_version::OnRemove;
-use crate::components::{BodyParts, DrawnTransform, Interpolate, PartOf, Particle, RigidPose};
-use crate::schedule::SinewClock;
+use crate::carry::{Jump, Jumps, RigidMotion};
+use crate::components::{
+    BodyParticles, BodyParts, DrawnTransform, Interpolate, PartOf, Particle, ParticleRow, RigidPose,
+};
+use crate::frames::{Frames, compose, to_local};
+use crate::schedule::{FixedTick, SinewClock};
+use crate::world::SinewWorld;
 
 /// The transforms between which an entity is drawn where the simulation has a speed of its own. The interpolation crate interpolates from one end of a fixed
 /// tick to the other, while a fixed tick may play less or more than one tick of the simulation. The simulation does not depend on it.
@@ -15,16 +20,42 @@ use crate::schedule::SinewClock;
 pub(crate) struct PlayedTransform {
     /// At the start of the last tick.
     tick_start: Transform,
+    /// At the end of the last tick: if it is another one now, the game has moved the entity.
+    tick_end: Transform,
     /// At the end of the previous fixed tick.
     previous: Transform,
     /// At the end of this fixed tick.
     current: Transform,
 }
 
-/// Stores the transforms at the start of the tick.
-pub(crate) fn note_start(mut eased: Query<(&Transform, &mut PlayedTransform)>) {
+impl PlayedTransform {
+    /// An entity that stays where it is.
+    pub(crate) fn at(now: Transform) -> Self {
+        Self { tick_start: now, tick_end: now, previous: now, current: now }
+    }
+
+    /// Moves the places where it was, so that it is drawn as if it came from there. (`previous` is replaced by `current` before anything is drawn.)
+    fn jump(&mut self, moved: impl Fn(Transform) -> Transform) {
+        self.current = moved(self.current);
+        self.carry(moved);
+    }
+
+    /// Moves the ends of the last tick, so that it is drawn on the way from where it was drawn.
+    fn carry(&mut self, moved: impl Fn(Transform) -> Transform) {
+        (self.tick_start, self.tick_end) = (moved(self.tick_start), moved(self.tick_end));
+    }
+}
+
+/// Stores the transforms at the start and at the end of a tick, after it.
+pub(crate) fn note_tick(
+    fixed_tick: Res<FixedTick>,
+    mut eased: Query<(&Transform, &mut PlayedTransform)>,
+) {
     for (transform, mut played) in &mut eased {
-        played.tick_start = *transform;
+        if fixed_tick.remaining > 0 {
+            played.tick_start = played.tick_end;
+        }
+        played.tick_end = *transform;
     }
 }
 
@@ -44,9 +75,105 @@ pub(crate) fn record_played(
         played.current = if share < 1.0 { between(&played.tick_start, now, share) } else { *now };
     }
     for (entity, &now) in &new {
-        let played = PlayedTransform { tick_start: now, previous: now, current: now };
-        commands.entity(entity).try_insert(played);
+        commands.entity(entity).try_insert(PlayedTransform::at(now));
     }
+}
+
+/// Moves the start of the interpolation along with bodies that the game has moved since the last tick: they are drawn in the new place at once. A body's own
+/// transform is there already; those of its parts are written at the end of the tick. What a parent carries is drawn on the way.
+pub(crate) fn follow_jumps(
+    mut jumps: ResMut<Jumps>,
+    mut world: ResMut<SinewWorld>,
+    fixed_tick: Res<FixedTick>,
+    bodies: Query<(Option<&BodyParticles>, Option<&BodyParts>)>,
+    rows: Query<&ParticleRow>,
+    frames: Frames,
+    mut eased: Query<(
+        &Transform,
+        Has<ChildOf>,
+        &mut TranslationEasingState,
+        &mut RotationEasingState,
+        &mut PlayedTransform,
+    )>,
+    mut followed: Local<Vec<Entity>>,
+) {
+    followed.clear();
+    for Jump { body, motion, mut carried } in jumps.0.drain(..) {
+        if let Ok((&now, parented, mut translation, mut rotation, mut played)) = eased.get_mut(body)
+        {
+            let own = RigidMotion::between(&played.tick_end, &now);
+            if let Some(own) = own.filter(|own| !own.is_identity()) {
+                followed.push(body);
+                played.jump(|frame| own.applied_to(frame));
+                // Without the round-off of the motion.
+                played.tick_end = now;
+                restart(&mut translation, &mut rotation, now);
+                carried = false;
+            } else {
+                // It stays in the frame of its parent, which has moved.
+                carried = parented && !followed.contains(&body);
+            }
+        }
+        let (members, parts) = bodies.get(body).unwrap_or_default();
+        for part in parts.into_iter().flat_map(BodyParts::iter) {
+            let Ok((_, parented, mut translation, mut rotation, mut played)) = eased.get_mut(part)
+            else {
+                continue;
+            };
+            // Nothing expresses the motion in the frame of a parent that shears the part.
+            let Ok(above) = frames.above(part) else { continue };
+            let moved = |frame: Transform| {
+                let Some(place) = compose(&above, &frame).filter(|_| parented) else {
+                    return motion.applied_to(frame);
+                };
+                to_local(&above, &motion.applied_to(place)).with_scale(frame.scale)
+            };
+            if carried {
+                played.carry(moved);
+                continue;
+            }
+            played.jump(moved);
+            restart(&mut translation, &mut rotation, played.tick_end);
+        }
+        if fixed_tick.time_scaled {
+            for row in members.into_iter().flat_map(|list| rows.iter_many(list.iter())) {
+                row.get().into_iter().for_each(|row| world.move_played(row, &motion, carried));
+            }
+        }
+    }
+}
+
+/// Interpolates from another place on. A state without a start is not interpolated, and stays so.
+fn restart(
+    translation: &mut TranslationEasingState,
+    rotation: &mut RotationEasingState,
+    from: Transform,
+) {
+    translation.start = translation.start.map(|_| from.translation);
+    rotation.start = rotation.start.map(|_| from.rotation);
+}
+
+/// The same for single particles, which the game moves by writing to them. One that has a parent is interpolated, as the parent may have moved instead.
+pub(crate) fn start_at_particles(
+    mut eased: Query<
+        (&Particle, &mut TranslationEasingState, &mut PlayedTransform),
+        (With<Interpolate>, With<Transform>, Without<ChildOf>),
+    >,
+) {
+    for (particle, mut state, mut played) in &mut eased {
+        let way = particle.position - played.tick_end.translation;
+        if way == Vec3::ZERO || !particle.position.is_finite() {
+            continue;
+        }
+        played.jump(|frame| frame.with_translation(frame.translation + way));
+        played.tick_end.translation = particle.position;
+        state.start = state.start.map(|_| particle.position);
+    }
+}
+
+/// Run condition: whether the game has moved a body since the last tick.
+pub(crate) fn any_jump(jumps: Res<Jumps>) -> bool {
+    !jumps.0.is_empty()
 }
 
 /// Interpolates between the played transforms, instead of the ends of the fixed tick.

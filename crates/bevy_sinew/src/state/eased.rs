@@ -4,6 +4,8 @@ use bevy::prelude::*;
 
 use crate::components::DrawnTransform;
 #[cfg(feature = "interpolation")]
+use crate::show::ease::PlayedTransform;
+#[cfg(feature = "interpolation")]
 use bevy_transform_interpolation::{RotationEasingState, ScaleEasingState, TranslationEasingState};
 
 /// Replaces an interpolated transform by the one at the end of the tick. One that the game has changed since stays.
@@ -20,6 +22,11 @@ pub(super) fn forget(entity: &mut EntityWorldMut) {
     }
     #[cfg(feature = "interpolation")]
     {
+        if let Some(&now) = entity.get::<Transform>()
+            && let Some(mut played) = entity.get_mut::<PlayedTransform>()
+        {
+            *played = PlayedTransform::at(now);
+        }
         if let Some(mut eased) = entity.get_mut::<TranslationEasingState>() {
             *eased = TranslationEasingState::default();
         }

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::carry::RigidMotion;
+use crate::carry::{Jump, Jumps, RigidMotion};
 use crate::components::{BodyParticles, ExtractedTransform, Particle, Sleep};
 use crate::frames::Frames;
 
@@ -13,7 +13,7 @@ use crate::frames::Frames;
 pub(crate) fn follow_teleports(
     mut bodies: Query<(
         Entity,
-        &Transform,
+        Ref<Transform>,
         Has<ChildOf>,
         &mut ExtractedTransform,
         &BodyParticles,
@@ -21,6 +21,7 @@ pub(crate) fn follow_teleports(
     )>,
     frames: Frames,
     mut particles: Query<&mut Particle>,
+    mut jumps: Option<ResMut<Jumps>>,
 ) {
     for (entity, transform, parented, mut known, members, sleep) in &mut bodies {
         let Some(old) = known.0 else { continue };
@@ -33,6 +34,10 @@ pub(crate) fn follow_teleports(
         known.0 = Some(now);
         if motion.is_identity() {
             continue;
+        }
+        if let Some(jumps) = &mut jumps {
+            let carried = parented && !transform.is_changed();
+            jumps.0.push(Jump { body: entity, motion, carried });
         }
         for member in members.iter() {
             if let Ok(mut particle) = particles.get_mut(member) {

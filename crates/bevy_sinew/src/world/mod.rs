@@ -15,6 +15,8 @@ use bevy::prelude::*;
 use sinew::pose::{Motion, Pose};
 use sinew::{ContactParticipant, ParticleFault, Particles, Simulation, SolverReport};
 
+#[cfg(feature = "interpolation")]
+use crate::carry::RigidMotion;
 use crate::components::{CreationOrder, Particle, ParticleRow};
 use crate::messages::ReportedErrors;
 use crate::rows::Layout;
@@ -100,6 +102,20 @@ impl SinewWorld {
         if played.layout != layout || played.previous.len() != played.current.len() {
             played.layout = layout;
             played.previous.clone_from(&played.current);
+        }
+    }
+
+    /// Moves where a row was at the start of the last tick along with its body, which the game has moved, and, unless it is `carried`, also where it was drawn: it
+    /// jumps there.
+    #[cfg(feature = "interpolation")]
+    pub(crate) fn move_played(&mut self, row: usize, motion: &RigidMotion, carried: bool) {
+        let Tables { played, layout, .. } = &mut self.tables;
+        if played.layout != layout.number {
+            return;
+        }
+        let drawn = played.current.get_mut(row).filter(|_| !carried);
+        for place in [played.tick_start.get_mut(row), drawn].into_iter().flatten() {
+            *place = motion.of_point(*place);
         }
     }
 
