@@ -19,6 +19,7 @@
 //! | `contacts_by_default` | what collides with what by default, and what changes it |
 //! | `contacts_state` | contacts are rolled back like everything else |
 //! | `controls` | control forces accelerate by F/m and τ/I |
+//! | `disabled` | what a game disables leaves the simulation, and comes back |
 //! | `every_setting` | integrators, orders, gradients, steps of any length, phases with conditions, surfaces for a wind |
 //! | `files` | snapshots are written to RON and to bytes and read back; broken or foreign files are refused |
 //! | `first_minutes` | what a new user tries first, with nothing configured |
@@ -80,6 +81,7 @@ mod contact_events;
 mod contacts_by_default;
 mod contacts_state;
 mod controls;
+mod disabled;
 mod every_setting;
 mod files;
 mod first_minutes;

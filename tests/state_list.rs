@@ -8,7 +8,7 @@ use bevy_sinew::{StateRole, StateTypes};
 use crate::support::app;
 
 /// Components and resources that are not state, and why.
-const NO_STATE: [(&str, &str); 23] = [
+const NO_STATE: [(&str, &str); 25] = [
     ("ParticleRow", "scratch: given anew whenever particles come or go"),
     ("ResolvedRows", "scratch: resolved anew where what it is of has changed"),
     ("ResolvedShape", "scratch: found again where what it follows from has changed"),
@@ -30,6 +30,8 @@ const NO_STATE: [(&str, &str); 23] = [
     ("PointerState", "where the mouse is"),
     ("WatchedContacts", "what a tool looks at"),
     ("Jumps", "scratch: emptied in every tick"),
+    ("Toggled", "scratch: emptied in every tick, and filled again from what is restored"),
+    ("LeftAt", "scratch: follows from what is disabled"),
     ("JustBuilt", "scratch: emptied in the tick that filled it"),
     ("Breakables", "scratch: listed anew where what it follows from has changed"),
 ];

@@ -4,15 +4,17 @@
 //! preserve this form. A non-uniformly scaled parent shears a rotated child, unless it is rotated by right angles: that is no such placement, and the child is
 //! refused.
 
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::{Allow, QueryFilter};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::collide::is_uniform;
 
-/// Read access to transforms and parents.
+/// Read access to transforms and parents, disabled ones too: what hangs on a disabled entity stays where it is.
 #[derive(SystemParam)]
 pub(crate) struct Frames<'w, 's> {
-    transforms: Query<'w, 's, &'static Transform>,
-    parents: Query<'w, 's, &'static ChildOf>,
+    transforms: Query<'w, 's, &'static Transform, Allow<Disabled>>,
+    parents: Query<'w, 's, &'static ChildOf, Allow<Disabled>>,
 }
 
 /// Why an entity has no valid placement.
@@ -37,14 +39,25 @@ impl Frames<'_, '_> {
         let own = |entity| self.transforms.get(entity).ok().copied();
         world_transform(Transform::IDENTITY, entity, own, &self.parents)
     }
+
+    /// The world matrix of an entity, sheared by its parents or not; `None` if it has no transform.
+    pub(crate) fn matrix(&self, entity: Entity) -> Option<GlobalTransform> {
+        let own = GlobalTransform::from(*self.transforms.get(entity).ok()?);
+        let above = self.parents.iter_ancestors(entity);
+        Some(
+            above
+                .filter_map(|parent| self.transforms.get(parent).ok())
+                .fold(own, |inner, outer| *outer * inner),
+        )
+    }
 }
 
 /// The world transform of `inner` in the frame of an entity's parents.
-pub(crate) fn world_transform(
+pub(crate) fn world_transform<F: QueryFilter>(
     inner: Transform,
     entity: Entity,
     transform: impl Fn(Entity) -> Option<Transform>,
-    parents: &Query<&ChildOf>,
+    parents: &Query<&ChildOf, F>,
 ) -> Result<Transform, Misplaced> {
     through_parents(inner, entity, transform, |of| parents.get(of).ok().map(ChildOf::parent))
 }

@@ -59,6 +59,8 @@
 //!   other bodies: rigid bodies by their shape, others by the cheapest representation that has no holes ([`ContactShape::Auto`]). [`BodyContacts`] overrides
 //!   this, and [`ContactsDisabled`] switches collisions off.
 //! - **Parents** are respected: bodies, colliders and regions are where Bevy draws them ([`ParticleBody`] describes moving parents).
+//! - **Disabled** entities (Bevy's `Disabled`) leave the simulation until they are enabled again, where the game has put them by then. A body takes its
+//!   particles, constraints, parts and attachments along; a constraint to a disabled particle waits. What is pinned to a disabled entity, or is its child, stays.
 //! - **Time** can be paused, stepped tick by tick, slowed down or sped up: [`SinewControl`]. [`Relax`] and [`RelaxWorld`] find the rest state of a body, or of
 //!   everything, within one tick.
 //! - **Queries** go through [`SinewQuery`]: ray casts, shape casts, overlaps, the nearest particle, and a move-and-slide for character controllers
@@ -212,6 +214,7 @@
 //! | `commands` | forces, impulses, velocities, teleports and reversal of whole bodies |
 //! | `components` | what a game spawns, edits and reads: the state |
 //! | `config` | settings of the solver: [`SolverConfig`], [`BodySolver`] |
+//! | `disabling` | entities with Bevy's `Disabled`, which leave the simulation until they are enabled |
 //! | `drag` | dragging bodies with the mouse: [`MouseDragPlugin`], added beside [`SinewPlugins`] |
 //! | `frames` | world transforms of entities, through their parents |
 //! | `mesh` | reading meshes: their positions and triangles |
@@ -240,6 +243,7 @@ mod changes;
 mod commands;
 mod components;
 mod config;
+mod disabling;
 #[cfg(feature = "drag")]
 mod drag;
 mod frames;

@@ -10,10 +10,11 @@ use crate::changes::any_body_may_have_moved;
 use crate::commands;
 use crate::components::{self, AirDrag, Charge, CreationCounter, Drag, Electric, Gravity};
 use crate::components::{
-    ContactEnded, ContactImpulse, ContactStarted, MeshFollow, TopologyChanged, TubeMesh,
+    ContactEnded, ContactImpulse, ContactStarted, MeshFollow, Toggled, TopologyChanged, TubeMesh,
     WatchedContacts, Weighs,
 };
 use crate::config::SolverConfig;
+use crate::disabling;
 use crate::messages::Refused;
 use crate::recipes;
 use crate::schedule::{
@@ -150,6 +151,7 @@ impl Plugin for SinewPlugin {
             .register_type::<ContactEnded>()
             .init_resource::<CreationCounter>()
             .init_resource::<TopologyChanged>()
+            .init_resource::<Toggled>()
             .init_resource::<SinewWorld>()
             .init_resource::<SinewClock>()
             .init_resource::<SinewControl>()
@@ -173,11 +175,22 @@ impl Plugin for SinewPlugin {
             .add_message::<commands::RelaxFinished>();
         app.add_observer(shares::remove_from_particles::<Charge>)
             .add_observer(shares::remove_from_particles::<Drag>)
-            .add_observer(touching::note_orphan);
+            .add_observer(touching::note_orphan)
+            .add_observer(disabling::note_disabled)
+            .add_observer(disabling::note_enabled);
         crate::state::add(app);
         links::register_ours(app);
         schedule::configure(app, self.tick);
         recipes::add(app);
+        // Again before the gather: what observes a new body may disable it.
+        let follow = || disabling::follow_disabling.run_if(disabling::any_toggled);
+        app.add_systems(
+            SinewTick,
+            (
+                follow().before(SinewSystems::Build),
+                follow().after(SinewSystems::Build).before(SinewSystems::Gather),
+            ),
+        );
         app.add_systems(
             SinewTick,
             (

@@ -292,6 +292,7 @@ pub(crate) fn is_time_scaled(fixed_tick: Res<FixedTick>) -> bool {
 /// Runs the ticks that are due: one at normal speed. If none is due, what was spawned or moved is still built, gathered and extracted.
 fn run_tick(world: &mut World) {
     phases::choose(world);
+    let change_tick = world.change_tick();
     let due = ticks_due(world);
     for taken in 0..due.max(1) {
         let began = Instant::now();
@@ -304,6 +305,8 @@ fn run_tick(world: &mut World) {
             took.scatter = began.elapsed().saturating_sub(took.gather + took.substeps);
         }
     }
+    // Until now it was that of the tick before.
+    world.resource_mut::<SinewWorld>().tables.began = Some(change_tick);
     let (ahead, time_scaled) =
         (world.resource::<SinewClock>().ahead, world.resource::<FixedTick>().time_scaled);
     if time_scaled {

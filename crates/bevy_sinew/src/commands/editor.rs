@@ -1,5 +1,7 @@
 //! Executes edits: copies the particles of the body, changes them as one, validates them, and writes them back unless an error was found.
 
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -104,7 +106,7 @@ pub(crate) fn apply_pending(
     }
 }
 
-/// Everything that an edit reads and writes.
+/// Everything that an edit reads and writes. A disabled body can be edited, too.
 #[derive(SystemParam)]
 pub(crate) struct Editor<'w, 's> {
     wholes: Query<
@@ -116,12 +118,17 @@ pub(crate) struct Editor<'w, 's> {
             Has<ParticleBody>,
             Option<&'static mut ExtractedTransform>,
         ),
-        Without<Particle>,
+        (Without<Particle>, Allow<Disabled>),
     >,
-    particles: Query<'w, 's, (&'static mut Particle, &'static Mass, Has<Pinned>, Has<PinnedTo>)>,
-    transforms: Query<'w, 's, &'static mut Transform>,
-    drawn: Query<'w, 's, &'static DrawnTransform>,
-    parents: Query<'w, 's, &'static ChildOf>,
+    particles: Query<
+        'w,
+        's,
+        (&'static mut Particle, &'static Mass, Has<Pinned>, Has<PinnedTo>),
+        Allow<Disabled>,
+    >,
+    transforms: Query<'w, 's, &'static mut Transform, Allow<Disabled>>,
+    drawn: Query<'w, 's, &'static DrawnTransform, Allow<Disabled>>,
+    parents: Query<'w, 's, &'static ChildOf, Allow<Disabled>>,
     velocities: Query<
         'w,
         's,
@@ -130,9 +137,10 @@ pub(crate) struct Editor<'w, 's> {
             Option<&'static mut AngularVelocity>,
             &'static mut ExtractedVelocity,
         ),
+        Allow<Disabled>,
     >,
     jumps: Option<ResMut<'w, Jumps>>,
-    owners: Query<'w, 's, (Option<&'static PartOf>, Option<&'static ParticleOf>)>,
+    owners: Query<'w, 's, (Option<&'static PartOf>, Option<&'static ParticleOf>), Allow<Disabled>>,
 }
 
 impl Editor<'_, '_> {

@@ -22,6 +22,12 @@ use crate::same::same_variants;
 /// ([`Refusal::Sheared`](crate::Refusal::Sheared)).
 ///
 /// A [`LinearVelocity`] and an [`AngularVelocity`] that are spawned with the body are its initial motion.
+///
+/// A body with Bevy's `Disabled` leaves the simulation in the next tick: the plugin disables its particles, constraints, parts and attachments, too, ends its
+/// contacts, and keeps its velocities. When `Disabled` is removed, all of that comes back in the next tick, at the body's `Transform`, and awake. What the game had
+/// disabled by itself, such as a single constraint, stays disabled. What was attached to the body is free in the meantime; a hard tie whose ends are far apart by
+/// then jerks them together, as one that is made there does. Children in Bevy's sense, such as a model on a limb, are neither disabled nor hidden with the body:
+/// Bevy's `insert_recursive::<Children>(Disabled)` does that.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 #[require(Transform, ExtractedTransform, ResolvedRows<BodyParticles>)]

@@ -4,6 +4,7 @@ mod body;
 mod collide;
 mod constraint;
 mod control;
+mod disabled;
 mod environment;
 mod order;
 mod particle;
@@ -34,6 +35,8 @@ pub use sleep::{Sleep, SleepingDisabled};
 pub use softness::Softness;
 
 pub(crate) use body::DrawnTransform;
+pub(crate) use collide::end_contacts;
 pub(crate) use collide::{Orphans, PlacedCollider, ResolvedShape};
 pub(crate) use control::ResolvedTarget;
+pub(crate) use disabled::{DisabledWithBody, LeftAt, Toggled};
 pub(crate) use order::{CreationCounter, TopologyChanged, fill_sorted};

@@ -1,6 +1,8 @@
 //! Interpolation of transforms between ticks: entities with [`Interpolate`] are opted into `bevy_transform_interpolation`, whenever the component or the
 //! transform is added.
 
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 use bevy_transform_interpolation::prelude::TransformInterpolation;
 use bevy_transform_interpolation::{RotationEasingState, ScaleEasingState, TranslationEasingState};
@@ -273,9 +275,9 @@ pub(crate) fn opt_in(
 pub(crate) fn opt_out(
     removed: OnRemove<Interpolate>,
     mut commands: Commands,
-    parts: Query<&BodyParts>,
-    eased: Query<(), With<Interpolate>>,
-    owners: Query<&PartOf>,
+    parts: Query<&BodyParts, Allow<Disabled>>,
+    eased: Query<(), (With<Interpolate>, Allow<Disabled>)>,
+    owners: Query<&PartOf, Allow<Disabled>>,
 ) {
     let entity = removed.entity;
     // A part of an interpolated body stays interpolated.

@@ -7,11 +7,11 @@
 use bevy::math::{Vec3A, Vec4};
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
-use bevy::transform::helper::TransformHelper;
 use sinew::InstructionSet;
 
 use super::{Easing, Frame};
 use crate::components::{Interpolate, MeshFollow};
+use crate::frames::Frames;
 use crate::mesh::triangles;
 use crate::messages::{Refusal, Refused, refuse};
 use crate::rows::{GONE, ResolvedRows};
@@ -41,7 +41,7 @@ pub(crate) fn deform_meshes(
         Ref<Mesh3d>,
         Has<Interpolate>,
     )>,
-    transforms: TransformHelper,
+    frames: Frames,
     mut corners: Local<Vec<Corner>>,
     mut smooth: Local<Smooth>,
 ) {
@@ -56,7 +56,7 @@ pub(crate) fn deform_meshes(
         rows.resolve(&world.tables.layout, follow.is_changed(), follow.vertices.iter().copied());
         let plain = rows.are_plain();
         let rows = rows.get();
-        let Some(frame) = Frame::of(&transforms, entity) else { continue };
+        let Some(frame) = Frame::of(&frames, entity) else { continue };
         let Some(mut mesh) = meshes.get_mut(&handle.0) else { continue };
         if mesh.count_vertices() != rows.len() {
             if changed {

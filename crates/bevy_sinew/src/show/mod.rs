@@ -21,8 +21,8 @@ pub use gizmos::SinewGizmoPlugin;
 use bevy::ecs::system::SystemParam;
 use bevy::math::{Mat3A, Vec3A};
 use bevy::prelude::*;
-use bevy::transform::helper::TransformHelper;
 
+use crate::frames::Frames;
 use crate::schedule::{FixedTick, SinewControl};
 use crate::world::SinewWorld;
 
@@ -36,8 +36,8 @@ pub(crate) struct Frame {
 
 impl Frame {
     /// The current frame of an entity, computed on demand; `None` if its transform has no inverse.
-    pub(crate) fn of(transforms: &TransformHelper, entity: Entity) -> Option<Self> {
-        let transform = transforms.compute_global_transform(entity).ok()?.affine();
+    pub(crate) fn of(frames: &Frames, entity: Entity) -> Option<Self> {
+        let transform = frames.matrix(entity)?.affine();
         let (origin, linear) = (transform.translation.into(), transform.matrix3.inverse());
         let valid = Vec3::is_finite(origin) && linear.is_finite();
         valid.then_some(Self { origin, linear })

@@ -6,10 +6,10 @@ use core::mem::{swap, take};
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
-use bevy::transform::helper::TransformHelper;
 
 use super::{Easing, Frame};
 use crate::components::{Interpolate, TubeMesh};
+use crate::frames::Frames;
 use crate::rows::{GONE, ResolvedRows};
 use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
@@ -28,7 +28,7 @@ pub(crate) fn draw_tubes(
         Option<&Mesh3d>,
         Has<Interpolate>,
     )>,
-    transforms: TransformHelper,
+    frames: Frames,
     mut middle: Local<Vec<Vec3>>,
     mut skin: Local<Skin>,
     mut drawn_meshes: Local<Vec<AssetId<Mesh>>>,
@@ -44,7 +44,7 @@ pub(crate) fn draw_tubes(
         let ease = easing.now(eased);
         let rows =
             rows.resolve(&world.tables.layout, tube.is_changed(), tube.particles.iter().copied());
-        let Some(frame) = Frame::of(&transforms, entity) else { continue };
+        let Some(frame) = Frame::of(&frames, entity) else { continue };
         middle.clear();
         let there = rows.iter().filter(|&&row| row != GONE);
         middle.extend(there.map(|&row| Vec3::from(frame.place(&world, row, ease))));

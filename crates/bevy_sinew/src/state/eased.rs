@@ -16,7 +16,7 @@ pub(super) fn tick_end(world: &World, entity: Entity, transform: &mut Transform)
 }
 
 /// Resets the interpolation of an entity that was moved.
-pub(super) fn forget(entity: &mut EntityWorldMut) {
+pub(crate) fn forget(entity: &mut EntityWorldMut) {
     if let Some(mut drawn) = entity.get_mut::<DrawnTransform>() {
         *drawn = DrawnTransform::default();
     }

@@ -1,6 +1,7 @@
 //! The list of every component and resource of this crate that is state. A missing type is found by a test that reads the source of this crate
 //! (`tests/state_list.rs`, which lists the types that are not state with the reason).
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 
 use super::eased::tick_end;
@@ -14,8 +15,8 @@ use crate::components::{
     AirDrag, AirFlow, AngularVelocity, Attractor, BodyConstraints, BodyContacts, BodyPart,
     BodyParticles, BodyParts, BodyReport, BoundingBox, BreakAt, BuiltBody, Charge, Collider,
     ColliderMotion, CollisionLayers, ConstraintOf, ContactCache, ContactEvents, ContactsDisabled,
-    ControlForce, CreationCounter, CreationOrder, DistanceConstraint, Drag, Electric,
-    ElectricField, ExternalForce, ExternalImpulse, ExternalTorque, ExtractedTransform,
+    ControlForce, CreationCounter, CreationOrder, DisabledWithBody, DistanceConstraint, Drag,
+    Electric, ElectricField, ExternalForce, ExternalImpulse, ExternalTorque, ExtractedTransform,
     ExtractedVelocity, Flatland, Floats, Fluid, Gravity, GravityScale, Ground, Inertia,
     Interpolate, LinearVelocity, Mass, MeshFollow, Orphans, PartOf, Particle, ParticleBody,
     ParticleOf, Pinned, PinnedTo, Radius, Region, Representation, RestPlace, RigidPose, Sensor,
@@ -110,6 +111,7 @@ pub(crate) fn add(app: &mut App) {
 /// Registers the types with special options.
 fn add_special(app: &mut App) {
     app.register_type::<(Touching, BodyReport, Transform, Name, ChildOf)>();
+    app.register_type::<(Disabled, DisabledWithBody)>();
     // Contacts that are cleared by a restore must not send events.
     let disconnect: Option<fn(&mut World, Entity)> = Some(|world, entity| {
         if let Some(mut touching) = world.get_mut::<Touching>(entity) {
@@ -123,6 +125,8 @@ fn add_special(app: &mut App) {
     let transform = Options::<Transform>::reflected();
     let transform = Options { role, pruned: false, on_capture: Some(tick_end), ..transform };
     let name = Options { role, pruned: false, ..Options::<Name>::reflected() };
+    let disabled = Options { role, ..Options::<Disabled>::reflected() };
+    let with_body = Options { role, ..Options::<DisabledWithBody>::reflected() };
     let parent = Options { role, ..Options::<ChildOf>::with(join_listed::<ChildOf>).viewed() };
     // Handles and markers that are valid in their own world only.
     let role = StateRole::Local;
@@ -137,6 +141,8 @@ fn add_special(app: &mut App) {
     types::add(world, kind(transform));
     types::add(world, kind(name));
     types::add(world, kind(parent));
+    types::add(world, kind(disabled));
+    types::add(world, kind(with_body));
     types::add(world, kind(Options { role, pruned, hashed, ..mesh }));
     types::add(world, kind(Options { role, pruned, hashed, ..made }));
     types::add(world, kind(rescaled));

@@ -35,6 +35,7 @@ pub use snapshot::SinewSnapshot;
 pub use types::{RegisterState, StateType, StateTypes};
 pub use values::StateRole;
 
+pub(crate) use eased::forget as forget_eased;
 pub(crate) use hash::{FNV_START, fnv};
 pub(crate) use list::add;
 pub(crate) use types::add_constraint;

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use bevy::ecs::component::ComponentId;
 use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 
@@ -12,7 +13,7 @@ use super::snapshot::{Places, SinewSnapshot, members};
 use super::types::StateTypes;
 use super::values::{StateKind, StateRole};
 use crate::breaking::Broke;
-use crate::components::{ContactEnded, ContactStarted, TopologyChanged};
+use crate::components::{ContactEnded, ContactStarted, Toggled, TopologyChanged};
 use crate::recipes::BodyBuilt;
 use crate::schedule::PhaseSteps;
 
@@ -103,6 +104,12 @@ impl SinewSnapshot {
         });
         if let Some(mut changed) = world.get_resource_mut::<TopologyChanged>() {
             changed.0 = true;
+        }
+        // The snapshot may have been captured before what belongs to them was disabled.
+        let is_disabled = |entity: &&Entity| world.get::<Disabled>(**entity).is_some();
+        let disabled: Vec<Entity> = entities.iter().filter(is_disabled).copied().collect();
+        if let Some(mut toggled) = world.get_resource_mut::<Toggled>() {
+            toggled.0.extend(disabled);
         }
         drop_messages::<ContactStarted>(world);
         drop_messages::<ContactEnded>(world);

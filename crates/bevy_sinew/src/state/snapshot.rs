@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use bevy::ecs::archetype::{Archetype, ArchetypeEntity};
 use bevy::ecs::component::ComponentId;
 use bevy::ecs::entity::EntityHashMap;
-use bevy::ecs::entity_disabling::DefaultQueryFilters;
+use bevy::ecs::entity_disabling::{DefaultQueryFilters, Disabled};
 use bevy::ecs::world::WorldId;
 use bevy::prelude::*;
 
@@ -149,7 +149,7 @@ pub(super) struct Places {
     pub(super) kind_of: Vec<Option<u32>>,
     /// Whether each state type makes its entity part of the simulation.
     marks: Vec<bool>,
-    /// The components that disable entities.
+    /// The components that disable entities for good: all but `Disabled`.
     hidden: Vec<ComponentId>,
 }
 
@@ -164,7 +164,10 @@ impl Places {
         }
         let marks = types.kinds.iter().map(|kind| kind.role() == StateRole::Simulation).collect();
         let filters = world.get_resource::<DefaultQueryFilters>();
-        let hidden = filters.into_iter().flat_map(DefaultQueryFilters::disabling_ids).collect();
+        let hidden = filters.into_iter().flat_map(DefaultQueryFilters::disabling_ids);
+        // A disabled entity may be enabled again.
+        let disabled = world.components().component_id::<Disabled>();
+        let hidden = hidden.filter(|&id| Some(id) != disabled).collect();
         Self { kind_of, marks, hidden }
     }
 

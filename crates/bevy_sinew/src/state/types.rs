@@ -45,6 +45,17 @@ impl StateTypes {
         self.find(TypeId::of::<T>()).is_some()
     }
 
+    /// For each component of a world, by the index of its id, whether it is state.
+    pub(crate) fn of_components(&self, world: &World) -> Vec<bool> {
+        let mut state = vec![false; world.components().len()];
+        for kind in self.kinds.iter().filter(|kind| kind.role() != StateRole::Resource) {
+            if let Some(id) = world.components().get_id(kind.id()) {
+                state[id.index()] = true;
+            }
+        }
+        state
+    }
+
     pub(super) fn find(&self, id: TypeId) -> Option<usize> {
         self.kinds.iter().position(|kind| kind.id() == id)
     }

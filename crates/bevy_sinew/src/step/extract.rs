@@ -1,5 +1,7 @@
 //! Extraction: transforms, velocities and other aggregates of a body, computed from its particles after each tick.
 
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use sinew::pose::{Pose, pose};
@@ -24,13 +26,13 @@ pub(crate) fn extract_poses(
             (Posed, &mut Transform, Option<&mut ExtractedTransform>, Has<Interpolate>),
             Without<ChildOf>,
         >,
-        Query<&mut Transform>,
+        Query<&mut Transform, Allow<Disabled>>,
     )>,
     mut children: Query<
         (Entity, Posed, Option<&mut ExtractedTransform>, Has<Interpolate>),
         With<ChildOf>,
     >,
-    parents: Query<&ChildOf>,
+    parents: Query<&ChildOf, Allow<Disabled>>,
     fixed_tick: Res<FixedTick>,
     mut order: Local<Vec<(usize, Entity)>>,
 ) {
@@ -266,10 +268,10 @@ fn is_stale(known: &Mut<ExtractedVelocity>, mut is_written: impl FnMut() -> bool
 pub(crate) fn extract_particles(
     mut particles: ParamSet<(
         Query<(&Particle, &mut Transform), (Changed<Particle>, Without<ChildOf>)>,
-        Query<&mut Transform>,
+        Query<&mut Transform, Allow<Disabled>>,
     )>,
     children: Query<(Entity, &Particle), (With<Transform>, With<ChildOf>)>,
-    parents: Query<&ChildOf>,
+    parents: Query<&ChildOf, Allow<Disabled>>,
 ) {
     for (particle, mut transform) in &mut particles.p0() {
         if particle.position.is_finite() {

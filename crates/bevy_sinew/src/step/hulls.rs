@@ -135,7 +135,7 @@ fn hull_from_rows(
     skin: Skin,
     mut named: impl Iterator<Item = Entity>,
 ) -> Result<Option<Hull>, HullFault> {
-    if rows.is_empty() && named.any(|particle| tables.is_set_aside(particle)) {
+    if rows.is_empty() && named.any(|particle| tables.is_absent(particle)) {
         return Ok(None);
     }
     Hull::new(rows, triangles, skin).map(Some)

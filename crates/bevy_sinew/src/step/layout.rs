@@ -1,9 +1,12 @@
 //! Layout: assigns rows to particles, only when particles are added or removed.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use sinew::Simulation;
 
-use crate::components::{CreationCounter, CreationOrder, Particle, ParticleRow, TopologyChanged};
+use crate::components::{
+    CreationCounter, CreationOrder, Particle, ParticleRow, TopologyChanged, fill_sorted,
+};
 use crate::world::{SinewWorld, Tables};
 
 /// Assigns each particle its row, in the order of creation, if any was added or removed since the last tick.
@@ -12,6 +15,7 @@ pub(crate) fn lay_out(
     mut counter: ResMut<CreationCounter>,
     mut world: ResMut<SinewWorld>,
     mut particles: Query<(Entity, &mut CreationOrder, &mut ParticleRow), With<Particle>>,
+    disabled: Query<Entity, (With<Particle>, With<Disabled>)>,
     mut scratch: Local<LayoutScratch>,
 ) {
     if !changed.0 {
@@ -20,6 +24,7 @@ pub(crate) fn lay_out(
     changed.0 = false;
 
     let SinewWorld { simulation, tables } = &mut *world;
+    fill_sorted(&mut tables.disabled, disabled.iter());
     let (LayoutScratch { present, new }, mut order) =
         (&mut *scratch, core::mem::take(&mut tables.order));
     let last = &mut order;

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use bevy::prelude::*;
-use bevy::transform::helper::TransformHelper;
 use sinew::Pin;
 
 use crate::components::{Particle, ParticleRow, Pinned, PinnedTo};
+use crate::frames::Frames;
 use crate::messages::{Refusal, Refused, refuse};
 use crate::schedule::FixedTick;
 use crate::world::SinewWorld;
@@ -18,7 +18,7 @@ pub(crate) fn gather_pins(
     mut messages: MessageWriter<Refused>,
     pinned: Query<(Entity, &Pinned, &ParticleRow), With<Particle>>,
     pinned_to: Query<(Entity, &PinnedTo, &ParticleRow), With<Particle>>,
-    transforms: TransformHelper,
+    frames: Frames,
     fixed_tick: Res<FixedTick>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
@@ -42,8 +42,8 @@ pub(crate) fn gather_pins(
             continue;
         }
         // Computed on demand: `GlobalTransform` is a frame old in the fixed schedule.
-        match transforms.compute_global_transform(pin.entity) {
-            Ok(transform) => {
+        match frames.matrix(pin.entity) {
+            Some(transform) => {
                 let target = transform.transform_point(pin.offset);
                 if target.is_finite() {
                     // If several ticks are run in a row, each moves by its share of the way.
@@ -56,7 +56,7 @@ pub(crate) fn gather_pins(
                     pins.push(Pin { particle: row as u32, target });
                 }
             }
-            Err(_) => {
+            None => {
                 refuse(&mut messages, entity, Refusal::PinTarget(pin.entity));
                 commands.entity(entity).try_remove::<PinnedTo>();
             }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 use sinew::{ParticleFault, ParticleSeed};
 
@@ -88,7 +90,7 @@ pub(crate) fn distribute(
 pub(crate) fn remove_from_particles<T: Component>(
     removed: OnRemove<T>,
     mut commands: Commands,
-    bodies: Query<&BodyParticles>,
+    bodies: Query<&BodyParticles, Allow<Disabled>>,
 ) {
     for particle in bodies.get(removed.entity).into_iter().flat_map(RelationshipTarget::iter) {
         commands.entity(particle).try_remove::<T>();

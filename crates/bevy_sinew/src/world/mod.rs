@@ -256,6 +256,10 @@ pub(crate) struct Tables {
     pub(crate) distances_changed: bool,
     /// Where rows are drawn.
     pub(crate) played: PlayedPositions,
+    /// The change tick at which the last tick began that has ended; `None` before there is one.
+    pub(crate) began: Option<Tick>,
+    /// The particles that are disabled, sorted.
+    pub(crate) disabled: Vec<Entity>,
     /// The change tick at which particles were last written back.
     pub(crate) scattered: Option<Tick>,
     /// Rows of particles that anything but the simulation has written to since they were last gathered.
@@ -431,10 +435,11 @@ fn load_particles(mut world: ResMut<SinewWorld>, particles: Query<(&Particle, &P
 }
 
 impl Tables {
-    /// Whether an entity is a particle that is set aside.
-    pub(crate) fn is_set_aside(&self, entity: Entity) -> bool {
-        self.set_aside > 0
-            && self.layout.row_of.get(&entity).is_some_and(|&row| !self.is_valid(row as usize))
+    /// Whether an entity is a particle that takes no part for a time: it is set aside, or disabled.
+    pub(crate) fn is_absent(&self, entity: Entity) -> bool {
+        let is_set_aside = |row: u32| !self.is_valid(row as usize);
+        self.set_aside > 0 && self.layout.row_of.get(&entity).is_some_and(|&row| is_set_aside(row))
+            || !self.disabled.is_empty() && self.disabled.binary_search(&entity).is_ok()
     }
 
     /// Whether a row exists, and is not set aside.

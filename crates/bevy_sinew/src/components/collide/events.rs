@@ -153,8 +153,12 @@ pub struct ContactEnded {
 }
 
 /// Hook: ends the contacts of an entity that loses one of the components.
-fn end_all(mut world: DeferredWorld, context: HookContext) {
-    let entity = context.entity;
+fn end_all(world: DeferredWorld, context: HookContext) {
+    end_contacts(world, context.entity);
+}
+
+/// Ends all contacts of an entity with [`ContactEvents`].
+pub(crate) fn end_contacts(mut world: DeferredWorld, entity: Entity) {
     let Some(mut touching) = world.get_mut::<Touching>(entity) else { return };
     for other in core::mem::take(&mut touching.0) {
         let event = ContactEnded { entity, other };

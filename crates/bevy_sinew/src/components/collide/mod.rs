@@ -35,5 +35,5 @@ pub use motion::ColliderMotion;
 pub use surface::{CollisionLayer, CollisionLayers, Combine, GroundDrag, Sensor, SurfaceMaterial};
 pub use weight::Weighs;
 
-pub(crate) use events::Orphans;
+pub(crate) use events::{Orphans, end_contacts};
 pub(crate) use motion::PlacedCollider;

@@ -88,7 +88,7 @@ pub(super) struct LinkEntry<L> {
 enum LinkOutcome<L> {
     Valid(L),
     Invalid(Refusal),
-    /// One of its particles is set aside.
+    /// One of its particles is set aside, or disabled.
     Waiting,
 }
 
@@ -100,7 +100,7 @@ impl<L: Link> LinkEntry<L> {
         particles: &[Entity],
         link: impl FnOnce(Rows) -> Result<L, Refusal>,
     ) -> Self {
-        let outcome = if particles.iter().any(|&particle| tables.is_set_aside(particle)) {
+        let outcome = if particles.iter().any(|&particle| tables.is_absent(particle)) {
             LinkOutcome::Waiting
         } else {
             let rows = particles.iter().map(|&particle| tables.valid_row(particle)).collect();

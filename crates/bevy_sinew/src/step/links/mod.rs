@@ -79,7 +79,7 @@ pub(crate) fn collect_constraints(world: &mut World) {
 /// Compiles links if particles or surfaces were added, removed or changed, or many links were: those from the first one on that differs, or all.
 ///
 /// An invalid link is left out, so that the others are solved bit for bit as if it did not exist, and reported once. A link that waits for a particle that is
-/// set aside is not reported, since the particle was.
+/// set aside is not reported, since the particle was; neither is one that waits for a disabled particle.
 pub(crate) fn compile_links(
     mut world: ResMut<SinewWorld>,
     mut kinds: ResMut<Kinds>,
