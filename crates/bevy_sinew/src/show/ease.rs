@@ -138,8 +138,9 @@ pub(crate) fn follow_jumps(
             restart(&mut translation, &mut rotation, played.tick_end);
         }
         if fixed_tick.time_scaled {
-            for row in members.into_iter().flat_map(|list| rows.iter_many(list.iter())) {
-                row.get().into_iter().for_each(|row| world.move_played(row, &motion, carried));
+            for member in members.into_iter().flat_map(BodyParticles::iter) {
+                let row = rows.get(member).ok().and_then(|row| row.get());
+                row.into_iter().for_each(|row| world.move_played(row, &motion, carried));
             }
         }
     }
