@@ -44,7 +44,7 @@ pub struct Sleep {
     /// Whether the body sleeps. To wake it, call [`wake`](Self::wake).
     pub asleep: bool,
     /// Hash of the body and everything next to it when it fell asleep: positions, masses, constraints, springs, colliders, and what they rested or hung on. If
-    /// the current hash differs, it wakes. Default 0, while it is awake.
+    /// the current hash differs, it wakes. In the tick before it may fall asleep, of the same without positions. Default 0, otherwise while it is awake.
     pub support_hash: u64,
     /// Hash of the environment when it was last checked: of gravity and of all air, winds, fluids and fields. A change wakes the body. Default 0, before the
     /// first check.

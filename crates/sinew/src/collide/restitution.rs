@@ -22,6 +22,7 @@
 //! manifold, effective masses) is in its own file.
 
 use super::friction::friction_share;
+use crate::forces::RowGravity;
 use crate::lanes::{Number, Vector};
 
 /// Change of a normal speed that counts as none, m/s: below the resolution of positions of a metre in a substep.
@@ -91,13 +92,26 @@ pub(super) struct ImpactRounds {
     /// For each row the last round in which an impact changed its velocity. Rounds are counted on from substep to substep.
     changed_in: Vec<u32>,
     round: u32,
-    is_first: bool,
     any_changed: bool,
 }
 
+/// One of the [rounds](ImpactRounds) after a substep.
+pub(super) struct ImpactRound<'a> {
+    /// Length of the substep, seconds.
+    pub(super) h: f32,
+    pub(super) gravity: &'a RowGravity,
+    rounds: &'a mut ImpactRounds,
+    is_first: bool,
+}
+
 impl ImpactRounds {
-    /// Calls `pass` for each round of a substep with this many rows.
-    pub(super) fn run(&mut self, rows: usize, mut pass: impl FnMut(&mut Self)) {
+    /// Calls `pass` for each round after a substep of `h` seconds with this many rows.
+    pub(super) fn run(
+        &mut self,
+        rows: usize,
+        (h, gravity): (f32, &RowGravity),
+        mut pass: impl FnMut(&mut ImpactRound),
+    ) {
         if self.round > u32::MAX - 2 * ROUNDS {
             *self = Self::default();
         }
@@ -105,16 +119,17 @@ impl ImpactRounds {
         // Rows that were changed in the last round of the substep before are too long ago.
         self.round += 2;
         for number in 0..ROUNDS {
-            self.is_first = number == 0;
             self.any_changed = false;
-            pass(self);
+            pass(&mut ImpactRound { h, gravity, rounds: self, is_first: number == 0 });
             self.round += 1;
             if !self.any_changed {
                 break;
             }
         }
     }
+}
 
+impl ImpactRound<'_> {
     /// Whether this is the first round.
     pub(super) fn is_first(&self) -> bool {
         self.is_first
@@ -122,13 +137,14 @@ impl ImpactRounds {
 
     /// Whether a contact of these rows is solved in this round.
     pub(super) fn reaches(&self, rows: impl IntoIterator<Item = u32>) -> bool {
-        self.is_first || rows.into_iter().any(|row| self.changed_in[row as usize] + 1 >= self.round)
+        let ImpactRounds { changed_in, round, .. } = &*self.rounds;
+        self.is_first || rows.into_iter().any(|row| changed_in[row as usize] + 1 >= *round)
     }
 
     /// Records that an impact has changed the velocity of a row.
     pub(super) fn mark(&mut self, row: u32) {
-        self.changed_in[row as usize] = self.round;
-        self.any_changed = true;
+        self.rounds.changed_in[row as usize] = self.rounds.round;
+        self.rounds.any_changed = true;
     }
 }
 
@@ -150,7 +166,7 @@ mod tests {
             // A chain of contacts `[i, i + 1]`: the first changes in the first round, and each one in the round after its neighbour.
             let mut solved = [0; 7];
             let mut numbers = 0;
-            rounds.run(8, |round| {
+            rounds.run(8, (0.01, &RowGravity::default()), |round| {
                 for i in (0..7).rev() {
                     if round.reaches([i, i + 1]) {
                         solved[i as usize] += 1;

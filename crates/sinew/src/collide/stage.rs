@@ -128,10 +128,10 @@ impl Contacts {
         self.body_contact.bounce(particles, h, gravity);
         if pairs.any_touched() || triangles.any_touched() {
             let mut normal_impulses = NormalImpulses::all(normal_impulses);
-            self.impact_rounds.run(particles.len(), |rounds| {
-                pairs.bounce(particles, h, gravity, rounds);
-                triangles.bounce(particles, h, gravity, rounds);
-                particle_contacts.bounce_again(particles, &mut normal_impulses, h, rounds);
+            self.impact_rounds.run(particles.len(), (h, gravity), |round| {
+                pairs.bounce(particles, round);
+                triangles.bounce(particles, round);
+                particle_contacts.bounce_again(particles, &mut normal_impulses, round);
             });
             pairs.end_substep();
             triangles.end_substep();

@@ -1,8 +1,8 @@
 //! Sleep: bodies that lie still, with everything that they touch, are left out of the steps until something wakes them.
 //!
 //! Bodies sleep and wake in groups: islands joined where bounds of their pieces touch (`pieces`), where a spring connects them, and all islands of a body. When
-//! all of a group have been still for [`TIME_TO_SLEEP`], it falls asleep: its particles stop and count as pinned, so that whatever comes near collides with them, and
-//! its constraints are not solved. A group wakes
+//! all of a group have been still for [`TIME_TO_SLEEP`], and its support has not just changed, it falls asleep: its particles stop and count as pinned, so that
+//! whatever comes near collides with them, and its constraints are not solved. A group wakes
 //!
 //! - when one of its particles was given a velocity, a force or a control, or was [marked to wake](crate::Particles::wake);
 //! - when something that moves comes near, or a collider near it moves;

@@ -52,8 +52,7 @@ use glam::Vec3;
 use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
-use super::restitution::ImpactRounds;
-use crate::forces::RowGravity;
+use super::restitution::ImpactRound;
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 
@@ -156,18 +155,12 @@ impl Pairs {
         !(self.touched.is_empty() && self.hits.is_empty())
     }
 
-    /// Applies restitution to the pairs that touched in the substep of `h` seconds, in one of its rounds. To be called after velocities have been derived.
-    pub(super) fn bounce(
-        &mut self,
-        particles: &mut Particles,
-        h: f32,
-        gravity: &RowGravity,
-        rounds: &mut ImpactRounds,
-    ) {
+    /// Applies restitution to the pairs that touched in the substep. To be called after velocities have been derived.
+    pub(super) fn bounce(&mut self, particles: &mut Particles, round: &mut ImpactRound) {
         let Self { touched, neighbours, hits, instructions, .. } = self;
         let (velocity, blocks) = (&mut particles.velocity[..], &neighbours.blocks[..]);
-        bounce_pairs(touched, blocks, velocity, gravity, h, rounds, *instructions);
-        hits.iter_mut().for_each(|hit| hit.bounce(particles, h, gravity, rounds));
+        bounce_pairs(touched, blocks, velocity, round, *instructions);
+        hits.iter_mut().for_each(|hit| hit.bounce(particles, round));
     }
 
     /// Records the contacts to be reported, after the last round of a substep.

@@ -10,9 +10,8 @@ use glam::{Vec3, Vec4};
 
 use super::super::filter::ContactFilter;
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::{ImpactRounds, contact_impulse, spreads, threshold};
+use super::super::restitution::{ImpactRound, contact_impulse, spreads, threshold};
 use super::neighbour_list::PairBlock;
-use crate::forces::RowGravity;
 use crate::lanes::{LANES, Lanes, Number, SetLanes, Vector, kernel};
 use crate::particles::Particles;
 
@@ -40,12 +39,10 @@ kernel!(
         touched: &mut [Touched],
         blocks: &[PairBlock],
         velocity: &mut [Vec4],
-        gravity: &RowGravity,
-        // Length of the substep, seconds.
-        h: f32,
-        rounds: &mut ImpactRounds,
+        round: &mut ImpactRound<'_>,
     ) -> () {
-        let (none, rate, first) = (L::zero(), L::splat(1.0 / h), rounds.is_first());
+        let ImpactRound { h, gravity, .. } = *round;
+        let (none, rate, first) = (L::zero(), L::splat(1.0 / h), round.is_first());
         for one in touched {
             let block = &blocks[one.block as usize];
             let [rows_a, rows_b] = &block.rows;
@@ -53,7 +50,7 @@ kernel!(
             let n = Vector::new(L::load(x), L::load(y), L::load(z));
             let mut hit = L::splat(0.5).lt(n.length_squared());
             if !first {
-                let reached = |lane: &usize| rounds.reaches([rows_a[*lane], rows_b[*lane]]);
+                let reached = |lane: &usize| round.reaches([rows_a[*lane], rows_b[*lane]]);
                 let reached = SetLanes(hit.bits()).filter(reached).fold(0, |all, i| all | 1 << i);
                 if reached == 0 {
                     continue;
@@ -77,7 +74,7 @@ kernel!(
             let spreads = hit.and(spreads(elastic, gained, first));
             for (rows, w) in [(rows_a, w_a), (rows_b, w_b)] {
                 let moves = spreads.and(none.lt(w)).bits();
-                SetLanes(moves).for_each(|lane| rounds.mark(rows[lane]));
+                SetLanes(moves).for_each(|lane| round.mark(rows[lane]));
             }
         }
     }
@@ -133,21 +130,15 @@ impl PairHit {
         }
     }
 
-    /// Applies restitution to the pair in one of the rounds after a substep of `h` seconds, unless its block does.
-    pub(super) fn bounce(
-        &mut self,
-        particles: &mut Particles,
-        h: f32,
-        gravity: &RowGravity,
-        rounds: &mut ImpactRounds,
-    ) {
-        if self.place.is_some() || !rounds.reaches(self.rows) {
+    /// Applies restitution to the pair, unless its block does.
+    pub(super) fn bounce(&mut self, particles: &mut Particles, round: &mut ImpactRound) {
+        if self.place.is_some() || !round.reaches(self.rows) {
             return;
         }
         let [a, b] = self.rows.map(|row| row as usize);
         let (w_a, w_b) = (particles.inverse_mass(a), particles.inverse_mass(b));
         let velocity = Vector::<f32>::splat(particles.velocity(a) - particles.velocity(b));
-        let least = threshold(gravity.greatest(self.rows), h);
+        let least = threshold(round.gravity.greatest(self.rows), round.h);
         let elastic = (self.restitution, -self.approach, least);
         // The position solve has all of the friction of its own correction (`swept`).
         let (normal, friction) = (Vector::splat(self.normal), (self.friction, 0.0));
@@ -156,12 +147,12 @@ impl PairHit {
         let (impulse, gained) = contact_impulse(normal, velocity, elastic, friction, pressed);
         let impulse = Vec3::from(impulse);
         self.impulse += gained / weights;
-        let spreads = spreads(elastic, gained, rounds.is_first()).any();
+        let spreads = spreads(elastic, gained, round.is_first()).any();
         for (row, w, sign) in [(self.rows[0], w_a, 1.0), (self.rows[1], w_b, -1.0)] {
             if w > 0.0 {
                 particles.velocity[row as usize] += (impulse * (w * sign)).extend(0.0);
                 if spreads {
-                    rounds.mark(row);
+                    round.mark(row);
                 }
             }
         }

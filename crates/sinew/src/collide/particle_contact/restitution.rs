@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::{ImpactRounds, contact_impulse, is_elastic, spreads, threshold};
+use super::super::restitution::{ImpactRound, contact_impulse, is_elastic, spreads, threshold};
 use super::late::LateContact;
 use super::{NormalImpulse, NormalImpulses, ParticleContacts, SurfaceCandidate};
 use crate::constraints::PlanarDrag;
@@ -80,28 +80,27 @@ impl ParticleContacts {
         }
     }
 
-    /// Solves the contacts with a restitution again in one of the rounds after a substep of `h` seconds, together with those between particles. In the first
-    /// round they have just been [solved](Self::bounce): those that bounced reach their neighbours.
+    /// Solves the contacts with a restitution again, together with those between particles. In the first round they have just been [solved](Self::bounce): those
+    /// that bounced reach their neighbours.
     pub(in crate::collide) fn bounce_again(
         &self,
         particles: &mut Particles,
         normal_impulses: &mut NormalImpulses,
-        h: f32,
-        rounds: &mut ImpactRounds,
+        round: &mut ImpactRound,
     ) {
+        let (h, first) = (round.h, round.is_first());
         let mut places = Places::all(particles);
         let mut again = |contact: &mut NormalImpulse, row, candidate: &SurfaceCandidate| {
-            if contact.pressed == 0.0 || !rounds.reaches([row]) {
+            if contact.pressed == 0.0 || !round.reaches([row]) {
                 return;
             }
-            let first = rounds.is_first();
             let gained = if first {
                 contact.pressed
             } else {
                 contact.bounce(&mut places, row, candidate, h)
             };
             if spreads(contact.elasticity(candidate, h), gained, first).any() {
-                rounds.mark(row);
+                round.mark(row);
             }
         };
         for &[row, number] in &self.elastic {

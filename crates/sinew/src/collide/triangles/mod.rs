@@ -64,8 +64,7 @@ mod zone;
 use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
-use super::restitution::ImpactRounds;
-use crate::forces::RowGravity;
+use super::restitution::ImpactRound;
 use crate::particles::Particles;
 use crate::threads::ExecutionContext;
 
@@ -251,15 +250,9 @@ impl Triangles {
         !self.hits.is_empty()
     }
 
-    /// Applies restitution and friction to the contacts of a substep of `h` seconds, in one of its rounds. To be called after velocities are derived.
-    pub(super) fn bounce(
-        &mut self,
-        particles: &mut Particles,
-        h: f32,
-        gravity: &RowGravity,
-        rounds: &mut ImpactRounds,
-    ) {
-        self.hits.iter_mut().for_each(|hit| hit.bounce(particles, h, gravity, rounds));
+    /// Applies restitution and friction to the contacts of a substep. To be called after velocities are derived.
+    pub(super) fn bounce(&mut self, particles: &mut Particles, round: &mut ImpactRound) {
+        self.hits.iter_mut().for_each(|hit| hit.bounce(particles, round));
     }
 
     /// Records the contacts to be reported, after the last round of a substep.

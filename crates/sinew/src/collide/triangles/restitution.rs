@@ -7,11 +7,10 @@ use glam::Vec3;
 
 use super::super::filter::ContactFilter;
 use super::super::impact::{ContactParticipant, Impacts};
-use super::super::restitution::{ImpactRounds, contact_impulse, spreads, threshold};
+use super::super::restitution::{ImpactRound, contact_impulse, spreads, threshold};
 use super::participants::TriangleParticipants;
 use super::search::TriangleCandidate;
 use super::solve::{SubstepState, TriangleContact};
-use crate::forces::RowGravity;
 use crate::lanes::{Number, Vector};
 use crate::particles::Particles;
 
@@ -89,18 +88,13 @@ impl TriangleHit {
         of(0) + of(1) + of(2) + of(3)
     }
 
-    /// Applies restitution and friction in one of the rounds after a substep of `h` seconds.
-    pub(super) fn bounce(
-        &mut self,
-        particles: &mut Particles,
-        h: f32,
-        gravity: &RowGravity,
-        rounds: &mut ImpactRounds,
-    ) {
-        if !rounds.reaches(self.rows) {
+    /// Applies restitution and friction.
+    pub(super) fn bounce(&mut self, particles: &mut Particles, round: &mut ImpactRound) {
+        if !round.reaches(self.rows) {
             return;
         }
-        let first = rounds.is_first();
+        let ImpactRound { h, gravity, .. } = *round;
+        let first = round.is_first();
         let (normal, velocity) = (self.normal, self.velocity(particles));
         let least = threshold(gravity.greatest(self.rows), h);
         let elastic = (self.restitution, self.parting, least);
@@ -125,7 +119,7 @@ impl TriangleHit {
             if by != 0.0 {
                 particles.velocity[i] += (impulse * by).extend(0.0);
                 if spreads {
-                    rounds.mark(row);
+                    round.mark(row);
                 }
             }
         }

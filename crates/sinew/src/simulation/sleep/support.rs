@@ -29,7 +29,7 @@ const IGNORED: u32 = 12;
 pub(super) struct SupportHash {
     /// Of positions and of the values of constraints.
     pub(super) positions: u64,
-    /// Of everything else. Never 0 once something was added, which stands for none.
+    /// Of everything else.
     pub(super) without_positions: u64,
 }
 

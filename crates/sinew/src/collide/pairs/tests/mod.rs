@@ -90,9 +90,9 @@ impl World {
         let worst = pairs.project(particles, filter, h);
         let Particles { position, start, velocity, .. } = particles;
         derive(Derive { position, start, velocity, momentum_drift: &[], h, lag: h }, execution);
-        ImpactRounds::default().run(particles.len(), |rounds| {
-            pairs.bounce(particles, h, &self.gravity.length().into(), rounds);
-        });
+        let gravity = self.gravity.length().into();
+        let rows = particles.len();
+        ImpactRounds::default().run(rows, (h, &gravity), |round| pairs.bounce(particles, round));
         pairs.end_substep();
         worst
     }
