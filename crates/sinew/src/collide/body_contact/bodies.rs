@@ -156,7 +156,7 @@ pub(super) struct WideSlidingBody<L> {
     pub(super) depenetration_mark: L,
     pub(super) inverse_inertia: Symmetric<L>,
     pub(super) centre: Vector<L>,
-    step: Vector<L>,
+    pub(super) step: Vector<L>,
     pub(super) spin: Vector<L>,
 }
 

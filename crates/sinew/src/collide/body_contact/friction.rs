@@ -220,7 +220,8 @@ impl<L: Lanes> TangentialSlip<L> {
         let (t, u) = tangents(n);
         let (mut slid, mut turned) = (a.moved(arm), a.spin + a.turn);
         if let Some(b) = &b {
-            slid -= b.moved(other);
+            // The lever is from where the substep began, which is what Verlet keeps; the material there is where the two have come to.
+            slid -= b.moved(other + a.step - b.step);
             turned = turned - b.spin - b.turn;
         }
         let twist = n.dot(turned);
@@ -328,7 +329,11 @@ impl<L: Lanes> TangentialSlip<L> {
         // A point contact has no defined twist.
         let is_point = L::load(&wide.radius).lt(L::load(&wide.torsional_radius));
         let twist = is_point.select(L::zero(), left.z);
-        let along = *t * left.x + *u * left.y;
+        let mut along = *t * left.x + *u * left.y;
+        if let Some(b) = &self.b {
+            // It is a distance on the surface of the second one, and turns with that.
+            along += b.spin.cross(along);
+        }
         for (to, from) in wide.accumulated_slip.iter_mut().zip([along.x, along.y, along.z, twist]) {
             from.store(to);
         }
