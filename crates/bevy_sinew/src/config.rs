@@ -34,7 +34,8 @@ pub struct SolverConfig {
     pub integrator: Integrator,
     /// Maximum speed, m/s: a particle that is faster after a tick is slowed down to it. Default 500; zero is no limit.
     pub max_speed: f32,
-    /// Whether bodies that nothing else holds keep their angular momentum, although corrections with [`GradientAt::Current`] lose some. Default true.
+    /// Whether bodies that nothing else holds keep their angular momentum, and those that hang on one or two pinned particles keep swinging, although corrections
+    /// with [`GradientAt::Current`] lose some. Default true.
     pub keep_spin: bool,
     /// Whether hard distances are also solved over long ranges ([`SolverSettings::long_range`](sinew::SolverSettings::long_range)): by long range attachments
     /// to pins, by spans within large grid cloth, and in ropes by a direct solver. Cloth and ropes then do not stretch under their weight, in a wind, or under

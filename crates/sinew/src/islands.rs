@@ -69,6 +69,9 @@ pub(crate) struct Island {
     pub(crate) one_origin: bool,
     /// Whether nothing outside holds it in this step: its constraints are among its own particles, of which none is pinned.
     pub(crate) free: bool,
+    /// Rows of the one or two pinned particles that hold it in this step, if nothing else outside does: it turns about that point (the same row twice), or about
+    /// the axis through both. Not for large islands without chains, and not for those that take microsteps.
+    pub(crate) pivot: Option<[u32; 2]>,
     /// Whether it sleeps through this step.
     pub(crate) asleep: bool,
     /// Whether loads of constraints in it are measured, so that it is solved by itself.

@@ -43,8 +43,11 @@ pub struct SolverSettings {
     /// [report](crate::SolverReport::too_fast). Constraints that cannot be satisfied, such as a short rod between two particles that are far apart, fling
     /// particles, and this bounds how far. Zero, a negative value, NaN and infinity mean no limit.
     pub max_speed: f32,
-    /// Whether islands that nothing outside holds keep their angular momentum, default true. Corrections along the current gradients lose spin, and a skin
-    /// under pressure even gains some; with this, what was lost or gained is restored. Without it the loop is the lectures'. Linear momentum is always kept.
+    /// Whether islands that nothing outside holds keep their angular momentum, and those that hang on one or two pinned particles theirs about that point or
+    /// axis, default true. Corrections along the current gradients lose spin, and a skin under pressure even gains some; with this, what was lost or gained is
+    /// restored, and a pendulum swings on. Without it the loop is the lectures'. Linear momentum is always kept.
+    ///
+    /// About pins it applies to islands of at most 64 particles and to ropes of any length, until they touch something.
     pub keep_spin: bool,
     /// Whether hard distances are also enforced over long ranges before they are swept, default true. A sweep carries a pull only a few rods far; these act
     /// across many rods at once, so that cloth and ropes keep their length with few sweeps. The converged solution is the same without. There are three kinds:

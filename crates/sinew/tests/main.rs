@@ -9,6 +9,7 @@
 //! | `inside` | bodies that start inside a shape are pushed out and not thrown |
 //! | `limits` | limits of joints push back and never pull |
 //! | `microsteps` | large cloth takes steps of its own within a substep |
+//! | `pendulums` | what hangs on one or two pins keeps its energy |
 //! | `poured` | a thousand boxes in a heap |
 //! | `pressed` | cloth under a rigid shape |
 //! | `ragdolls` | figures that fall, lie in heaps, carry loads and collide |
@@ -34,6 +35,7 @@ mod far;
 mod inside;
 mod limits;
 mod microsteps;
+mod pendulums;
 mod poured;
 mod pressed;
 mod ragdolls;

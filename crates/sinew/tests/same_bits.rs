@@ -22,7 +22,7 @@ const TICKS: usize = 600;
 /// The final hash of each scene.
 const HASHES: [(&str, fn() -> Simulation, u64); 10] = [
     ("a flag in the wind over the ground", flag, 0x42f3_9bde_e729_a05e),
-    ("ropes, tethers and springs", ropes, 0x3e06_4fec_0dd3_2f71),
+    ("ropes, tethers and springs", ropes, 0x061a_5ad0_147b_e0c3),
     ("bricks that tumble", bricks, 0x2a42_1822_b58e_2836),
     ("ragdolls that fall", ragdolls, 0xdc96_3fae_9e2c_a200),
     ("charges and balls that float", charges, 0x9320_ef2c_54d0_1f6a),

@@ -10,7 +10,7 @@ use crate::islands::Islands;
 use crate::particles::{NO_BODY, Particles, snap};
 use crate::rigid::Compound;
 use crate::settings::{BodySettings, SolverSettings};
-use crate::solve::{PlanInput, divide, is_free};
+use crate::solve::{Pins, PlanInput, divide, keeps_momenta};
 
 impl Simulation {
     /// Updates the plan to the lists.
@@ -185,25 +185,27 @@ impl Simulation {
                 plan.islands.list[number as usize].strain_measured = true;
             }
         }
-        let held = |position: &Vec4| position.w == 0.0;
         // Neighbouring bodies mostly have the same settings.
         let mut last: Option<(BodySettings, SolverSettings)> = None;
         for number in 0..plan.islands.list.len() {
             let island = &plan.islands.list[number];
             let members = &plan.islands.members[island.members.clone()];
-            let (is_held, body) = match plan.stretch(island) {
+            let (pins, body) = match plan.stretch(island) {
                 Some(rows) => {
                     let (body, others) =
                         (particles.body[rows.start], &particles.body[rows.clone()]);
                     let is_one = others.iter().all(|&other| other == body);
-                    (particles.position[rows].iter().any(held), is_one.then_some(body))
+                    let columns = (rows.start as u32..).zip(&particles.position[rows]);
+                    let pinned = columns.filter(|(_, position)| position.w == 0.0);
+                    (Pins::of(pinned.map(|(row, _)| row)), is_one.then_some(body))
                 }
                 None => {
-                    let position = |&row: &u32| &particles.position[row as usize];
-                    (members.iter().map(position).any(held), None)
+                    let pinned = |row: &u32| particles.position[*row as usize].w == 0.0;
+                    (Pins::of(members.iter().copied().filter(pinned)), None)
                 }
             };
-            let own = body.filter(|_| !is_held).and_then(|body| bodies.get(body as usize));
+            let own =
+                body.filter(|_| pins == Pins::None).and_then(|body| bodies.get(body as usize));
             let settings = match (own, last) {
                 (Some(own), Some((asked, settings))) if asked == *own => settings,
                 (Some(own), _) => {
@@ -215,7 +217,15 @@ impl Simulation {
             };
             let island = &mut plan.islands.list[number];
             island.settings = settings;
-            island.free = is_free(island, is_held);
+            island.free = pins == Pins::None && keeps_momenta(island);
+            island.pivot = match pins {
+                Pins::Few(rows)
+                    if keeps_momenta(island) && (island.is_small() || island.has_chains()) =>
+                {
+                    Some(rows)
+                }
+                _ => None,
+            };
             let members = &plan.islands.members[island.members.clone()];
             let most = match body {
                 None if !island.is_small() => {
@@ -224,6 +234,10 @@ impl Simulation {
                 _ => settings,
             };
             divide(plan, number, h, most);
+            let island = &mut plan.islands.list[number];
+            if island.takes_microsteps() {
+                island.pivot = None;
+            }
         }
         plan.tether(particles);
     }

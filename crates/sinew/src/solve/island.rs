@@ -94,9 +94,8 @@ pub(super) fn solve(
     let sweeps = if island.groups.is_empty() { 0 } else { sweeps };
     report.note(sweeps, converged);
     let keeps_angular = gradient_at == GradientAt::StepStart || settings.keep_spin;
-    let free = island.free && !touched;
     let momentum_drift =
-        if free { MomentumDrift::of(&places, rows, h, keeps_angular) } else { None };
+        if touched { None } else { MomentumDrift::of(&places, (island, rows), h, keeps_angular) };
     report.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
     momentum_drift
 }
@@ -135,9 +134,10 @@ pub(super) fn propagate_impact(
     let SweepResult { sweeps, touched, .. } =
         sweep_until_converged(context, number, GradientAt::Current, columns, sweep);
     report.sweeps += sweeps;
-    let free = island.free && !touched;
-    let settings = &island.settings;
-    if free { MomentumDrift::since(&places, (rows, before), h, settings.keep_spin) } else { None }
+    if touched {
+        return None;
+    }
+    MomentumDrift::since(&places, (island, rows, before), h, island.settings.keep_spin)
 }
 
 /// The result of sweeping an island.

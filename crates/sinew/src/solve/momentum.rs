@@ -9,18 +9,30 @@
 //! ([`GradientAt::StepStart`](crate::GradientAt::StepStart)). Corrections to the nearest point do not: a cube of rods loses its spin as `ω₀/√(1 + 2ω₀²ht)`, and
 //! a skin under pressure gains spin out of nothing. This is corrected in the same way, unless [`keep_spin`](crate::SolverSettings::keep_spin) is off, which
 //! leaves the lectures' loop as it is.
+//!
+//! What hangs on one or two pins keeps its angular momentum about these: [`pivot`](super::pivot).
 
 use glam::{DVec3, Vec3, Vec4};
 
+use super::pivot::{PivotDrift, PivotSums, mass};
 use crate::integrate::Integrator;
 use crate::islands::Island;
-use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
+use crate::lanes::{Doubles, LANES, Lanes, Number, Vector, kernel};
 use crate::particles::Places;
 use crate::pose::{MomentSums, pseudo_solve};
 
-/// The motion that the corrections of an island added in sum and that has to be removed.
+/// What the corrections of an island added in sum and that has to be removed.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MomentumDrift {
+pub(super) enum MomentumDrift {
+    /// Of an island that nothing holds.
+    Free(RigidDrift),
+    /// Of one that hangs on a pivot.
+    Held(PivotDrift<f32>),
+}
+
+/// A rigid motion.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RigidDrift {
     /// Position at the start of the substep of the first of its rows, metres; the barycentre is measured from it.
     pub(super) anchor: DVec3,
     pub(super) centre: DVec3,
@@ -30,26 +42,45 @@ pub(super) struct MomentumDrift {
 }
 
 impl MomentumDrift {
-    /// The drift of an island without external contacts, before its velocities are derived. With `keeps_angular` it includes angular momentum.
+    /// The drift of an island that has had no contact so far, before its velocities are derived; `None` if something else than a pivot holds it. With
+    /// `keeps_angular` it includes angular momentum.
     ///
     /// With `v' = u + (q' - q)/h` ([`integrate`](crate::integrate)) the corrections added the momentum `P = Σ m (v' - u)`, and the angular momentum `L = Σ r ×
     /// m (v' - u)` about the point that `r` is measured from, with `r` at the start of the substep. A rigid body of the same masses responds with `P/M` and
     /// `I⁻¹ (L - r̄ × P)`. Differences of velocities are exact in `f64`, so summing them loses nothing.
-    pub(super) fn of(places: &Places, rows: &[u32], h: f32, keeps_angular: bool) -> Option<Self> {
+    pub(super) fn of(
+        places: &Places,
+        (island, rows): (&Island, &[u32]),
+        h: f32,
+        keeps_angular: bool,
+    ) -> Option<Self> {
         let per_second = 1.0 / h;
-        let gained = |_, i: usize| {
+        let velocities = |i: usize| {
             let (q, start) = (places.position[i].truncate(), places.start[i].truncate());
             let u = places.velocity[i].truncate();
-            let v = u + (q - (start + u * h)) * per_second;
+            [u, u + (q - (start + u * h)) * per_second]
+        };
+        if let Some(pivot) = island.pivot.filter(|_| keeps_angular) {
+            let [from, to] = pivot.map(|row| places.start[places.at(row)].truncate());
+            let mut sums = PivotSums::<f32>::about(Vector::splat(from), Vector::splat(to));
+            for i in rows.iter().map(|&row| places.at(row)) {
+                let (mass, start) = (mass(places.position[i].w) as f32, places.start[i]);
+                let [predicted, derived] = velocities(i).map(Vector::splat);
+                sums.add(mass, Vector::splat(start.truncate()), predicted, derived);
+            }
+            return Some(Self::Held(sums.drift()));
+        }
+        let gained = |_, i: usize| {
+            let [u, v] = velocities(i);
             v.as_dvec3() - u.as_dvec3()
         };
-        Self::of_gains(places, rows, keeps_angular, gained)
+        Self::of_gains(places, (island, rows), keeps_angular, gained)
     }
 
-    /// The same for the corrections since the particles were at `before`, within the substep.
+    /// The same for the corrections since the particles were at `before`, within the substep, of an island that nothing holds.
     pub(super) fn since(
         places: &Places,
-        (rows, before): (&[u32], &[Vec4]),
+        (island, rows, before): (&Island, &[u32], &[Vec4]),
         h: f32,
         keeps_angular: bool,
     ) -> Option<Self> {
@@ -58,17 +89,20 @@ impl MomentumDrift {
             let moved = places.position[i].truncate().as_dvec3();
             (moved - before[number].truncate().as_dvec3()) * per_second
         };
-        Self::of_gains(places, rows, keeps_angular, gained)
+        Self::of_gains(places, (island, rows), keeps_angular, gained)
     }
 
     /// The drift of particles with velocity gains, m/s, given by a function of their number among the rows and their index among the places.
     #[inline(always)]
     fn of_gains(
         places: &Places,
-        rows: &[u32],
+        (island, rows): (&Island, &[u32]),
         keeps_angular: bool,
         gained: impl Fn(usize, usize) -> DVec3,
     ) -> Option<Self> {
+        if !island.free {
+            return None;
+        }
         let anchor = places.start[places.at(*rows.first()?)].truncate().as_dvec3();
         let mut sums = MomentSums::NONE;
         for (number, &row) in rows.iter().enumerate() {
@@ -77,7 +111,7 @@ impl MomentumDrift {
             sums.add(1.0 / f64::from(w), (start - anchor).into(), gained(number, i).into());
         }
         let [centre, shift, turn] = sums.rigid_motion(keeps_angular)?;
-        Some(Self { anchor, centre, shift, turn })
+        Some(Self::Free(RigidDrift { anchor, centre, shift, turn }))
     }
 
     /// Adds the velocity that each particle is to lose when its velocity is derived, m/s.
@@ -96,10 +130,18 @@ impl MomentumDrift {
         }
     }
 
-    /// The velocity to be removed from a particle that was at `start` when the substep began, m/s.
+    /// The velocity to be removed from a particle that was at `start` when the substep began, with its inverse mass, m/s.
     fn share(&self, start: Vec4) -> Vec3 {
-        let arm = start.truncate().as_dvec3() - self.anchor - self.centre;
-        (self.shift + self.turn.cross(arm)).as_vec3()
+        match self {
+            Self::Free(RigidDrift { anchor, centre, shift, turn }) => {
+                let arm = start.truncate().as_dvec3() - anchor - centre;
+                (shift + turn.cross(arm)).as_vec3()
+            }
+            Self::Held(drift) => {
+                let all = <f32 as Number>::zero().le(0.0);
+                drift.share(Vector::splat(start.truncate()), start.w, all).into()
+            }
+        }
     }
 }
 
@@ -114,8 +156,8 @@ pub(super) struct WideMomentumDrift<D> {
 impl<D: Doubles> WideMomentumDrift<D> {
     /// The same drift in all lanes.
     #[inline(always)]
-    pub(super) fn all(one: &MomentumDrift) -> Self {
-        let MomentumDrift { anchor, centre, shift, turn } = *one;
+    pub(super) fn all(one: &RigidDrift) -> Self {
+        let RigidDrift { anchor, centre, shift, turn } = *one;
         let all = Vector::double;
         Self { anchor: all(anchor), centre: all(centre), shift: all(shift), turn: all(turn) }
     }
@@ -138,8 +180,15 @@ kernel!(
         // One for each of the places.
         to: &mut [Vec4],
     ) {
+        let MomentumDrift::Free(rigid) = momentum_drift else {
+            for &row in rows {
+                let i = places.at(row);
+                to[i] = momentum_drift.share(places.start[i]).extend(0.0);
+            }
+            return;
+        };
         let (eights, others) = rows.as_chunks::<LANES>();
-        let all = WideMomentumDrift::all(momentum_drift);
+        let all = WideMomentumDrift::all(rigid);
         for eight in eights {
             let at = eight.map(|row| places.at(row) as u32);
             let (from, _) = Vector::of(L::rows(places.start, &at));
@@ -168,11 +217,10 @@ impl MomentSums<f64> {
     }
 }
 
-/// Whether an island has constraints, all of them between its own particles, and none of its particles is `held`.
-pub(crate) fn is_free(island: &Island, held: bool) -> bool {
+/// Whether an island has constraints, and all of them are between its own particles.
+pub(crate) fn keeps_momenta(island: &Island) -> bool {
     // Explicit Euler adds the forces of the substep after the constraints; an explicit rigid body has velocities of its own.
-    !held
-        && !island.groups.is_empty()
+    !island.groups.is_empty()
         && !island.rigid
         && !island.external
         && island.settings.integrator != Integrator::ExplicitEuler

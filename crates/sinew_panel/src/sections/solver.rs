@@ -55,7 +55,7 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
         (Order::Jacobi, "Jacobi"),
     ];
     changed |= choice(ui, "Order", hint, &mut config.order, &orders);
-    let hint = "Restores the angular momentum that free bodies lose by corrections along current gradients.";
+    let hint = "Restores the angular momentum that free and hanging bodies lose by corrections along current gradients.";
     changed |= row(ui, "Keep spin", hint, |ui| ui.checkbox(&mut config.keep_spin, "").changed());
     let hint = "Solves hard distances over long ranges as well: tethers to pins, spans within large grid cloth, a direct solver for ropes. Cloth and ropes then do not stretch.";
     changed |= row(ui, "Long range", hint, |ui| ui.checkbox(&mut config.long_range, "").changed());

@@ -56,10 +56,12 @@ fn run(world: &mut Simulation, ticks: u32) -> (f32, f32) {
 
 #[test]
 fn a_swinging_rope_does_not_stretch_however_heavy_its_load_is() {
+    // A little below the level: at the level, which it comes back up to, it would be slack for a moment, and be jerked.
+    let along = Vec3::new(0.995, -0.0998, 0.0).normalize();
     for pieces in [2, 5, 20, 60] {
         for weight in [0.01, 0.1, 1.0, 10.0] {
             let mut world = Simulation::default();
-            loaded(&mut world, pieces, Vec3::X, weight);
+            loaded(&mut world, pieces, along, weight);
             let (worst, sweeps) = run(&mut world, 240);
             println!("{pieces} pieces, {weight} kg: {worst:.2e} in {sweeps:.1} sweeps a tick");
             assert!(

@@ -195,9 +195,8 @@ impl<'a> BatchSolve<'a> {
                 let sweeps = storage.convergence.report(reports, storage.asleep);
                 if let BatchMotion::Step(whole) = &self.motion {
                     whole.iteration_counts[substep].fetch_max(sweeps, Ordering::Relaxed);
-                    let (free, keeps_angular) =
-                        (storage.undisturbed(), context.keeps_spin(storage));
-                    derive_lanes(storage, h, free, keeps_angular, instructions);
+                    let keeps_momenta = context.keeps_momenta(storage);
+                    derive_lanes(storage, h, keeps_momenta, instructions);
                     if let Some(surfaces) = &context.surfaces {
                         surfaces.bounce(storage, &mut self.normal_impulses);
                     }
@@ -229,9 +228,15 @@ impl<'a> BatchSolve<'a> {
         self.note_heights(batch, planes, storage);
         // Unused lanes repeat the last body: they compute and write the same values.
         let last = islands.len() - 1;
-        (storage.free, storage.asleep) = (0, 0);
+        (storage.free, storage.pivoted, storage.asleep) = (0, 0, 0);
+        storage.pivots = [[0; 2]; LANES];
+        let places = batch.places(0, 0);
         for lane in 0..LANES {
             let own = &islands[lane.min(last)];
+            if let Some(pivot) = own.pivot.filter(|_| !own.asleep) {
+                storage.pivoted |= 1 << lane;
+                storage.pivots[lane] = pivot.map(|row| row - places[lane]);
+            }
             storage.islands[lane] = (batch.islands.start + lane.min(last)) as u32;
             storage.free |= u32::from(own.free && !own.asleep) << lane;
             storage.asleep |= u32::from(own.asleep) << lane;
@@ -252,7 +257,7 @@ impl<'a> BatchSolve<'a> {
             gather(&mut storage.rounding, batch, begin, whole.rounding, instructions);
             note_rates(batch, begin, whole, storage);
         }
-        if storage.free != 0 {
+        if storage.free | storage.pivoted != 0 {
             note_masses(storage, instructions);
         }
     }
@@ -334,27 +339,20 @@ impl<'a> BatchSolve<'a> {
         scatter(&storage.now, batch, begin, self.position, instructions);
         match &mut self.motion {
             BatchMotion::Substep { velocity, momentum_drift, .. } => {
-                let undisturbed = storage.undisturbed();
-                if undisturbed == 0 {
+                let keeps_momenta = context.keeps_momenta(storage);
+                let (any, per_particle) = (keeps_momenta.any(), !momentum_drift.is_empty());
+                if any == 0 {
                     return;
                 }
                 gather(&mut storage.velocity, batch, begin, velocity, instructions);
-                let (turning, per_particle) =
-                    (undisturbed & context.keeps_spin(storage), !momentum_drift.is_empty());
-                let momentum_drifts = take_drift(
-                    storage,
-                    context.h,
-                    turning,
-                    undisturbed,
-                    per_particle,
-                    instructions,
-                );
+                let momentum_drifts =
+                    take_drift(storage, context.h, keeps_momenta, per_particle, instructions);
                 if per_particle {
                     scatter(&storage.velocity, batch, begin, momentum_drift, instructions);
                     return;
                 }
                 // At most one entry for each body.
-                let own = momentum_drifts.each(undisturbed & storage.mask());
+                let own = momentum_drifts.each(any & storage.mask());
                 let own = own.map(|(lane, one)| ((batch.islands.start + lane) as u32, one));
                 self.scratch.momentum_drifts.extend(own);
             }

@@ -46,6 +46,10 @@ pub(crate) struct LaneStorage {
     pub(super) bodies: usize,
     /// One bit for each body that gets no momentum from outside: all its constraints are internal, no particle is pinned, and it is awake.
     pub(super) free: u32,
+    /// One bit for each body that is held by its pivot alone ([`Island::pivot`](crate::islands::Island::pivot)) and awake; and the two
+    /// particles of each pivot.
+    pub(super) pivoted: u32,
+    pub(super) pivots: [[u32; 2]; LANES],
     /// One bit for each sleeping body. It is neither swept nor reported, and does not change.
     pub(super) asleep: u32,
     pub(super) convergence: ConvergenceMask,
@@ -75,11 +79,6 @@ impl LaneStorage {
     /// The lanes that hold the body of `lane`: unused lanes repeat the last body.
     pub(super) fn copies(&self, lane: usize) -> Range<usize> {
         lane..if lane + 1 == self.bodies { LANES } else { lane + 1 }
-    }
-
-    /// One bit for each body that nothing outside has given momentum in this substep: free, and without contacts so far.
-    pub(super) fn undisturbed(&self) -> u32 {
-        self.free & !self.convergence.touched
     }
 
     /// Makes room for eight bodies of the same topology as those in `other`, and marks all lanes as done.

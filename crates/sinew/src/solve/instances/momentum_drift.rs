@@ -7,7 +7,9 @@ use super::lane_storage::LaneStorage;
 use crate::lanes::{Doubles, LANES, Lanes, SetLanes, Vector, kernel};
 use crate::pose::symmetric::{Cofactors, MAX_CONDITION, cofactors};
 use crate::pose::{MomentSums, pseudo_solve};
-use crate::solve::momentum::{MomentumDrift, WideMomentumDrift};
+use crate::solve::lane_particles::LaneParticles;
+use crate::solve::momentum::{MomentumDrift, RigidDrift, WideMomentumDrift};
+use crate::solve::pivot::{PivotDrift, PivotSums};
 
 impl<D: Doubles> WideMomentumDrift<D> {
     /// One bit for each body with a finite drift.
@@ -16,85 +18,142 @@ impl<D: Doubles> WideMomentumDrift<D> {
         self.centre.finite() & self.shift.finite() & self.turn.finite()
     }
 
-    /// The drifts as arrays in memory.
+    /// Anchors, centres, shifts and turns in memory.
     #[inline(always)]
-    fn bodies(&self) -> DriftLanes {
+    fn vectors(&self) -> [[[f64; LANES]; 3]; 4] {
         let Self { anchor, centre, shift, turn } = self;
-        let vectors = [anchor.arrays(), centre.arrays(), shift.arrays(), turn.arrays()];
-        DriftLanes { vectors, finite: self.finite() }
+        [anchor.arrays(), centre.arrays(), shift.arrays(), turn.arrays()]
     }
 }
 
-/// Momentum drifts of eight bodies in memory: anchors, centres, shifts and turns, each as x, y and z.
+/// Which of eight bodies keep their momenta in a substep. One bit each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct KeepsMomenta {
+    /// Their linear momentum, and of these, their angular momentum too.
+    pub(super) free: u32,
+    pub(super) turning: u32,
+    /// Their angular momentum about their pivot.
+    pub(super) held: u32,
+}
+
+impl KeepsMomenta {
+    /// One bit for each body that keeps any.
+    pub(super) fn any(self) -> u32 {
+        self.free | self.held
+    }
+}
+
+/// The drifts of eight bodies, and masks of those that they are removed from.
+struct LaneDrifts<L: Lanes> {
+    free: Option<(WideMomentumDrift<L::Doubles>, L)>,
+    held: Option<(PivotDrift<L>, L)>,
+}
+
+impl<L: Lanes> LaneDrifts<L> {
+    #[inline(always)]
+    fn of(storage: &LaneStorage, h: f32, keeps_momenta: KeepsMomenta) -> Self {
+        let KeepsMomenta { free, turning, held } = keeps_momenta;
+        let mut drifts = Self { free: None, held: None };
+        // Not `then`, because a closure is not compiled with the target features of the kernel.
+        if free != 0 {
+            let rigid = storage.momentum_drifts::<L>(h, turning);
+            let which = L::mask(free & rigid.finite());
+            drifts.free = Some((rigid, which));
+        }
+        if held != 0 {
+            drifts.held = Some((storage.pivot_drifts::<L>(h), L::mask(held)));
+        }
+        drifts
+    }
+
+    /// A velocity without what is to be removed from particles of inverse mass `w` that were at `from` when the substep began, m/s.
+    #[inline(always)]
+    fn removed_from(&self, mut v: Vector<L>, from: Vector<L>, w: L) -> Vector<L> {
+        if let Some((rigid, which)) = &self.free {
+            v = (v - rigid.share(from)).or_else(*which, v);
+        }
+        if let Some((pivot, which)) = &self.held {
+            v -= pivot.share(from, w, *which);
+        }
+        v
+    }
+}
+
+/// The drifts of eight bodies in memory: anchors, centres, shifts and turns of free ones, each as x, y and z; anchors and turns of held ones.
 #[derive(Default)]
 pub(super) struct DriftLanes {
-    vectors: [[[f64; LANES]; 3]; 4],
-    finite: u32,
+    free: [[[f64; LANES]; 3]; 4],
+    held: [[[f32; LANES]; 3]; 2],
+    /// One bit for each body that is free, and for each that is held.
+    which: [u32; 2],
 }
 
 impl DriftLanes {
-    /// The finite drifts of the bodies in a mask, with their lanes.
+    /// The drifts of the bodies in a mask, with their lanes.
     pub(super) fn each(&self, which: u32) -> impl Iterator<Item = (usize, MomentumDrift)> {
-        SetLanes(which & self.finite).map(|lane| {
+        let Self { free, held, which: [are_free, are_held] } = self;
+        let free = SetLanes(which & are_free).map(|lane| {
             let [anchor, centre, shift, turn] =
-                self.vectors.each_ref().map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
-            (lane, MomentumDrift { anchor, centre, shift, turn })
-        })
+                free.each_ref().map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
+            (lane, MomentumDrift::Free(RigidDrift { anchor, centre, shift, turn }))
+        });
+        free.chain(SetLanes(which & are_held).map(|lane| {
+            let [anchor, turn] =
+                held.each_ref().map(|[x, y, z]| Vector::new(x[lane], y[lane], z[lane]));
+            (lane, MomentumDrift::Held(PivotDrift { anchor, turn }))
+        }))
     }
 }
 
 kernel!(
-    /// Derives the velocities in a lane storage at the end of a substep of `h` seconds. Bodies in the mask `free`, which got no momentum from outside, keep
-    /// their linear momentum; those that are in `keeps_angular` too also keep their angular momentum.
+    /// Derives the velocities in a lane storage at the end of a substep of `h` seconds, without the momenta that corrections must not have added.
     pub(super) fn derive_lanes<L: Lanes>(
         storage: &mut LaneStorage,
         h: f32,
-        free: u32,
-        keeps_angular: u32,
+        keeps_momenta: KeepsMomenta,
     ) {
-        let momentum_drifts = if free != 0 {
-            Some(storage.momentum_drifts::<L>(h, free & keeps_angular))
-        } else {
-            None
-        };
+        let drifts = LaneDrifts::<L>::of(storage, h, keeps_momenta);
         let per_second = L::splat(1.0 / h);
         let h = L::splat(h);
         let LaneStorage { now, start, velocity, .. } = storage;
         for ((now, start), velocity) in now.iter().zip(start).zip(velocity) {
-            let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
+            let ((q, w), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
             let u = Vector::of(velocity.load::<L>()).0;
-            let mut v = u + (q - (from + u * h)) * per_second;
-            if let Some(momentum_drifts) = &momentum_drifts {
-                let share = momentum_drifts.share(from);
-                v = (v - share).or_else(L::mask(free & momentum_drifts.finite()), v);
-            }
-            velocity.put(v.with(h));
+            let v = u + (q - (from + u * h)) * per_second;
+            velocity.put(drifts.removed_from(v, from, w).with(h));
         }
     }
 );
 
 kernel!(
-    /// Computes the momentum drift of the bodies in the mask `which` after a substep of `h` seconds, with the angular part for those in `turning`. If
-    /// `per_particle`, writes the velocity to be removed from each particle, m/s, in place of the velocities in the storage (zero for all other bodies) and
-    /// returns an empty result.
+    /// Computes the momentum drift of the bodies that keep any after a substep of `h` seconds. If `per_particle`, writes the velocity to be removed from each
+    /// particle, m/s, in place of the velocities in the storage (zero for all other bodies) and returns an empty result.
     pub(super) fn take_drift<L: Lanes>(
         storage: &mut LaneStorage,
         h: f32,
-        turning: u32,
-        which: u32,
+        keeps_momenta: KeepsMomenta,
         per_particle: bool,
     ) -> DriftLanes {
-        let momentum_drifts = storage.momentum_drifts::<L>(h, turning);
+        let drifts = LaneDrifts::<L>::of(storage, h, keeps_momenta);
+        let mut lanes = DriftLanes::default();
         if !per_particle {
-            return momentum_drifts.bodies();
+            if let Some((rigid, which)) = &drifts.free {
+                (lanes.free, lanes.which[0]) = (rigid.vectors(), which.bits() & 0xFF);
+            }
+            if let Some((PivotDrift { anchor, turn }, which)) = &drifts.held {
+                for (to, from) in lanes.held.iter_mut().zip([anchor, turn]) {
+                    *to = [from.x.array(), from.y.array(), from.z.array()];
+                }
+                lanes.which[1] = which.bits() & 0xFF;
+            }
+            return lanes;
         }
-        let which = L::mask(which & momentum_drifts.finite());
+        let none = Vector::new(L::zero(), L::zero(), L::zero());
         for (start, velocity) in storage.start.iter().zip(&mut storage.velocity) {
-            let share = momentum_drifts.share(Vector::of(start.load::<L>()).0);
-            let [x, y, z] = [which.and(share.x), which.and(share.y), which.and(share.z)];
-            velocity.put(Vector::new(x, y, z).with(L::zero()));
+            let (from, w) = Vector::of(start.load::<L>());
+            velocity.put((none - drifts.removed_from(none, from, w)).with(L::zero()));
         }
-        DriftLanes::default()
+        lanes
     }
 );
 
@@ -124,6 +183,35 @@ impl LaneStorage {
         }
         let (centre, shift, turn) = sums.rigid_motion(turning);
         WideMomentumDrift { anchor, centre, shift, turn }
+    }
+
+    /// The turn of each body about its pivot that corrections have added, before its velocities are derived.
+    #[inline(always)]
+    fn pivot_drifts<L: Lanes>(&self, h: f32) -> PivotDrift<L> {
+        let per_second = L::splat(1.0 / h);
+        let h = L::splat(h);
+        let [from, to] = self.pivot_ends();
+        let [from, to] = [Vector::of(from.load::<L>()).0, Vector::of(to.load::<L>()).0];
+        let mut sums = PivotSums::about(from, to);
+        let Self { now, start, velocity, mass, .. } = self;
+        for (((now, start), velocity), mass) in now.iter().zip(start).zip(velocity).zip(mass) {
+            let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
+            let u = Vector::of(velocity.load::<L>()).0;
+            let v = u + (q - (from + u * h)) * per_second;
+            sums.add(L::narrow(L::Doubles::load(mass)), from, u, v);
+        }
+        sums.drift()
+    }
+
+    /// Where the particles of the pivots were when the substep began, lane by lane; the first particle of a body without one.
+    fn pivot_ends(&self) -> [LaneParticles; 2] {
+        let mut ends = [LaneParticles::ZERO; 2];
+        for (lane, pivot) in self.pivots.iter().enumerate() {
+            for (end, &i) in ends.iter_mut().zip(pivot) {
+                end.copy_lane(lane, &self.start[i as usize], lane);
+            }
+        }
+        ends
     }
 }
 

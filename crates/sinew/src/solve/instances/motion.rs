@@ -34,13 +34,15 @@ impl LaneStorage {
 }
 
 kernel!(
-    /// Stores the masses as the reciprocals of the inverse masses.
+    /// Stores the masses as the reciprocals of the inverse masses; none for pinned particles.
     pub(super) fn note_masses<L: Lanes>(storage: &mut LaneStorage) {
         let LaneStorage { mass, now, .. } = storage;
         mass.resize(now.len(), [0.0; LANES]);
         for (mass, entry) in mass.iter_mut().zip(now) {
-            let inverse = L::load(entry.fourths()).widen();
-            (L::Doubles::splat(1.0) / inverse).store(mass);
+            let (w, one) = (L::load(entry.fourths()), L::splat(1.0));
+            let moves = L::zero().lt(w);
+            let (inverse, some) = (moves.select(w, one).widen(), moves.and(one).widen());
+            (some / inverse).store(mass);
         }
     }
 );

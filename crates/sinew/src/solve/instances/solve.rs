@@ -2,6 +2,7 @@
 
 use super::convergence::ConvergenceMask;
 use super::lane_storage::LaneStorage;
+use super::momentum_drift::KeepsMomenta;
 use super::surfaces::{SurfaceContext, project_planes};
 use super::{chains, rods};
 use crate::collide::NormalImpulses;
@@ -52,9 +53,13 @@ impl BatchContext<'_> {
         }
     }
 
-    /// One bit for each body that is to keep its angular momentum when velocities are derived.
-    pub(super) fn keeps_spin(&self, storage: &LaneStorage) -> u32 {
-        if self.settings.keep_spin { u32::MAX } else { self.along_start(storage) }
+    /// Which momenta the bodies of a storage are to keep when velocities are derived.
+    pub(super) fn keeps_momenta(&self, storage: &LaneStorage) -> KeepsMomenta {
+        let LaneStorage { free, pivoted, .. } = *storage;
+        let untouched = !storage.convergence.touched;
+        let spin = if self.settings.keep_spin { u32::MAX } else { self.along_start(storage) };
+        let (free, held) = (free & untouched, pivoted & untouched & spin);
+        KeepsMomenta { free, turning: free & spin, held }
     }
 
     /// One bit for each body that is corrected along the directions at the start of the substep.

@@ -103,6 +103,7 @@ impl TaskSlice<'_> {
         let cluster_batches = island.cluster_batches.clone();
         let excluded =
             island.is_skipped() || island.rigid || island.free || island.groups.is_empty();
+        let excluded = excluded || island.pivot.is_some();
         // Spans would connect cluster batches at different stages.
         let excluded = excluded || plan.tethers.spans_of(island).is_some() || island.has_chains();
         // Relaxation ends the step with sweeps of its own.
