@@ -121,6 +121,8 @@ pub(crate) fn pendulum(angle: f64, gradient_at: GradientAt) -> Simulation {
     let mut world = Simulation::default();
     world.settings.substeps = 1;
     converge(&mut world, gradient_at, 20);
+    // The bare correction, without restoring the angular momentum.
+    world.settings.keep_spin = false;
     world.particles.push(ParticleSeed::at(Vec3::ZERO).pinned()).expect("a sound particle");
     let bob = Vec3::new(-libm::sin(angle) as f32, -libm::cos(angle) as f32, 0.0);
     world.particles.push(ParticleSeed::at(bob)).expect("a sound particle");
