@@ -9,9 +9,9 @@ use sinew::{
     Simulation, Sleep,
 };
 
-const DT: f32 = 1.0 / 60.0;
+pub(crate) const DT: f32 = 1.0 / 60.0;
 
-fn run(world: &mut Simulation, seconds: f32, dt: f32) {
+pub(crate) fn run(world: &mut Simulation, seconds: f32, dt: f32) {
     for _ in 0..(seconds / dt).round() as u32 {
         world.step(dt).unwrap();
     }
@@ -35,7 +35,7 @@ fn ball(world: &mut Simulation, at: Vec3, velocity: Vec3, radius: f32, material:
 }
 
 /// Adds a rigid body of a shape, or without one a particle of this radius, at a place and with a velocity.
-fn throw(
+pub(crate) fn throw(
     world: &mut Simulation,
     (shape, radius): (Option<&Shape>, f32),
     (at, velocity): (Vec3, Vec3),

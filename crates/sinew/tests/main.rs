@@ -6,6 +6,7 @@
 //! | `compounds` | explicit rigid bodies, and the conversion between them and particles |
 //! | `contacts` | slopes, bounces, and cloth on various shapes |
 //! | `far` | behaviour far from the origin is the same |
+//! | `impacts` | restitution of particles and bodies together |
 //! | `inside` | bodies that start inside a shape are pushed out and not thrown |
 //! | `limits` | limits of joints push back and never pull |
 //! | `microsteps` | large cloth takes steps of its own within a substep |
@@ -32,6 +33,7 @@ mod analytic;
 mod compounds;
 mod contacts;
 mod far;
+mod impacts;
 mod inside;
 mod limits;
 mod microsteps;

@@ -124,18 +124,22 @@ impl Contacts {
 
     /// Solves restitution: after the velocities of a substep.
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
-        let Self { particle_contacts, normal_impulses, pairs, triangles, .. } = self;
-        self.body_contact.bounce(particles, h, gravity);
-        if pairs.any_touched() || triangles.any_touched() {
+        let Self { particle_contacts, normal_impulses, pairs, triangles, body_contact, .. } = self;
+        body_contact.begin_impacts();
+        let any_touched = pairs.any_touched() || triangles.any_touched();
+        if any_touched || body_contact.any_contacts() || particle_contacts.any_elastic() {
             let mut normal_impulses = NormalImpulses::all(normal_impulses);
-            self.impact_rounds.run(particles.len(), (h, gravity), |round| {
+            let ends = (particles.len(), body_contact.impact_rows());
+            self.impact_rounds.run(ends, (h, gravity), |round| {
+                particle_contacts.bounce_again(particles, &mut normal_impulses, round);
+                body_contact.bounce(particles, round);
                 pairs.bounce(particles, round);
                 triangles.bounce(particles, round);
-                particle_contacts.bounce_again(particles, &mut normal_impulses, round);
             });
             pairs.end_substep();
             triangles.end_substep();
         }
+        body_contact.end_impacts(particles, h);
         particle_contacts.flatten(particles, true);
     }
 

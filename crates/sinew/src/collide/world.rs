@@ -29,6 +29,17 @@ pub(crate) struct World<'a> {
 }
 
 impl World<'_> {
+    /// Whether anything bounces.
+    pub(crate) fn any_restitution(&self) -> bool {
+        let Boundaries { planes, boxes, .. } = self.boundaries;
+        let bodies = self.filter.bodies().iter().map(|body| body.material.restitution);
+        let colliders = self.colliders.iter().map(|collider| collider.material.restitution);
+        let planes = planes.iter().map(|plane| plane.restitution);
+        let boxes = boxes.iter().map(|inside| inside.restitution);
+        let all = bodies.chain(colliders).chain(planes).chain(boxes);
+        all.into_iter().any(|restitution| restitution > 0.0)
+    }
+
     /// Magnitude of gravity, m/s².
     #[inline]
     pub(crate) fn g(&self) -> f32 {

@@ -67,6 +67,12 @@ impl Bodies {
         self.residual.resize(2 * len, Vec4::ZERO);
     }
 
+    /// Whether an impulse can move or turn what is in a row.
+    pub(super) fn is_movable(&self, row: usize) -> bool {
+        let [shift, _, along, across, ..] = self[row];
+        shift.w != 0.0 || along.truncate() != Vec3::ZERO || across.truncate() != Vec3::ZERO
+    }
+
     /// A copy of the eight rows from `first` on.
     pub(super) fn eight(&self, first: usize) -> [Record; LANES] {
         core::array::from_fn(|lane| self.rows[first + lane])

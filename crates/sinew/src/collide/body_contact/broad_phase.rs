@@ -20,9 +20,7 @@ use super::bodies::{ROTATION, SHIFT};
 use super::contact_cache::{CacheBuilder, ContactCache};
 use super::pose::robust_rotation;
 use super::swept_bounds::{SweptBounds, WideSweptBounds};
-use super::wide_contact::{
-    Contact, SWEEPS, WideContact, colour, keep_for_impacts, pack_contacts, put, set_levels,
-};
+use super::wide_contact::{Contact, SWEEPS, WideContact, colour, pack_contacts, put, set_levels};
 use crate::lanes::LANES;
 use crate::not_cloned::NotCloned;
 use crate::particles::{NO_BODY, Particles};
@@ -113,10 +111,21 @@ impl BodyContactSolver {
         };
         pack_contacts(contacts, (null_row, colours), [order, begins], wide_contacts, (row, centre));
         self.missed.wide_contacts = wide_contacts.len();
+        self.keep_for_impacts(world);
         self.fresh = true;
         self.in_contact.clear();
         self.in_contact.resize(self.groups.groups.len(), 0);
         self.mark_in_contact(0);
+    }
+
+    /// Makes all wide contacts keep what restitution needs, if any contact has a restitution, or a single particle may bring them an impact from elsewhere: one
+    /// that is slow itself may take part.
+    fn keep_for_impacts(&mut self, world: &World) {
+        let Self { wide_contacts, loose, .. } = self;
+        let any_elastic = wide_contacts.iter().any(|wide| wide.elastic != 0);
+        if any_elastic || !loose.is_empty() && world.any_restitution() {
+            wide_contacts.iter_mut().for_each(|wide| wide.kept = true);
+        }
     }
 
     /// Marks the body colliders of the contacts from `first` on, and those with single particles nearby.
@@ -350,7 +359,6 @@ impl BodyContactSolver {
         for number in first..self.contacts.len() {
             self.pack_missed(number);
         }
-        keep_for_impacts(&mut self.wide_contacts);
         let Self { missed, contacts, cache, .. } = self;
         missed.found.extend(
             contacts[first..].iter().map(|one| [one.a, one.b, cache.part(one.cache_index)]),
@@ -363,6 +371,7 @@ impl BodyContactSolver {
             loose.bodies().for_each(|number| self.read_line(number as usize, particles));
             self.loose = loose;
         }
+        self.keep_for_impacts(world);
         self.mark_in_contact(first);
     }
 

@@ -2,22 +2,21 @@
 
 use glam::{Mat3, Vec3, Vec4};
 
+use super::super::friction::friction_share;
 use super::super::impact::ContactParticipant;
 use super::super::material::CombinedMaterial;
 use super::super::nearby::Nearby;
 use super::super::pressed::{Aggregate, PressedCloth, Push};
 use super::super::recovery::{limit_depth, recovery};
-use super::super::restitution::{is_elastic, rebound, threshold};
+use super::super::restitution::{ImpactRound, elastic_gain, is_elastic, spreads, threshold};
 use super::super::world::World;
 use super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, TURN, rotation};
 use super::groups::BodyGroups;
 use super::narrow_phase::participant;
 use super::normal_solve::LEAST_LEVER;
-use super::rigid_islands::RigidIslands;
 use super::swept_bounds::SweptBounds;
 use super::turn::Symmetric;
 use super::{BodyContactSolver, ContactEvent};
-use crate::forces::RowGravity;
 use crate::lanes::{Number, Vector};
 use crate::particles::{NO_BODY, Particles};
 
@@ -31,6 +30,9 @@ const AGGREGATED: f32 = 0.3;
 /// on nine crates moves by 146, 29 and 26 mm/s in the third to the fifth second if all of each push counts, and by 8, 3 and 3 with this limit, root mean
 /// square, from tick to tick.
 const BODY_APPROACH: f32 = 8.0;
+
+/// Distance from the path that its velocity gave it, as a share of that, up to which nothing has moved a particle in a substep.
+const OFF_PATH: f32 = 0.01;
 
 /// Contacts of body colliders with single particles. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -65,11 +67,16 @@ struct LooseContact {
     combined_material: CombinedMaterial,
     reports_events: bool,
     participants: [ContactParticipant; 2],
-    /// In this substep: accumulated normal impulse, kg·m, its normal and lever, and the normal speed before, m/s.
+    /// In this substep: accumulated normal impulse of the positions, kg·m, its normal and lever, and the relative normal velocity before contacts, m/s, negative
+    /// when approaching.
     force: f32,
     normal: Vec3,
     arm: Vec3,
     approach: f32,
+    /// Accumulated normal impulse of the positions and of impacts, N·s.
+    impulse: f32,
+    /// Whether the particle came on the path that its velocity gave it, and out of no old overlap: no constraint or other contact had moved it in this substep.
+    alone: bool,
     /// How neighbours were pushed along, if they were.
     push: Option<Push>,
     /// Position of the particle after the last pass over this contact.
@@ -186,6 +193,8 @@ impl Loose {
                 normal: Vec3::Y,
                 arm: Vec3::ZERO,
                 approach: 0.0,
+                impulse: 0.0,
+                alone: false,
                 total: 0.0,
                 point: Vec3::ZERO,
             }
@@ -310,7 +319,17 @@ impl Loose {
             bodies[at][SHIFT] -= (impulse * inverse_mass).extend(0.0);
             bodies[at][TURN] -= body.spun(lever.cross(impulse)).extend(0.0);
             if near.force == 0.0 {
-                near.approach = way.dot(n) / h;
+                // Until velocities are derived, the column holds those that led into the prediction. What is pinned is moved without them.
+                let own = if w > 0.0 { particles.velocity(i) } else { (q - p).truncate() / h };
+                near.approach = n.dot(own - body.predicted_velocity_at(lever, h));
+                let gone = (q - p).truncate();
+                let off = (gone - particles.velocity(i) * h).length_squared();
+                near.alone = aggregate.is_none()
+                    && w > 0.0
+                    && off <= OFF_PATH * OFF_PATH * gone.length_squared()
+                    && touch.depth <= (1.0 + OFF_PATH) * approach;
+            } else {
+                near.alone = false;
             }
             near.left = particles.position[i];
             near.force += force;
@@ -348,74 +367,6 @@ impl Loose {
             let touching = lighter.filter(|&i| touches(i)).count() as u32;
             let fall = world.gravity * (h * h) + shift.truncate();
             presses[solid as usize] = Pressing { fall, touching };
-        }
-    }
-
-    /// Restitution in a substep of `h` seconds, body collider by body collider; see `restitution`.
-    pub(super) fn bounce(
-        &mut self,
-        particles: &mut Particles,
-        groups: &BodyGroups,
-        bodies: &Bodies,
-        rigid: &mut RigidIslands,
-        (h, gravity): (f32, &RowGravity),
-    ) {
-        for near in &mut self.pairs {
-            if near.force <= 0.0 || near.combined_material.restitution <= 0.0 {
-                continue;
-            }
-            let (s, i) = (near.solid as usize, near.row as usize);
-            let part = &groups.parts[s];
-            let both = groups.rows[part.entries.clone()].iter().chain([&near.row]);
-            let least = threshold(gravity.greatest(both.copied()), h);
-            if !is_elastic(near.combined_material.restitution, -near.approach, least).any() {
-                continue;
-            }
-            let at = groups.place(s);
-            let body = ScalarBody::of(bodies, at);
-            let (slots, lane) = (&groups.slots[groups.groups[at / 8].slots.clone()], at % 8);
-            let rows = || {
-                let rows = groups.rows[part.entries.clone()].iter().zip(slots);
-                rows.map(|(&row, slot)| (row as usize, slot.pull[lane], slot.share[lane]))
-            };
-            let Some((home, _, _)) = rows().next() else { continue };
-            let lift = particles.origin[i] - particles.origin[home];
-            let arm = |particles: &Particles, row: usize| {
-                particles.position[row].truncate()
-                    + (particles.origin[row] - particles.origin[home])
-            };
-            let mut state = rigid.of_row(at);
-            let (velocity, centre, momentum) = if let Some((state, lane)) = &state {
-                (state.velocity(*lane), state.centre(*lane), state.momentum(*lane))
-            } else {
-                let mass: f32 = rows().map(|(_, m, _)| m).sum();
-                let centre = rows().map(|(row, m, _)| arm(particles, row) * m).sum::<Vec3>() / mass;
-                let velocity =
-                    rows().map(|(row, m, _)| particles.velocity(row) * m).sum::<Vec3>() / mass;
-                let momentum = rows().map(|(row, m, _)| {
-                    (arm(particles, row) - centre).cross(particles.velocity(row) - velocity) * m
-                });
-                (velocity, centre, momentum.sum())
-            };
-            let spin = body.spun(momentum);
-            let lever = particles.position[i].truncate() + lift - centre;
-            let (w, inverse_mass) = (particles.position[i].w, bodies[at][SHIFT].w);
-            let past = particles.velocity(i) - velocity - spin.cross(lever);
-            let answer = near.answer((w, inverse_mass), &body, lever, past);
-            let Some(impulse) = answer else { continue };
-            near.total += impulse.dot(near.normal) * h;
-            particles.velocity[i] += (impulse * w).extend(0.0);
-            if let Some((state, lane)) = &mut state {
-                state.push(*lane, impulse * -inverse_mass, -lever.cross(impulse));
-                continue;
-            }
-            let (shift, turn) = (impulse * inverse_mass, body.spun(lever.cross(impulse)));
-            for (row, _, share) in rows() {
-                if particles.position[row].w > 0.0 {
-                    let by = (shift + turn.cross(arm(particles, row) - centre)) * share;
-                    particles.velocity[row] -= by.extend(0.0);
-                }
-            }
         }
     }
 
@@ -544,39 +495,91 @@ impl LooseContact {
         self.left = particles.position[self.row as usize];
     }
 
-    /// The impulse of restitution with its friction, N·s, for the inverse masses of the particle and of a body collider, 1/kg, that move past each other with
-    /// the velocity `past`, m/s.
-    fn answer(
-        &self,
+    /// The impulse of an impact with its friction, N·s, on a particle that moves past a body collider with the velocity `past`, m/s, and what it adds to that
+    /// along the normal. Takes the inverse masses of the two, 1/kg; near a pin an inverse effective mass of `least` or less counts as none.
+    fn impact(
+        &mut self,
         (w, inverse_mass): (f32, f32),
         body: &ScalarBody,
-        lever: Vec3,
         past: Vec3,
-    ) -> Option<Vec3> {
-        let n = self.normal;
+        elasticity: (f32, f32, f32),
+        least: f32,
+    ) -> Option<(Vec3, f32)> {
+        let (n, arm) = (self.normal, self.arm);
         // Relative velocity that an impulse causes.
-        let moved = |impulse: Vec3| {
-            impulse * (w + inverse_mass) + body.spun(lever.cross(impulse)).cross(lever)
-        };
+        let moved =
+            |impulse: Vec3| impulse * (w + inverse_mass) + body.spun(arm.cross(impulse)).cross(arm);
         let stiff = n.dot(moved(n));
-        let wanted = rebound(self.combined_material.restitution, self.approach);
-        let size = (wanted - n.dot(past)) / stiff;
+        let gained = elastic_gain(n.dot(past), elasticity, self.impulse * stiff);
+        let size = gained / stiff;
         let past = past + moved(n * size);
         let slip = past - n * past.dot(n);
         let way = slip.normalize_or_zero();
-        let most = self.combined_material.friction * size.max(0.0);
-        let friction = most.min(slip.length() / way.dot(moved(way)).max(f32::MIN_POSITIVE));
+        let across = way.dot(moved(way)).max(f32::MIN_POSITIVE);
+        let limit = self.combined_material.friction * size.max(0.0) * across;
+        // Along the unit vector: a slip whose square underflows has none, and nothing to be divided by.
+        let friction = slip.length() * friction_share(slip.length(), limit) / across;
         let impulse = n * size - way * friction;
-        (stiff > 0.0 && impulse.is_finite()).then_some(impulse)
+        if !(stiff > least && impulse.is_finite()) {
+            return None;
+        }
+        self.impulse += size;
+        Some((impulse, gained))
     }
 }
 
 impl BodyContactSolver {
-    /// Restitution of single particles in a substep of `h` seconds.
-    pub(super) fn bounce_loose(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
-        let Self { loose, groups, bodies, rigid, instructions, .. } = self;
-        loose.bounce(particles, groups, bodies, rigid, (h, gravity));
-        rigid.settle_pushed(groups, h, *instructions);
+    /// Solves the contacts with single particles in one of the rounds: in the first one those that are fast, and in all of them those that an impact reaches. A
+    /// fast contact may be parting, out of an overlap that the positions have recovered: it takes that back, or it would turn into speed. Slow ones carry loads.
+    pub(super) fn bounce_loose(&mut self, particles: &mut Particles, round: &mut ImpactRound) {
+        let mut pairs = core::mem::take(&mut self.loose.pairs);
+        for near in &mut pairs {
+            round.next();
+            if near.force <= 0.0 {
+                continue;
+            }
+            if round.is_first() {
+                near.impulse = near.force / round.h;
+            }
+            let (solid, i) = (near.solid as usize, near.row as usize);
+            let at = self.groups.place(solid);
+            let ends = [near.row, round.body(at as u32)];
+            let restitution = near.combined_material.restitution;
+            let is_reached = round.reaches(ends);
+            if !(is_reached || round.is_first() && restitution > 0.0) {
+                continue;
+            }
+            let rows = &self.groups.rows[self.groups.parts[solid].entries.clone()];
+            let rows = rows.iter().chain([&near.row]).copied();
+            let least = threshold(round.gravity.greatest(rows), round.h);
+            if !(is_reached || is_elastic(restitution, near.approach.abs(), least).any()) {
+                continue;
+            }
+            self.enter(particles, core::iter::once(at as u32));
+            if near.alone && near.left == particles.position[i] && near.approach < -least {
+                self.impacts.go_on(near.row);
+            } else {
+                self.impacts.stay(at as u32);
+            }
+            let (body, elasticity) =
+                (ScalarBody::of(&self.bodies, at), (restitution, near.approach, least));
+            let past = particles.velocity(i) - body.velocity_at(near.arm);
+            let weights = (particles.position[i].w, self.bodies[at][SHIFT].w);
+            let least = body.least(self.bodies[at][CENTRE].w);
+            let impact = near.impact(weights, &body, past, elasticity, least);
+            let Some((impulse, gained)) = impact else { continue };
+            near.total += impulse.dot(near.normal) * round.h;
+            particles.velocity[i] += (impulse * weights.0).extend(0.0);
+            self.bodies[at][SHIFT] -= (impulse * weights.1).extend(0.0);
+            self.bodies[at][TURN] -= body.spun(near.arm.cross(impulse)).extend(0.0);
+            if spreads(elasticity, gained, !is_reached).any() {
+                if weights.0 > 0.0 {
+                    round.mark_inexact(near.row);
+                }
+                self.mark_body(at as u32, round);
+            }
+        }
+        self.loose.pairs = pairs;
     }
 }
 
@@ -614,6 +617,11 @@ impl ScalarBody {
         let lever = pin_reach * LEAST_LEVER;
         let Vector { x, y, z } = self.inverse_inertia.along;
         (x + y + z) * lever * lever
+    }
+
+    /// Velocity of that point without contacts, m/s, if the row has displacements of a substep of `h` seconds.
+    fn predicted_velocity_at(&self, arm: Vec3, h: f32) -> Vec3 {
+        (self.step + self.spin.cross(arm)) / h
     }
 
     /// The turn by a moment.

@@ -15,7 +15,7 @@
 //! with `e` the restitution where `v⁻` was faster than `2gh`, which gravity alone gives to a resting body, and 0 elsewhere. Points that were parting may come
 //! to approach (`v⁻ > 0`, pushed by others): they bounce in a later substep. With one `e` everywhere energy changes by `½ Σ P (v⁻ + v) = ½ Σ P v⁻ (1 - e)`,
 //! and with `e = 1` by nothing, whatever the contacts: a ball into two that touch, a row of balls. It is solved by projected Gauss–Seidel: manifold by
-//! manifold, each exactly (`normal_solve`), starting from the impulses of the positions, so that a point may end with less than it had. Moreau, *Unilateral
+//! manifold (`normal_solve`), starting from the impulses of the positions, so that a point may end with less than it had. Moreau, *Unilateral
 //! Contact and Dry Friction in Finite Freedom Dynamics*, 1988.
 //!
 //! Bodies recovered from a deep overlap (see `normal_solve`) are left with no normal speed: that much of their impulse is taken back.
@@ -25,13 +25,15 @@
 //! All of it happens at the poses where the substep began, to which the normals belong. A normal that had turned meanwhile would not be the one along which
 //! the approach was measured: oblique bounces would gain energy each time, and a gas of balls would heat up without end. Moments are taken about those poses,
 //! too, so two bodies that bounced off each other move from there with their new velocities, `q = p + h v`, as if they had bounced when the substep began:
-//! then the conserved angular momentum is Verlet's own. A body that is pushed out of an old overlap stays where it was pushed to, and one that bounced off
-//! static geometry, where no momentum has to be kept, at the surface.
+//! then the conserved angular momentum is Verlet's own. So does a single particle that bounced off a body, if nothing else has moved it in the substep. A body
+//! that is pushed out of an old overlap stays where it was pushed to, and one that bounced off static geometry, where no momentum has to be kept, at the
+//! surface.
 //!
 //! # Which manifolds take part
 //!
-//! Impacts spread from fast contacts. A manifold is solved if it was fast itself, or if the velocity of one of its body colliders has changed by more than
-//! [`QUIET`] since it was solved last; so in a heap that is hit, manifolds are solved as far as the impact reaches, and bodies elsewhere change nothing.
+//! Impacts spread from fast contacts, in the [rounds](ImpactRound) that body colliders have in common with single particles: in a heap that is hit, the
+//! manifolds that pressed are solved as far as the impact reaches. Manifolds of bodies that recovered from a deep overlap are solved in the first round in any
+//! case. A body takes part with its row in `bodies`, which then has velocities, and its particles get the change of that in the end.
 //!
 //! # Friction
 //!
@@ -56,7 +58,7 @@
 
 use glam::Vec3;
 
-use super::super::restitution::{QUIET, ROUNDS, is_elastic, rebound, threshold};
+use super::super::restitution::{ImpactRound, is_elastic, quiet, rebound, threshold};
 use super::BodyContactSolver;
 use super::bodies::{Bodies, SHIFT, TURN, WideBody as Rows};
 use super::loose::ScalarBody;
@@ -65,7 +67,6 @@ use super::rigid_state::{BounceStates, ShowStates};
 use super::turn::{Matrix, load, tangents};
 use super::wide_contact::{Contact, FAR, WideContact};
 use crate::constraints::PlanarDrag;
-use crate::forces::RowGravity;
 use crate::lanes::{LANES, Lanes, Record, SetLanes, Vector, Work, get, with};
 use crate::particles::Particles;
 
@@ -79,17 +80,16 @@ pub(super) struct ImpactScratch {
     kept: Vec<Record>,
     /// For each group a bit for each body collider whose position is not changed by its bounce.
     stays: Vec<u32>,
-    /// For each group a bit for each body collider that was changed in this round, and in the last one.
-    changed: Vec<u32>,
-    was_changed: Vec<u32>,
+    /// Rows of single particles that bounced off body colliders and move on with these; some more than once.
+    goes_on: Vec<u32>,
 }
 
 impl ImpactScratch {
     fn begin(&mut self, groups: usize) {
         self.entered.clear();
         self.kept.clear();
-        let Self { read, stays, changed, was_changed, .. } = self;
-        for bits in [read, stays, changed, was_changed] {
+        self.goes_on.clear();
+        for bits in [&mut self.read, &mut self.stays] {
             bits.clear();
             bits.resize(groups, 0);
         }
@@ -101,71 +101,80 @@ impl ImpactScratch {
         bits.is_none_or(|bits| bits >> (row as usize % LANES) & 1 == 1)
     }
 
-    /// A bit for each manifold of a wide contact with a body collider that was changed in the last round.
-    fn changed_last_round(&self, wide: &WideContact) -> u32 {
-        let is_changed = |row: u32| {
-            let bits = self.was_changed.get(row as usize / LANES).copied().unwrap_or(0);
-            bits >> (row as usize % LANES) & 1
-        };
-        let lanes = 0..LANES;
-        lanes.fold(0, |bits, i| bits | (is_changed(wide.a[i]) | is_changed(wide.b[i])) << i)
+    /// Moves a single particle on from where the substep began, with its new velocity.
+    pub(super) fn go_on(&mut self, row: u32) {
+        self.goes_on.push(row);
     }
-}
 
-fn mark(bits: &mut [u32], row: u32) {
-    if let Some(bits) = bits.get_mut(row as usize / LANES) {
-        *bits |= 1 << (row as usize % LANES);
+    /// Keeps the body collider of a row where the positions have moved it; static geometry is ignored.
+    pub(super) fn stay(&mut self, row: u32) {
+        if let Some(bits) = self.stays.get_mut(row as usize / LANES) {
+            *bits |= 1 << (row as usize % LANES);
+        }
     }
 }
 
 impl BodyContactSolver {
-    /// Solves restitution and drag in velocities, and takes off depenetration speed, in a substep of `h` seconds.
-    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: &RowGravity) {
-        self.bounce_loose(particles, h, gravity);
+    /// Begins the impacts of a substep, before the rounds.
+    pub(crate) fn begin_impacts(&mut self) {
         self.impacts.begin(self.groups.groups.len());
+    }
+
+    /// Whether there are contacts in this step.
+    pub(crate) fn any_contacts(&self) -> bool {
+        !(self.wide_contacts.is_empty() && self.loose.is_empty())
+    }
+
+    /// Number of rows that take part in impacts, static geometry included.
+    pub(crate) fn impact_rows(&self) -> usize {
+        self.bodies.rows.len()
+    }
+
+    /// Solves restitution in one of the rounds, and takes off depenetration speed in the first.
+    pub(in crate::collide) fn bounce(
+        &mut self,
+        particles: &mut Particles,
+        round: &mut ImpactRound,
+    ) {
         let mut wide_contacts = core::mem::take(&mut self.wide_contacts);
-        let mut any = false;
-        for round in 0..ROUNDS {
-            let mut any_changed = false;
-            for wide in &mut wide_contacts {
-                // Manifolds without restitution are solved once, and spread nothing, unless an impact reaches them.
-                let (lanes, spread) = match round {
-                    0 => {
-                        let bounces = wide.kept && wide.elastic != 0;
-                        let fast = if bounces { fast(wide, &self.contacts, h) } else { 0 };
-                        (wide.depenetrated | fast, fast)
-                    }
-                    _ if wide.kept => {
-                        let any_changed = self.impacts.changed_last_round(wide) & pressed(wide);
-                        (any_changed, any_changed)
-                    }
-                    _ => (0, 0),
-                };
-                if lanes == 0 {
-                    continue;
-                }
-                any = true;
-                self.enter(particles, wide, lanes);
-                let static_geometry = wide.against_static;
-                let stays = wide.depenetrated | static_geometry | !wide.elastic;
-                for lane in SetLanes(lanes & stays) {
-                    mark(&mut self.impacts.stays, wide.a[lane]);
-                    mark(&mut self.impacts.stays, wide.b[lane]);
-                }
-                let changed = spread & self.solve_impacts(wide, (lanes, static_geometry), h);
-                any_changed |= changed != 0;
-                for lane in SetLanes(changed) {
-                    mark(&mut self.impacts.changed, wide.a[lane]);
-                    mark(&mut self.impacts.changed, wide.b[lane]);
-                }
+        for wide in &mut wide_contacts {
+            round.next();
+            let reached = if wide.kept { reached(wide, round) } else { 0 };
+            // Manifolds without restitution spread nothing, unless an impact reaches them.
+            let (lanes, spread) = if round.is_first() {
+                let bounces = wide.kept && wide.elastic != 0;
+                let fast = if bounces { fast(wide, &self.contacts, round.h) } else { 0 };
+                (wide.depenetrated | fast | reached, fast | reached)
+            } else {
+                (reached, reached)
+            };
+            if lanes == 0 {
+                continue;
             }
-            let ImpactScratch { changed, was_changed, .. } = &mut self.impacts;
-            core::mem::swap(changed, was_changed);
-            changed.fill(0);
-            if !any_changed {
-                break;
+            self.enter(particles, rows(wide, lanes));
+            let static_geometry = wide.against_static;
+            let stays = wide.depenetrated | static_geometry | !wide.elastic;
+            rows(wide, lanes & stays).for_each(|row| self.impacts.stay(row));
+            let changed = spread & self.solve_impacts(wide, (lanes, static_geometry), round.h);
+            for row in rows(wide, changed) {
+                self.mark_body(row, round);
             }
         }
+        self.wide_contacts = wide_contacts;
+        self.bounce_loose(particles, round);
+    }
+
+    /// Records that an impact has changed the velocity of a row, unless nothing can. A contact of a body is not solved exactly: several points are in a limited
+    /// number of steps, and friction may change the normal velocity through the rotation.
+    pub(super) fn mark_body(&self, row: u32, round: &mut ImpactRound) {
+        if self.bodies.is_movable(row as usize) {
+            round.mark_inexact(round.body(row));
+        }
+    }
+
+    /// Ends the impacts of a substep of `h` seconds after the rounds: friction of the added impulses, drags, and the velocities of particles.
+    pub(crate) fn end_impacts(&mut self, particles: &mut Particles, h: f32) {
+        let mut wide_contacts = core::mem::take(&mut self.wide_contacts);
         for wide in wide_contacts.iter_mut().filter(|wide| wide.kept && wide.elastic != 0) {
             for lane in SetLanes(wide.elastic & !wide.depenetrated) {
                 if self.impacts.is_read(wide.a[lane]) && self.impacts.is_read(wide.b[lane]) {
@@ -175,53 +184,45 @@ impl BodyContactSolver {
         }
         for wide in wide_contacts.iter().filter(|wide| wide.kept) {
             let slow = dragged(wide, &self.contacts);
-            if slow == 0 {
-                continue;
-            }
-            any = true;
-            self.enter(particles, wide, slow);
+            self.enter(particles, rows(wide, slow));
+            rows(wide, slow).for_each(|row| self.impacts.stay(row));
             for lane in SetLanes(slow) {
-                mark(&mut self.impacts.stays, wide.a[lane]);
-                mark(&mut self.impacts.stays, wide.b[lane]);
                 if let Some(one) = self.contacts.get(wide.number[lane] as usize) {
                     drag(wide, lane, one, &mut self.bodies, h);
                 }
             }
         }
         self.wide_contacts = wide_contacts;
-        if any {
+        if !self.impacts.entered.is_empty() {
             self.leave(particles, h);
         }
         self.limit_speeds(particles);
     }
 
-    /// Extracts the groups of body colliders in some manifolds with their velocities, where the substep began, unless they have been.
-    fn enter(&mut self, particles: &Particles, wide: &WideContact, lanes: u32) {
-        for lane in SetLanes(lanes) {
-            for row in [wide.a[lane], wide.b[lane]] {
-                let number = row as usize / LANES;
-                let Some(bits) = self.impacts.read.get_mut(number) else { continue };
-                let is_new = *bits == 0;
-                *bits |= 1 << (row as usize % LANES);
-                if !is_new {
-                    continue;
-                }
-                let rows = number * LANES..(number + 1) * LANES;
-                self.impacts.kept.extend_from_slice(&self.bodies.rows[rows]);
-                self.impacts.entered.push(number as u32);
-                let (lanes, first) = (self.rigid.lanes(number), number * LANES);
-                if lanes != self.groups.groups[number].sound {
-                    let columns = [&particles.start[..], &particles.velocity];
-                    self.extract_pose(number, columns, None, !0);
-                }
-                if lanes != 0 {
-                    let Self { groups, bodies, rigid, instructions, h, .. } = self;
-                    let (h, mass) = (*h, &groups.groups[number].mass);
-                    let (state, wide_swept) = (&rigid.states[number], None);
-                    let show =
-                        ShowStates { mass, state, bodies, first, h, at_start: true, wide_swept };
-                    with(*instructions, show);
-                }
+    /// Extracts the groups of body colliders in some rows with their velocities, where the substep began, unless they have been. Static geometry is ignored.
+    pub(super) fn enter(&mut self, particles: &Particles, rows: impl Iterator<Item = u32>) {
+        for row in rows {
+            let number = row as usize / LANES;
+            let Some(bits) = self.impacts.read.get_mut(number) else { continue };
+            let is_new = *bits == 0;
+            *bits |= 1 << (row as usize % LANES);
+            if !is_new {
+                continue;
+            }
+            let rows = number * LANES..(number + 1) * LANES;
+            self.impacts.kept.extend_from_slice(&self.bodies.rows[rows]);
+            self.impacts.entered.push(number as u32);
+            let (lanes, first) = (self.rigid.lanes(number), number * LANES);
+            if lanes != self.groups.groups[number].sound {
+                let columns = [&particles.start[..], &particles.velocity];
+                self.extract_pose(number, columns, None, !0);
+            }
+            if lanes != 0 {
+                let Self { groups, bodies, rigid, instructions, h, .. } = self;
+                let (h, mass) = (*h, &groups.groups[number].mass);
+                let (state, wide_swept) = (&rigid.states[number], None);
+                let show = ShowStates { mass, state, bodies, first, h, at_start: true, wide_swept };
+                with(*instructions, show);
             }
         }
     }
@@ -236,7 +237,7 @@ impl BodyContactSolver {
         let Self { contacts, bodies, instructions, .. } = self;
         let one = |lane: usize| contacts.get(wide.number[lane] as usize);
         let (mut restitution, mut least) = ([0.0; LANES], [0.0; LANES]);
-        for lane in SetLanes(wide.elastic) {
+        for lane in SetLanes(lanes) {
             let Some(one) = one(lane) else { continue };
             restitution[lane] = one.combined_material.restitution;
             least[lane] = threshold(one.gravity, h);
@@ -273,7 +274,7 @@ impl BodyContactSolver {
                 self.apply_pose_delta(number, !lanes, start, Some(velocity));
             }
         }
-        let Self { groups, bodies, rigid, shared, impacts, .. } = self;
+        let Self { groups, bodies, rigid, shared, impacts, asleep, .. } = self;
         for (row, by) in shared.iter() {
             velocity[row as usize] += by;
         }
@@ -290,11 +291,16 @@ impl BodyContactSolver {
                 }
             }
         }
-        // Body colliders that take part in no impact get their rows back: their result must not depend on their neighbour lanes.
+        for row in impacts.goes_on.iter().map(|&row| row as usize) {
+            let gone = velocity[row].truncate() * h;
+            position[row] = (start[row].truncate() + gone).extend(position[row].w);
+        }
+        // Body colliders that take part in no impact get their rows back: their result must not depend on their neighbour lanes. So do those that sleep, which keep
+        // the pose that was extracted when the step began.
         for (&number, kept) in impacts.entered.iter().zip(impacts.kept.chunks(LANES)) {
             let number = number as usize;
             for (lane, row) in kept.iter().enumerate() {
-                if impacts.read[number] >> lane & 1 == 0 {
+                if (impacts.read[number] & !asleep[number]) >> lane & 1 == 0 {
                     bodies.rows[number * LANES + lane] = *row;
                 }
             }
@@ -313,9 +319,18 @@ fn fast(wide: &WideContact, contacts: &[Contact], h: f32) -> u32 {
     (0..LANES).fold(0, |bits, lane| bits | u32::from(is_fast(lane)) << lane)
 }
 
-/// A bit for each manifold of a wide contact that pressed in this substep.
-fn pressed(wide: &WideContact) -> u32 {
-    (0..LANES).fold(0, |bits, lane| bits | u32::from(wide.sum[lane] > 0.0) << lane)
+/// A bit for each manifold of a wide contact that pressed in this substep and that an impact reaches.
+fn reached(wide: &WideContact, round: &ImpactRound) -> u32 {
+    let is_reached = |lane: usize| {
+        let ends = [wide.a[lane], wide.b[lane]].map(|row| round.body(row));
+        wide.sum[lane] > 0.0 && round.reaches(ends)
+    };
+    (0..LANES).fold(0, |bits, lane| bits | u32::from(is_reached(lane)) << lane)
+}
+
+/// The rows in `bodies` of some manifolds of a wide contact.
+fn rows(wide: &WideContact, lanes: u32) -> impl Iterator<Item = u32> {
+    SetLanes(lanes).flat_map(|lane| [wide.a[lane], wide.b[lane]])
 }
 
 /// Limit of points in a manifold.
@@ -438,8 +453,7 @@ impl RestitutionSolve<'_> {
             let second = [b.shift.with(b.inverse_mass), b.turn.with(none)];
             L::put_records(&mut bodies.rows, &wide.b, second);
         }
-        let quiet = L::splat(QUIET).max(fastest * L::splat(QUIET));
-        good.and(quiet.lt(change)).bits() & 0xFF
+        good.and(quiet(least, fastest).lt(change)).bits() & 0xFF
     }
 }
 

@@ -17,13 +17,13 @@ use super::super::body_collider::BodyCollider;
 use super::BodyContactSolver;
 use super::groups::{BodyGroups, NONE};
 use super::rigid_forces::{Acting, RigidForces};
-use super::rigid_state::{AdvanceStates, ReadStates, WideRigidState, push_states, write_states};
+use super::rigid_state::{AdvanceStates, ReadStates, WideRigidState, write_states};
 use super::turn::LaneArray;
 use crate::constraints::{GradientAt, Pin};
 use crate::forces::Pressures;
 use crate::integrate::Integrator;
 use crate::islands::{Island, Islands};
-use crate::lanes::{InstructionSet, LANES, with};
+use crate::lanes::{LANES, with};
 use crate::particles::Particles;
 use crate::pose::Pose;
 use crate::settings::{BodySettings, Representation};
@@ -53,20 +53,6 @@ impl RigidIslands {
     #[inline(always)]
     pub(super) fn lanes(&self, group: usize) -> u32 {
         self.states.get(group).map_or(0, |state| state.lanes)
-    }
-
-    /// Updates the states that were pushed, in a substep of `h` seconds.
-    pub(super) fn settle_pushed(
-        &mut self,
-        groups: &BodyGroups,
-        h: f32,
-        instructions: InstructionSet,
-    ) {
-        for (state, group) in self.states.iter_mut().zip(&groups.groups) {
-            if state.pushed != 0 {
-                push_states(&group.mass, state, h, instructions);
-            }
-        }
     }
 
     /// Marks the rigid state that a row belongs to, if any, as one with forces on single particles.

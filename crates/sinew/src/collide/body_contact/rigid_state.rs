@@ -89,8 +89,6 @@ pub(super) struct WideRigidState {
     /// Damping exponents of the next substep and of those after it, and the shares of the velocities that are lost.
     exponents: [LaneArray; 2],
     lost: [LaneArray; 2],
-    /// A bit for each that was pushed and has to be updated.
-    pub(super) pushed: u32,
 }
 
 impl WideRigidState {
@@ -106,6 +104,16 @@ impl WideRigidState {
         (get(&self.centre, lane) - get(&self.began, lane), self.lag[lane])
     }
 
+    /// The velocity of a lane, m/s.
+    pub(super) fn velocity(&self, lane: usize) -> Vec3 {
+        get(&self.velocity, lane)
+    }
+
+    /// The angular momentum of a lane, kg·m²/s.
+    pub(super) fn momentum(&self, lane: usize) -> Vec3 {
+        get(&self.momentum, lane)
+    }
+
     /// Computes the shares of the velocities that are lost over substeps of `h` seconds in air of the damping `air`, 1/s.
     pub(super) fn note_losses(&mut self, air: f32, h: f32) {
         for (which, lags) in [self.lag, [h; LANES]].iter().enumerate() {
@@ -117,32 +125,6 @@ impl WideRigidState {
                 }
             }
         }
-    }
-
-    /// Adds to the velocity of a lane, m/s, and to its angular momentum, kg·m²/s; to be followed by [`push_states`].
-    pub(super) fn push(&mut self, lane: usize, velocity: Vec3, momentum: Vec3) {
-        for (to, by) in self.velocity.iter_mut().zip(velocity.to_array()) {
-            to[lane] += by;
-        }
-        for (to, by) in self.momentum.iter_mut().zip(momentum.to_array()) {
-            to[lane] += by;
-        }
-        self.pushed |= 1 << lane;
-    }
-
-    /// The velocity of a lane, m/s.
-    pub(super) fn velocity(&self, lane: usize) -> Vec3 {
-        get(&self.velocity, lane)
-    }
-
-    /// The angular momentum of a lane, kg·m²/s.
-    pub(super) fn momentum(&self, lane: usize) -> Vec3 {
-        get(&self.momentum, lane)
-    }
-
-    /// The centre of a lane, metres from the origin.
-    pub(super) fn centre(&self, lane: usize) -> Vec3 {
-        get(&self.centre, lane)
     }
 }
 
@@ -561,14 +543,6 @@ fn settle<L: Lanes>(mass: &WideMass, state: &mut WideRigidState, h: f32, lanes: 
         lanes.select(turned[i], before[i]).store(&mut state.turn[i]);
     }
 }
-
-kernel!(
-    /// Updates the states that were pushed, at their present poses.
-    pub(super) fn push_states<L: Lanes>(mass: &WideMass, state: &mut WideRigidState, h: f32) {
-        let lanes = L::mask(core::mem::take(&mut state.pushed));
-        settle::<L>(mass, state, h, lanes, lanes);
-    }
-);
 
 /// Pose of eight bodies about their centres: a rotation, its remainder, radians, and the remainder of the centre, metres.
 struct WidePose<L> {

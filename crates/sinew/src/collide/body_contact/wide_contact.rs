@@ -165,14 +165,6 @@ pub(super) fn pack_contacts(
         }
         lane += 1;
     }
-    keep_for_impacts(wide_contacts);
-}
-
-/// Makes all wide contacts keep what restitution needs, if any contact has a restitution: one that is slow itself may take part in an impact.
-pub(super) fn keep_for_impacts(wide_contacts: &mut [WideContact]) {
-    if wide_contacts.iter().any(|wide| wide.elastic != 0) {
-        wide_contacts.iter_mut().for_each(|wide| wide.kept = true);
-    }
 }
 
 /// Puts a contact into a lane, for substeps of `h` seconds. `rows` are those of the two in `bodies`, `centres` their centres in their own frames.

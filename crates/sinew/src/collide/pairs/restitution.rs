@@ -44,14 +44,15 @@ kernel!(
         let ImpactRound { h, gravity, .. } = *round;
         let (none, rate, first) = (L::zero(), L::splat(1.0 / h), round.is_first());
         for one in touched {
+            round.next();
             let block = &blocks[one.block as usize];
             let [rows_a, rows_b] = &block.rows;
             let [x, y, z] = &one.normal;
             let n = Vector::new(L::load(x), L::load(y), L::load(z));
             let mut hit = L::splat(0.5).lt(n.length_squared());
+            let reached = |lane: &usize| round.reaches([rows_a[*lane], rows_b[*lane]]);
+            let reached = SetLanes(hit.bits()).filter(reached).fold(0, |all, i| all | 1 << i);
             if !first {
-                let reached = |lane: &usize| round.reaches([rows_a[*lane], rows_b[*lane]]);
-                let reached = SetLanes(hit.bits()).filter(reached).fold(0, |all, i| all | 1 << i);
                 if reached == 0 {
                     continue;
                 }
@@ -71,7 +72,8 @@ kernel!(
             let (a, b) = ((a + impulse * w_a).or_else(hit, a), (b - impulse * w_b).or_else(hit, b));
             L::put_rows(velocity, rows_a, a.with(lag_a));
             L::put_rows(velocity, rows_b, b.with(lag_b));
-            let spreads = hit.and(spreads(elastic, gained, first));
+            let passed_on = L::mask(reached).and(spreads(elastic, gained, false));
+            let spreads = hit.and(spreads(elastic, gained, first)).or(passed_on);
             for (rows, w) in [(rows_a, w_a), (rows_b, w_b)] {
                 let moves = spreads.and(none.lt(w)).bits();
                 SetLanes(moves).for_each(|lane| round.mark(rows[lane]));
@@ -132,7 +134,12 @@ impl PairHit {
 
     /// Applies restitution to the pair, unless its block does.
     pub(super) fn bounce(&mut self, particles: &mut Particles, round: &mut ImpactRound) {
-        if self.place.is_some() || !round.reaches(self.rows) {
+        if self.place.is_some() {
+            return;
+        }
+        round.next();
+        let is_reached = round.reaches(self.rows);
+        if !(is_reached || round.is_first()) {
             return;
         }
         let [a, b] = self.rows.map(|row| row as usize);
@@ -147,7 +154,7 @@ impl PairHit {
         let (impulse, gained) = contact_impulse(normal, velocity, elastic, friction, pressed);
         let impulse = Vec3::from(impulse);
         self.impulse += gained / weights;
-        let spreads = spreads(elastic, gained, round.is_first()).any();
+        let spreads = spreads(elastic, gained, !is_reached).any();
         for (row, w, sign) in [(self.rows[0], w_a, 1.0), (self.rows[1], w_b, -1.0)] {
             if w > 0.0 {
                 particles.velocity[row as usize] += (impulse * (w * sign)).extend(0.0);

@@ -80,8 +80,14 @@ impl ParticleContacts {
         }
     }
 
-    /// Solves the contacts with a restitution again, together with those between particles. In the first round they have just been [solved](Self::bounce): those
-    /// that bounced reach their neighbours.
+    /// Whether contacts may bounce.
+    #[inline]
+    pub(in crate::collide) fn any_elastic(&self) -> bool {
+        !self.elastic.is_empty() || self.any_late()
+    }
+
+    /// Solves the contacts with a restitution again, together with all others. To be called first in a round: in the first one they have just been
+    /// [solved](Self::bounce), and those that bounced reach their neighbours.
     pub(in crate::collide) fn bounce_again(
         &self,
         particles: &mut Particles,
@@ -91,7 +97,8 @@ impl ParticleContacts {
         let (h, first) = (round.h, round.is_first());
         let mut places = Places::all(particles);
         let mut again = |contact: &mut NormalImpulse, row, candidate: &SurfaceCandidate| {
-            if contact.pressed == 0.0 || !round.reaches([row]) {
+            round.next();
+            if contact.pressed == 0.0 || !(first || round.reaches([row])) {
                 return;
             }
             let gained = if first {

@@ -90,7 +90,9 @@ impl TriangleHit {
 
     /// Applies restitution and friction.
     pub(super) fn bounce(&mut self, particles: &mut Particles, round: &mut ImpactRound) {
-        if !round.reaches(self.rows) {
+        round.next();
+        let is_reached = round.reaches(self.rows);
+        if !(is_reached || round.is_first()) {
             return;
         }
         let ImpactRound { h, gravity, .. } = *round;
@@ -112,7 +114,7 @@ impl TriangleHit {
         );
         self.impulse += gained / self.inverse;
         let impulse = Vec3::from(impulse);
-        let spreads = spreads(elastic, gained, first).any();
+        let spreads = spreads(elastic, gained, !is_reached).any();
         for (&row, share) in self.rows.iter().zip(self.shares) {
             let i = row as usize;
             let by = particles.inverse_mass(i) * share;

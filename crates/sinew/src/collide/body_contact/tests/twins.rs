@@ -6,6 +6,7 @@ use super::super::BodyContactSolver;
 use super::heaps::pour;
 use super::*;
 use crate::collide::nearby::Nearby;
+use crate::collide::restitution::ImpactRounds;
 use crate::collide::{ContactFilter, ParticleContacts, World};
 use crate::forces::RowGravity;
 use crate::islands::Islands;
@@ -22,7 +23,7 @@ fn substeps(
     let islands = Islands::default();
     let filter = ContactFilter::untied(&world.contacts);
     let nearby = Nearby::everywhere(&world.contacts);
-    let (h, gravity) = (1.0 / 600.0, RowGravity::from(9.81));
+    let (h, gravity, mut rounds) = (1.0 / 600.0, RowGravity::from(9.81), ImpactRounds::default());
     let seen = World {
         boundaries: &world.boundaries,
         colliders: &world.colliders,
@@ -49,7 +50,10 @@ fn substeps(
             let v = (particles.position[i] - particles.start[i]).truncate() / h;
             particles.velocity[i] = v.extend(h);
         }
-        body_colliders.bounce(particles, h, &gravity);
+        body_colliders.begin_impacts();
+        let ends = (particles.len(), body_colliders.impact_rows());
+        rounds.run(ends, (h, &gravity), |round| body_colliders.bounce(particles, round));
+        body_colliders.end_impacts(particles, h);
     }
 }
 

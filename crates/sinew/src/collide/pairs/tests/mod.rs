@@ -92,7 +92,8 @@ impl World {
         derive(Derive { position, start, velocity, momentum_drift: &[], h, lag: h }, execution);
         let gravity = self.gravity.length().into();
         let rows = particles.len();
-        ImpactRounds::default().run(rows, (h, &gravity), |round| pairs.bounce(particles, round));
+        ImpactRounds::default()
+            .run((rows, 0), (h, &gravity), |round| pairs.bounce(particles, round));
         pairs.end_substep();
         worst
     }
