@@ -99,7 +99,7 @@ impl BodyContactSolver {
             let weight = bodies[groups.place(number as usize)][SHIFT].w;
             (weight > 0.0 && groups.is_alone(number as usize)).then(|| 1.0 / weight)
         };
-        set_levels(contacts, groups.parts.len(), mass, loads);
+        set_levels((contacts, *h), groups.parts.len(), mass, loads);
         let colours = colour(contacts, groups.parts.len(), used);
         let null_row = (bodies.rows.len() - 1) as u32;
         let centre =
