@@ -33,9 +33,9 @@ use crate::lanes::{Number, Vector};
 
 /// Change of a normal speed that counts as none, m/s: below the resolution of positions of a metre in a substep.
 const QUIET: f32 = 1e-6;
-/// The same as a share of the [`threshold`], for what lies in a heap: of what gravity adds in a substep, a hundredth is left to the next one. A heap of 200 cubes
-/// and 400 particles with e = 0.3 goes on for all rounds otherwise, whenever anything in it bounces.
-const QUIET_SHARE: f32 = 0.01;
+/// The same as a share of the [`threshold`], below which a contact would not bounce at all: of what bounces with all of its speed, and of what does not bounce. In
+/// between it is in proportion. What loses energy anyway need not be solved further, and a heap in which something bounces in each substep would be, as a whole.
+const QUIET_SHARE: [f32; 2] = [0.01, 0.25];
 /// Limit of Gauss–Seidel rounds. A row of five balls takes some thirty; what is left at the limit is inelastic.
 pub(super) const ROUNDS: u32 = 64;
 
@@ -51,11 +51,13 @@ pub(super) fn is_elastic<N: Number>(coefficient: N, speed: N, threshold: N) -> N
     N::zero().lt(coefficient).and(threshold.lt(speed))
 }
 
-/// The change of a normal speed up to which a contact is solved, m/s, from its threshold and the fastest speed before it.
+/// The change of a normal speed up to which a contact is solved, m/s, from its coefficient of restitution, its threshold and the fastest speed before it.
 #[inline(always)]
-pub(super) fn quiet<N: Number>(threshold: N, before: N) -> N {
+pub(super) fn quiet<N: Number>(coefficient: N, threshold: N, before: N) -> N {
+    let [elastic, inelastic] = QUIET_SHARE.map(N::splat);
+    let share = inelastic + coefficient * (elastic - inelastic);
     let least = N::splat(QUIET);
-    least.max(threshold * N::splat(QUIET_SHARE)).max(before.abs() * least)
+    least.max(threshold * share).max(before.abs() * least)
 }
 
 /// The relative normal velocity after an elastic contact, m/s, from the one `before` it (negative when approaching).
@@ -108,7 +110,7 @@ pub(super) fn spreads<N: Number>(
     gained: N,
     unreached: bool,
 ) -> N {
-    let changed = quiet(threshold, before).lt(gained.abs());
+    let changed = quiet(coefficient, threshold, before).lt(gained.abs());
     if unreached { is_elastic(coefficient, before.abs(), threshold).and(changed) } else { changed }
 }
 

@@ -453,7 +453,7 @@ impl RestitutionSolve<'_> {
             let second = [b.shift.with(b.inverse_mass), b.turn.with(none)];
             L::put_records(&mut bodies.rows, &wide.b, second);
         }
-        good.and(quiet(least, fastest).lt(change)).bits() & 0xFF
+        good.and(quiet(restitution, least, fastest).lt(change)).bits() & 0xFF
     }
 }
 
