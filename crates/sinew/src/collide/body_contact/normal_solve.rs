@@ -83,6 +83,10 @@ kernel!(
         sweep: u32,
     ) {
         for wide in wide_contacts.iter_mut().filter(|wide| sweep < wide.sweeps) {
+            // What did not press in the first sweep is left to the next substep.
+            if sweep > 0 && wide.sum == [0.0; LANES] {
+                continue;
+            }
             // Most have two points at the most, and missing points do not affect the others.
             let third = L::load(&wide.missing[2]).lt(L::splat(FAR));
             let context = (h, recover, depenetration_limits, sweep);
