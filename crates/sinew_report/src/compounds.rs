@@ -1,8 +1,8 @@
-//! Rows B1 to B3: boxes and pendulums of particles and rods.
+//! Rows B1 to B3: boxes, tops and pendulums of particles and rods.
 
 use core::f64::consts::{PI, TAU};
 
-use sinew::glam::Vec3;
+use sinew::glam::{DVec3, Quat, Vec3};
 use sinew::recipes::{BoxLayout, BoxSpec, box_2d, box_3d};
 use sinew::{GradientAt, ParticleSeed, Simulation};
 
@@ -15,6 +15,7 @@ cases! {
     "B1" a_box_in_2d_falls_turns_and_keeps_its_spin;
     "B2" particles_at_a_third_root_have_the_inertia_of_the_solid_box;
     "B2" a_box_of_particles_flips_about_its_middle_axis;
+    "B2" a_heavy_top_precesses_steadily;
     "B3" a_pendulum_swings_in_the_time_of_its_amplitude;
 }
 
@@ -74,6 +75,58 @@ fn particles_at_a_third_root_have_the_inertia_of_the_solid_box() -> Vec<Row> {
         ));
     }
     rows
+}
+
+/// A cube that is pinned at a corner, which spins about the diagonal from there, tilted by `θ` from the vertical: it precesses at the rate `Ω` with `I₁ Ω² cos θ -
+/// I₃ ω₃ Ω + m g l = 0`, where `ω₃` is all of its spin about its axis and `I₁` is about the pin.
+fn a_heavy_top_precesses_steadily() -> Vec<Row> {
+    const TILT: f64 = 0.5;
+    let rows = [60.0, 100.0].into_iter().flat_map(|spin: f64| {
+        [10, 40].into_iter().flat_map(move |substeps| {
+            let mut world = Simulation::default();
+            world.settings.substeps = substeps;
+            let layout = BoxLayout::Equimomental;
+            let spec = BoxSpec { size: Vec3::splat(0.4), layout, ..BoxSpec::default() };
+            let cube = box_3d(&spec).expect("a sound box");
+            let corner = cube.particles[0].position;
+            let axis = Vec3::new(libm::sin(TILT) as f32, libm::cos(TILT) as f32, 0.0);
+            let turn = Quat::from_rotation_arc(-corner.normalize(), axis);
+            let mut cube = cube.transformed(turn, -(turn * corner));
+            // Eight particles of an eighth of a kilogram.
+            let places = || cube.particles.iter().map(|one| one.position.as_dvec3());
+            let along = axis.as_dvec3();
+            let about =
+                |axis: DVec3| places().map(|at| at.cross(axis).length_squared()).sum::<f64>();
+            let [i1, i3] = [DVec3::Z, along].map(|axis| about(axis) / 8.0);
+            let moment = G * places().map(|at| at.dot(along)).sum::<f64>() / 8.0;
+            let c = libm::cos(TILT);
+            let root = libm::sqrt((i3 * spin) * (i3 * spin) - 4.0 * i1 * c * moment);
+            let rate = (i3 * spin - root) / (2.0 * i1 * c);
+            let turns = (DVec3::Y * rate + along * (spin - rate * c)).as_vec3();
+            for one in &mut cube.particles {
+                one.velocity = turns.cross(one.position);
+            }
+            cube.pin(0).expect("a particle");
+            cube.build(&mut world).expect("room");
+            let middle = |world: &Simulation| (1..8).map(|i| at(world, i)).sum::<DVec3>();
+            let (mut angle, mut last, mut tilts) = (0.0, 0.0, Vec::new());
+            for _ in 0..600 {
+                step(&mut world, TICK);
+                let now = middle(&world);
+                tilts.push(libm::acos(now.normalize().y) - TILT);
+                let now = libm::atan2(-now.z, now.x);
+                angle += libm::remainder(now - last, TAU);
+                last = now;
+            }
+            let what = format!("precession of a top of {spin} rad/s, {substeps} substeps");
+            let nods = largest(tilts.into_iter().map(f64::abs));
+            [
+                Row::relative(what, "rad/s", rate, angle / 10.0, 1e-3),
+                Row::at_most("how far it nods in ten seconds", "rad", 1e-3, nods),
+            ]
+        })
+    });
+    rows.collect()
 }
 
 /// Time between flips of a 1×2×3 box that spins about its middle axis at 6 rad/s and about its first at 1 % of that, seconds (physics.md B2).

@@ -1,4 +1,4 @@
-//! Rows K1 to K3: rolling, slipping and spinning of round shapes.
+//! Rows K1 to K3: rolling, slipping and spinning of round shapes, on what stands still and on what turns.
 
 use sinew::glam::{Quat, Vec3};
 use sinew::pose::{Motion, motion};
@@ -14,6 +14,8 @@ cases! {
     "K2" with_too_little_friction_they_slip_and_spin_by_coulombs_law;
     "K3" a_ball_rolls_on_over_the_level;
     "K3" a_ball_without_friction_keeps_its_spin;
+    "K3" a_ball_on_a_turntable_circles_at_two_sevenths_of_its_rate;
+    "K3" a_box_on_a_turntable_stays_where_it_was_set_down;
 }
 
 /// Radius of all round shapes here, metres.
@@ -222,6 +224,88 @@ fn a_ball_without_friction_keeps_its_spin() -> Vec<Row> {
     [4, 10].map(row).into()
 }
 
+/// The plate of a turntable with its surface at the height 0, and its frame after a number of ticks at a rate in rad/s.
+fn turntable(radius: f32) -> Shape {
+    Shape::cylinder(radius, 0.2).expect("a sound cylinder")
+}
+
+fn turned(rate: f64, tick: u32) -> Frame {
+    let half = 0.5 * libm::fmod(rate * f64::from(tick) * f64::from(TICK), core::f64::consts::TAU);
+    let turn = Quat::from_xyzw(0.0, libm::sin(half) as f32, 0.0, libm::cos(half) as f32);
+    Frame::new(Vec3::Y * -0.1, turn)
+}
+
+/// Simulates one tick on a turntable.
+fn turn_on(world: &mut Simulation, rate: f64, tick: u32) {
+    let [start, end] = [tick, tick + 1].map(|tick| turned(rate, tick));
+    (world.colliders[0].start, world.colliders[0].end) = (start, end);
+    steps(world, TICK, 1);
+}
+
+/// It keeps `v - (2/7) ω × r`, so it runs in a circle wherever it is, here about the axis: released at 1 m with `v = (2/7) ω × r`, and with the spin with which it
+/// does not slip.
+fn a_ball_on_a_turntable_circles_at_two_sevenths_of_its_rate() -> Vec<Row> {
+    let [ball, ..] = round();
+    let (rate, at) = (2.0, Frame::new(Vec3::new(1.0, RADIUS, 0.0), Quat::IDENTITY));
+    let rows = [4, 10, 40].into_iter().flat_map(|substeps| {
+        let mut world = ball.on(&turntable(20.0), [&turned(rate, 0), &at], 0.5, substeps);
+        let surface = Vec3::Y.cross(at.translation) * rate as f32;
+        let velocity = surface * (2.0 / 7.0);
+        let turns = Vec3::Y.cross(velocity - surface) / RADIUS;
+        set_off(&mut world, at.translation, velocity, turns);
+        let (mut angle, mut last) = (0.0, 0.0);
+        let ticks = 1320;
+        for tick in 0..ticks {
+            turn_on(&mut world, rate, tick);
+            let at = all(&world).barycentre.as_dvec3();
+            let now = libm::atan2(-at.z, at.x);
+            angle += libm::remainder(now - last, core::f64::consts::TAU);
+            last = now;
+        }
+        let at = all(&world).barycentre.as_dvec3();
+        let seconds = f64::from(ticks) * f64::from(TICK);
+        // It is released between two substeps.
+        let off = 0.02 / f64::from(substeps);
+        let what = format!("circles of a ball for each turn of its turntable, {substeps} substeps");
+        [
+            Row::relative(what, "", 2.0 / 7.0, angle / (rate * seconds), 1e-3),
+            Row::relative(
+                "its distance from the axis after 22 s",
+                "m",
+                1.0,
+                libm::hypot(at.x, at.z),
+                off,
+            ),
+        ]
+    });
+    rows.collect()
+}
+
+/// At 1.5 m from the axis, for half a minute, at rates that use shares of the friction.
+fn a_box_on_a_turntable_stays_where_it_was_set_down() -> Vec<Row> {
+    let size = Vec3::splat(0.3);
+    let shape = Shape::cuboid(size).expect("a sound box");
+    let cube = Round { name: "box", shape, size, inertia: 0.0 };
+    let at = Frame::new(Vec3::new(1.5, 0.15, 0.0), Quat::IDENTITY);
+    let rows = [0.5, 0.9].into_iter().flat_map(|share| {
+        let rate = libm::sqrt(share * 0.5 * G / f64::from(at.translation.x));
+        let (cube, at) = (&cube, &at);
+        [(4, 6e-3), (10, 1e-3), (40, 1e-3)].into_iter().map(move |(substeps, limit)| {
+            let mut world = cube.on(&turntable(3.0), [&turned(rate, 0), at], 0.5, substeps);
+            let turns = Vec3::Y * rate as f32;
+            set_off(&mut world, at.translation, turns.cross(at.translation), turns);
+            (0..1800).for_each(|tick| turn_on(&mut world, rate, tick));
+            let now = turned(rate, 1800).rotation.transpose() * all(&world).barycentre;
+            let moved = f64::from((now - at.translation).length());
+            let what = format!(
+                "way of a box on a turntable in 30 s, {share} of its friction, {substeps} substeps"
+            );
+            Row::at_most(what, "m", limit, moved)
+        })
+    });
+    rows.collect()
+}
+
 /// Motion of the body, from the mean velocities of the last substep.
 fn all(world: &Simulation) -> Motion {
     let particles = &world.particles;
@@ -229,12 +313,17 @@ fn all(world: &Simulation) -> Motion {
     motion((0..8).map(point)).expect("a compound of finite particles")
 }
 
-/// Sets a body on the floor in motion with a velocity, m/s, and a spin about its centre, rad/s.
+/// Sets a body that lies at the origin on the floor in motion with a velocity, m/s, and a spin about its centre, rad/s.
 fn thrown(world: &mut Simulation, velocity: Vec3, turns: Vec3) {
-    // `spin` rotates about the origin, from which the centre is at RADIUS along y.
+    set_off(world, Vec3::Y * RADIUS, velocity, turns);
+}
+
+/// Sets a body with this centre in motion with a velocity, m/s, and a spin about its centre, rad/s.
+fn set_off(world: &mut Simulation, centre: Vec3, velocity: Vec3, turns: Vec3) {
+    // `spin` rotates about the origin.
     spin(world, 0..8, turns);
     for i in 0..8 {
-        let about_centre = world.particles.velocity(i) - turns.cross(Vec3::Y * RADIUS);
+        let about_centre = world.particles.velocity(i) - turns.cross(centre);
         world.particles.set_velocity(i, about_centre + velocity);
     }
 }
