@@ -218,14 +218,6 @@ impl Simulation {
             let island = &mut plan.islands.list[number];
             island.settings = settings;
             island.free = pins == Pins::None && keeps_momenta(island);
-            island.pivot = match pins {
-                Pins::Few(rows)
-                    if keeps_momenta(island) && (island.is_small() || island.has_chains()) =>
-                {
-                    Some(rows)
-                }
-                _ => None,
-            };
             let members = &plan.islands.members[island.members.clone()];
             let most = match body {
                 None if !island.is_small() => {
@@ -235,9 +227,11 @@ impl Simulation {
             };
             divide(plan, number, h, most);
             let island = &mut plan.islands.list[number];
-            if island.takes_microsteps() {
-                island.pivot = None;
-            }
+            let may_turn = (island.is_small() || island.has_chains()) && !island.takes_microsteps();
+            island.pivot = match pins {
+                Pins::Few(rows) if may_turn && keeps_momenta(island) => Some(rows),
+                _ => None,
+            };
         }
         plan.tether(particles);
     }

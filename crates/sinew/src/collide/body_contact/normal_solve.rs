@@ -83,10 +83,6 @@ kernel!(
         sweep: u32,
     ) {
         for wide in wide_contacts.iter_mut().filter(|wide| sweep < wide.sweeps) {
-            // What did not press in the first sweep is left to the next substep.
-            if sweep > 0 && wide.sum == [0.0; LANES] {
-                continue;
-            }
             // Most have two points at the most, and missing points do not affect the others.
             let third = L::load(&wide.missing[2]).lt(L::splat(FAR));
             let context = (h, recover, depenetration_limits, sweep);
@@ -145,8 +141,11 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     let moved = turned + across;
     let steep = (moved * L::load(&wide.steepness)).min(L::splat(STEEP_SHARE));
     let staleness = moved + steep;
-    let total_staleness = L::load(&wide.staleness) + staleness;
-    total_staleness.store(&mut wide.staleness);
+    let mut total_staleness = L::load(&wide.staleness);
+    if sweep == 0 {
+        total_staleness = total_staleness + staleness;
+        total_staleness.store(&mut wide.staleness);
+    }
 
     let plane = PatchPlane { t, u, apart: (apart.dot(t), apart.dot(u)) };
     let (mut turning, mut spinning) = (plane.tilt(a.turn), plane.tilt(a.spin));
@@ -181,8 +180,8 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     let may_be_nearer = L::load(&wide.other_approach) * total_staleness;
     let holds = total_staleness.lt(L::splat(1.0)).or(may_be_nearer.lt(predicted_gap));
     wide.stale = !holds.bits() & 0xFF;
-    if sweep == 0 && !none.lt(most).any() {
-        // Nothing touches, and nothing pressed in this substep.
+    if (sweep == 0 || wide.sum == [0.0; LANES]) && !none.lt(most).any() {
+        // Nothing touches, and nothing pressed in this substep. The rest would change none of the eight.
         wide.sum = [0.0; LANES];
         wide.depenetrated = 0;
         wide.force = [[0.0; LANES]; 4];
