@@ -7,7 +7,7 @@ use bevy_sinew::{AnyConstraint, LoadFault, SaveFault, SinewClock, SinewSnapshot}
 use bevy_sinew::{ParticleConstraint, RegisterParticleConstraint};
 
 use crate::saved::{SCENES, future, game, played, whole};
-use crate::support::{busy_scene, heard, tick};
+use crate::support::{busy_scene, heard, mesh_of, tick, vertices};
 
 type Write = fn(&SinewSnapshot, &World) -> Vec<u8>;
 type Read = fn(&[u8], &World) -> Result<SinewSnapshot, LoadFault>;
@@ -67,6 +67,67 @@ fn a_rope_between_two_bodies_is_not_rebuilt_when_it_is_loaded() {
         assert_eq!(whole(&new), saved.hash(), "{format}: put back");
         assert_eq!(future(&mut new, 30), future(&mut old, 30), "{format}: goes on");
     }
+}
+
+/// Regression: bodies that were loaded from a file had no mesh, since they were not built, and two that were given the same mesh both deformed it.
+#[test]
+fn loaded_cloth_and_soft_bodies_are_drawn_as_they_were() {
+    for (format, write, read) in FORMATS {
+        let at = |x: f32| Transform::from_xyz(x, 2.0, 0.0).with_scale(Vec3::splat(1.2));
+        let mut old = game();
+        let sheet = old.world_mut().resource_mut::<Assets<Mesh>>().add(sheet());
+        let hung = || Cloth::from_mesh().pinned(ClothPins::TopEdge);
+        let world = old.world_mut();
+        let bodies = [
+            world.spawn((Cloth::grid(1.0, 0.6, 7, 4).pinned(ClothPins::LeftEdge), at(0.0))).id(),
+            world.spawn((SoftBody::cuboid(Vec3::ONE, UVec3::new(2, 3, 2)), at(2.0))).id(),
+            world.spawn((SoftBody::ball(0.5, 4), at(4.0))).id(),
+            world.spawn((hung(), Mesh3d(sheet.clone()), at(6.0))).id(),
+            world.spawn((hung(), Mesh3d(sheet), at(8.0))).id(),
+        ];
+        tick(&mut old, 20);
+        let saved = SinewSnapshot::capture(old.world());
+        let file = write(&saved, old.world());
+        let mut new = game();
+        let map = read(&file, new.world()).unwrap().restore(new.world_mut()).unwrap();
+        let loaded = bodies.map(|body| map[&body]);
+        tick(&mut new, 3);
+        // Meshes that were made by hand are not in the file: the game inserts them, at any time.
+        let shared = new.world_mut().resource_mut::<Assets<Mesh>>().add(self::sheet());
+        let made = Vec::from(&loaded[3..]);
+        made.iter().for_each(|&body| {
+            new.world_mut().entity_mut(body).insert(Mesh3d(shared.clone()));
+        });
+        tick(&mut new, 3);
+        tick(&mut old, 6);
+        for (body, loaded) in bodies.into_iter().zip(loaded) {
+            let uvs = |app: &App, body: Entity| {
+                let meshes = app.world().resource::<Assets<Mesh>>();
+                let mesh = meshes.get(&app.world().get::<Mesh3d>(body).unwrap().0).unwrap();
+                let indices: Vec<usize> = mesh.indices().unwrap().iter().collect();
+                (format!("{:?}", mesh.attribute(Mesh::ATTRIBUTE_UV_0)), indices)
+            };
+            assert_eq!(mesh_of(&new, loaded), mesh_of(&old, body), "{format}: {body}");
+            assert!(uvs(&new, loaded) == uvs(&old, body), "{format}: {body}");
+        }
+        let untouched = vertices(new.world().resource::<Assets<Mesh>>().get(&shared).unwrap());
+        assert_eq!(untouched, vertices(&self::sheet()), "{format}");
+        assert_eq!(heard(&new), [], "{format}");
+        // Another size: the body is built anew, once, from the game's mesh or with a mesh of its own.
+        let size = |app: &App| app.world().resource::<Assets<Mesh>>().len();
+        for body in loaded {
+            new.world_mut().get_mut::<Transform>(body).unwrap().scale = Vec3::splat(0.5);
+        }
+        tick(&mut new, 1);
+        let meshes = size(&new);
+        tick(&mut new, 5);
+        assert_eq!(size(&new), meshes, "{format}");
+    }
+}
+
+/// A sheet that is a mesh of the game, facing up.
+fn sheet() -> Mesh {
+    Plane3d::default().mesh().subdivisions(3).build()
 }
 
 #[test]

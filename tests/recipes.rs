@@ -349,6 +349,41 @@ fn a_clone_of_a_body_is_built_where_it_is() {
     assert!(heard(&app).is_empty());
 }
 
+/// Regression: what had been cloth or a rope was still drawn as that, where it was last.
+#[test]
+fn a_recipe_that_replaces_another_one_takes_back_its_mesh() {
+    let mut app = app();
+    let world = app.world_mut();
+    let sphere = Sphere::new(0.3).mesh().ico(2).unwrap();
+    let sphere = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(sphere));
+    let bodies = [
+        world.spawn(Cloth::grid(1.0, 1.0, 4, 4)).id(),
+        world.spawn(Rope::default()).id(),
+        world.spawn(SoftBody::cuboid(Vec3::ONE, UVec3::ONE)).id(),
+        world.spawn((SoftBody::from_mesh(), sphere.clone())).id(),
+    ];
+    tick(&mut app, 3);
+    let mesh = |app: &App, body| app.world().get::<Mesh3d>(body).cloned();
+    assert!(bodies.iter().all(|&body| mesh(&app, body).is_some_and(|mesh| mesh != sphere)));
+    for body in bodies {
+        let mut body = app.world_mut().entity_mut(body);
+        body.remove::<(Cloth, Rope, SoftBody)>().insert(RigidBox::default());
+    }
+    tick(&mut app, 3);
+    assert_eq!(bodies.map(|body| mesh(&app, body)), [None, None, None, Some(sphere.clone())]);
+    // A mesh of the game stays, and so does that of a body that is only built anew.
+    let own = app.world_mut().spawn(Cloth::grid(1.0, 1.0, 4, 4)).id();
+    let rope = app.world_mut().spawn(Rope::default()).id();
+    tick(&mut app, 3);
+    let tube = mesh(&app, rope).unwrap();
+    app.world_mut().get_mut::<Rope>(rope).unwrap().segments = 9;
+    app.world_mut().entity_mut(own).insert(sphere.clone()).remove::<Cloth>();
+    app.world_mut().entity_mut(own).insert(RigidBox::default());
+    tick(&mut app, 3);
+    assert_eq!(mesh(&app, own), Some(sphere));
+    assert_eq!(mesh(&app, rope), Some(tube));
+}
+
 /// A ball that replaced a box kept the box as its collider, since a collider that another recipe had added counted as one of the game.
 #[test]
 fn a_recipe_that_replaces_another_one_leaves_nothing_of_it() {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
-use bevy_sinew::{BodyPart, MeshFollow, PartOf, WindSurface};
+use bevy_sinew::{BodyPart, Cloth, MeshFollow, PartOf, SoftBody, WindSurface};
 
 use crate::bevy_version::OnAdd;
 use crate::look::Look;
@@ -101,7 +101,11 @@ pub(crate) fn dress(
 pub(crate) fn dress_again(
     mut commands: Commands,
     plain: Query<(Entity, &Skin), Without<Look>>,
-    bare: Query<(Entity, &MeshFollow, &WindSurface), (With<Skin>, Without<Mesh3d>)>,
+    bare: Query<
+        (Entity, &MeshFollow, &WindSurface),
+        // Cloth and soft bodies have one from their recipes.
+        (With<Skin>, Without<Mesh3d>, Without<Cloth>, Without<SoftBody>),
+    >,
     parts: Query<(Entity, &BodyPart, &Name, &PartOf), Without<Mesh3d>>,
     bodies: Query<&Look, With<Skin>>,
     meshes: Option<ResMut<Assets<Mesh>>>,

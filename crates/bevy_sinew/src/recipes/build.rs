@@ -21,7 +21,7 @@ use crate::frames::{Frames, Misplaced, in_world, is_same_scale};
 use crate::mesh::{positions, triangles};
 use crate::messages::{Refusal, refuse_in};
 use crate::recipes::bind::{ListRelationship, attach, bind, insert_related, spawn_related};
-use crate::recipes::bind_mesh::source_mesh;
+use crate::recipes::bind_mesh::{own_copy, put_mesh, skin_of, source_mesh, take_mesh};
 use crate::recipes::built::JustBuilt;
 use crate::recipes::flat::{is_flat_world, may_be_flat};
 use crate::recipes::{built_defaults, forget_replaced};
@@ -55,8 +55,15 @@ pub(crate) trait Recipe:
         None
     }
 
+    /// Texture coordinates of the mesh that is generated for the body, for each entry of [`Blueprint::vertices`].
+    fn uvs(&self) -> Option<Vec<[f32; 2]>> {
+        None
+    }
+
     /// Adds the components that are specific to this recipe, once the particles exist.
-    fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]);
+    fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
+        let _ = (world, body, blueprint, particles);
+    }
 }
 
 /// The triangles of a mesh in the mesh's own coordinates, as recipes use them.
@@ -135,6 +142,10 @@ impl<R: Recipe> Built<R> {
     /// Marks the mesh as unknown: the body comes from another app.
     pub(crate) fn forget_mesh(&mut self) {
         self.mesh = SourceMesh::Elsewhere;
+    }
+
+    fn is_loaded(&self) -> bool {
+        matches!(self.mesh, SourceMesh::Elsewhere)
     }
 }
 
@@ -234,7 +245,14 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
     bodies.sort_unstable_by_key(|(order, entity, ..)| (*order, *entity));
     for (_, body, recipe, waits) in bodies {
         // An observer of an earlier body may have despawned this one.
-        if world.get_entity(body).is_err() || (!waits && is_as_built(world, body, &recipe)) {
+        if world.get_entity(body).is_err() {
+            continue;
+        }
+        let loaded = world.get::<Built<R>>(body).is_some_and(Built::is_loaded);
+        if (loaded || !waits) && is_as_built(world, body, &recipe) {
+            if loaded {
+                draw_loaded(world, body, &recipe);
+            }
             continue;
         }
         let mesh = wanted_mesh(world, body, &recipe);
@@ -257,6 +275,7 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
                 Defaults::default().put(&built_defaults(&entity), &mut entity);
                 entity.remove::<(AwaitsMesh<R>, Built<R>, BuiltBody)>();
                 despawn_built(world, body);
+                take_mesh(world, body);
                 if awaits_place(world, body, &reason, at) {
                     continue;
                 }
@@ -300,6 +319,37 @@ fn is_as_built<R: Recipe>(world: &World, body: Entity, recipe: &R) -> bool {
             && same_mesh
             && in_world(world, body).is_ok_and(|at| is_same_scale(at.scale, built.scale))
     })
+}
+
+/// Gives the mesh of its recipe to a body that came from a file or from another app, since what is drawn is not part of the state. A body that is made from a
+/// mesh waits until the game inserts that. A mesh that the game inserted instead of a generated one stays.
+fn draw_loaded<R: Recipe>(world: &mut World, body: Entity, recipe: &R) {
+    let Some(vertices) = world.get::<MeshFollow>(body).map(|follow| follow.vertices.len()) else {
+        return;
+    };
+    let Some(meshes) = world.get_resource::<Assets<Mesh>>() else { return };
+    let given = world.get::<Mesh3d>(body);
+    if recipe.wants_mesh() {
+        if !given.is_some_and(|mesh| meshes.contains(&mesh.0)) {
+            attach(world, body, AwaitsMesh::<R>(PhantomData));
+            return;
+        }
+        own_copy(world, body);
+    } else if given.is_none()
+        && let Ok(at) = in_world(world, body)
+        && let Ok(blueprint) = recipe.blueprint(None, at.scale)
+        // Unless the game has changed what the mesh follows.
+        && blueprint.vertices.len() == vertices
+    {
+        give_mesh(world, body, recipe, &blueprint);
+    }
+    let mesh = SourceMesh::Here(wanted_mesh(world, body, recipe));
+    if let Ok(mut entity) = world.get_entity_mut(body) {
+        if let Some(mut built) = entity.get_mut::<Built<R>>() {
+            built.mesh = mesh;
+        }
+        entity.remove::<AwaitsMesh<R>>();
+    }
 }
 
 fn wanted_mesh<R: Recipe>(world: &World, body: Entity, recipe: &R) -> Option<AssetId<Mesh>> {
@@ -386,9 +436,16 @@ fn build_one<R: Recipe>(
     if all_there && !placed.vertices.is_empty() {
         let vertices = placed.vertices.iter().map(|&i| particles[i as usize]).collect();
         attach(world, body, MeshFollow { vertices });
+        give_mesh(world, body, recipe, &placed);
     }
     if world.get_entity(body).is_ok() {
         recipe.finish(world, body, &placed, &particles);
+    }
+    if !world
+        .get_entity(body)
+        .is_ok_and(|body| body.contains::<MeshFollow>() || body.contains::<TubeMesh>())
+    {
+        take_mesh(world, body);
     }
     let has_settings = blueprint.settings != Default::default();
     let defaults = Defaults {
@@ -405,6 +462,15 @@ fn build_one<R: Recipe>(
         world.try_despawn(entity).ok();
     }
     Ok(BuildOutcome::Gone)
+}
+
+/// Gives a body the mesh that it deforms: a copy of the one that it was made from, or a generated one.
+fn give_mesh<R: Recipe>(world: &mut World, body: Entity, recipe: &R, blueprint: &Blueprint) {
+    if recipe.wants_mesh() {
+        own_copy(world, body);
+    } else if world.contains_resource::<Assets<Mesh>>() {
+        put_mesh(world, body, skin_of(blueprint, recipe.uvs()), None);
+    }
 }
 
 /// Despawns the entities of an earlier build of this body, from this recipe or another one, and removes the components that refer to them.

@@ -3,8 +3,6 @@
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, ClothMaterial, ClothSpec, cloth_from_mesh, cloth_grid, grid_uvs};
 
-use super::bind::attach;
-use super::bind_mesh::{own_copy, skin_of};
 use super::build::{MeshShape, Recipe};
 use crate::components::{CreationOrder, ParticleBody};
 use crate::messages::Refusal;
@@ -175,15 +173,8 @@ impl Recipe for Cloth {
         Ok(blueprint)
     }
 
-    fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, _: &[Entity]) {
-        let Some(spec) = self.spec(Vec3::ONE) else { return own_copy(world, body) };
-        let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
-        let mut skin = skin_of(blueprint);
-        if let Ok(uvs) = grid_uvs(&spec) {
-            skin.insert_attribute(Mesh::ATTRIBUTE_UV_0, uvs);
-        }
-        let skin = meshes.add(skin);
-        attach(world, body, Mesh3d(skin));
+    fn uvs(&self) -> Option<Vec<[f32; 2]>> {
+        self.spec(Vec3::ONE).and_then(|spec| grid_uvs(&spec).ok())
     }
 }
 

@@ -5,8 +5,6 @@ use sinew::recipes::{
     Blueprint, SoftLatticeSpec, SoftMeshSpec, SoftShape as Lattice, soft_lattice, soft_mesh,
 };
 
-use super::bind::attach;
-use super::bind_mesh::{own_copy, skin_of};
 use super::build::{MeshShape, Recipe};
 use super::rigid_mesh::Bulk;
 use crate::components::{CreationOrder, ParticleBody, Sleep, Softness};
@@ -190,14 +188,5 @@ impl Recipe for SoftBody {
             }
             (SoftShape::Mesh, None) => return Err(Refusal::NoMesh),
         })
-    }
-
-    fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, _: &[Entity]) {
-        if self.shape == SoftShape::Mesh {
-            own_copy(world, body);
-        } else if let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() {
-            let skin = meshes.add(skin_of(blueprint));
-            attach(world, body, Mesh3d(skin));
-        }
     }
 }

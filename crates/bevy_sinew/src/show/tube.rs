@@ -10,6 +10,7 @@ use bevy::prelude::*;
 use super::{Easing, Frame};
 use crate::components::{Interpolate, TubeMesh};
 use crate::frames::Frames;
+use crate::recipes::MadeFrom;
 use crate::rows::{GONE, ResolvedRows};
 use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
@@ -72,7 +73,8 @@ pub(crate) fn draw_tubes(
         }
         let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
         draw(&mut mesh);
-        commands.entity(entity).try_insert(Mesh3d(meshes.add(mesh)));
+        let own = meshes.add(mesh);
+        commands.entity(entity).try_insert((Mesh3d(own.clone()), MadeFrom { source: None, own }));
     }
 }
 
