@@ -14,7 +14,7 @@
 
 use glam::{DVec3, Vec3, Vec4};
 
-use super::pivot::{PivotDrift, PivotSums, mass};
+use super::pivot::{PivotDrift, PivotSums};
 use crate::integrate::Integrator;
 use crate::islands::Island;
 use crate::lanes::{Doubles, LANES, Lanes, Number, Vector, kernel};
@@ -64,9 +64,9 @@ impl MomentumDrift {
             let [from, to] = pivot.map(|row| places.start[places.at(row)].truncate());
             let mut sums = PivotSums::<f32>::about(Vector::splat(from), Vector::splat(to));
             for i in rows.iter().map(|&row| places.at(row)) {
-                let (mass, start) = (mass(places.position[i].w) as f32, places.start[i]);
+                let (w, start) = (places.position[i].w, places.start[i].truncate());
                 let [predicted, derived] = velocities(i).map(Vector::splat);
-                sums.add(mass, Vector::splat(start.truncate()), predicted, derived);
+                sums.add(w, Vector::splat(start), predicted, derived);
             }
             return Some(Self::Held(sums.drift()));
         }

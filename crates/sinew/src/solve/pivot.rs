@@ -61,7 +61,7 @@ pub(super) struct PivotSums<N> {
     /// `Σ r × m u` and `Σ r × m (v' - u)`.
     predicted: Vector<N>,
     angular: Vector<N>,
-    /// `Σ ½ m (v'² - u²)`.
+    /// `Σ m (v'² - u²)`: twice the kinetic energy that was gained.
     energy: N,
 }
 
@@ -89,13 +89,14 @@ impl<N: Number> PivotSums<N> {
         }
     }
 
-    /// Adds a particle of mass `m` that was at `start` when the substep began, with its predicted velocity and the derived one.
+    /// Adds a particle of inverse mass `w` that was at `start` when the substep began, with its predicted velocity and the derived one.
     #[inline(always)]
-    pub(super) fn add(&mut self, m: N, start: Vector<N>, predicted: Vector<N>, derived: Vector<N>) {
+    pub(super) fn add(&mut self, w: N, start: Vector<N>, predicted: Vector<N>, derived: Vector<N>) {
+        // None of a pinned particle, which the pivot carries.
+        let m = N::zero().lt(w).and(N::splat(1.0) / w);
         let (r, gained) = (start - self.anchor, derived - predicted);
         let weighed = r * m;
-        let mean = predicted + gained * N::splat(0.5);
-        self.energy = self.energy + m * gained.dot(mean);
+        self.energy = self.energy + m * gained.dot(predicted + derived);
         self.predicted += weighed.cross(predicted);
         self.squares += weighed.times(r);
         self.products += weighed.times(Vector::new(r.y, r.z, r.x));
@@ -112,15 +113,6 @@ impl<N: Number> PivotSums<N> {
         let scale = one / trace.max(N::splat(f32::MIN_POSITIVE));
         let (s, p, angular) = (s * scale, p * scale, angular * scale);
         let (predicted, lost) = (predicted * scale, (zero - energy * scale).max(zero));
-        let about = |x: N, y: N, z: N| {
-            Vector::new(
-                (s.y + s.z) * x - p.x * y - p.z * z,
-                (s.z + s.x) * y - p.x * x - p.y * z,
-                (s.x + s.y) * z - p.z * x - p.y * y,
-            )
-        };
-        let inertia = axis.dot(about(axis.x, axis.y, axis.z));
-        let on_axis = axis * (axis.dot(angular) / inertia);
         let more = N::splat(SLENDER);
         let inertia = [
             [s.y + s.z + more, zero - p.x, zero - p.z],
@@ -128,20 +120,36 @@ impl<N: Number> PivotSums<N> {
             [zero - p.z, zero - p.y, s.x + s.y + more],
         ];
         let Cofactors { x, minors: [_, _, determinant], .. } = cofactors(&inertia, angular);
-        let turn = on_axis.or_else(zero.lt(axis.length_squared()), x * (one / determinant));
+        let mut turn = x * (one / determinant);
+        let has_axis = zero.lt(axis.length_squared());
+        if has_axis.any() {
+            let on_axis = axis * (axis.dot(angular) / moment(s, p, axis));
+            turn = on_axis.or_else(has_axis, turn);
+        }
         let turn = turn * share_within(lost, turn.dot(predicted + angular), turn.dot(angular));
         let finite = turn.length_squared().lt(N::splat(1e30));
         PivotDrift { anchor, turn: turn.or_else(finite, Vector::new(zero, zero, zero)) }
     }
 }
 
-/// The greatest `s` up to 1 with `½ s² b - s a ≤ lost`, for `b ≥ 0` and `lost ≥ 0`. Written for either sign of `a` without a difference of nearly equal numbers.
+/// `a·I a` about an axis `a`, from the sums that the inertia consists of.
+#[inline(always)]
+fn moment<N: Number>(squares: Vector<N>, products: Vector<N>, axis: Vector<N>) -> N {
+    let (s, p, Vector { x, y, z }) = (squares, products, axis);
+    axis.dot(Vector::new(
+        (s.y + s.z) * x - p.x * y - p.z * z,
+        (s.z + s.x) * y - p.x * x - p.y * z,
+        (s.x + s.y) * z - p.z * x - p.y * y,
+    ))
+}
+
+/// The greatest `s` up to 1 with `s² b - 2 s a ≤ lost`, for `b ≥ 0` and `lost ≥ 0`. Written for either sign of `a` without a difference of nearly equal numbers.
 #[inline(always)]
 fn share_within<N: Number>(lost: N, a: N, b: N) -> N {
-    let (zero, one, two) = (N::zero(), N::splat(1.0), N::splat(2.0));
-    let root = (a * a + two * b.max(zero) * lost).sqrt();
+    let (zero, one) = (N::zero(), N::splat(1.0));
+    let root = (a * a + b.max(zero) * lost).sqrt();
     let gains = a.lt(zero);
-    let (above, below) = (gains.select(two * lost, a + root), gains.select(root - a, b));
+    let (above, below) = (gains.select(lost, a + root), gains.select(root - a, b));
     // Where `b` is zero nothing is removed, whatever the share.
     below.le(above).select(one, above / below.max(N::splat(f32::MIN_POSITIVE)))
 }
@@ -155,10 +163,4 @@ impl<N: Number> PivotDrift<N> {
         let moves = N::zero().lt(w).and(which);
         Vector::new(moves.and(share.x), moves.and(share.y), moves.and(share.z))
     }
-}
-
-/// The mass of a particle of inverse mass `w`, kg; none for a pinned one, which a pivot carries.
-#[inline(always)]
-pub(super) fn mass(w: f32) -> f64 {
-    if w > 0.0 { 1.0 / f64::from(w) } else { 0.0 }
 }

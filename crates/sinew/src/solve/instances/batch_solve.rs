@@ -229,13 +229,17 @@ impl<'a> BatchSolve<'a> {
         // Unused lanes repeat the last body: they compute and write the same values.
         let last = islands.len() - 1;
         (storage.free, storage.pivoted, storage.asleep) = (0, 0, 0);
-        storage.pivots = [[0; 2]; LANES];
         let places = batch.places(0, 0);
         for lane in 0..LANES {
             let own = &islands[lane.min(last)];
             if let Some(pivot) = own.pivot.filter(|_| !own.asleep) {
+                let pivot = pivot.map(|row| row - places[lane]);
+                if storage.pivoted == 0 {
+                    // For lanes without a pivot: where all eight are the same particles, they are read at once.
+                    storage.pivots = [pivot; LANES];
+                }
                 storage.pivoted |= 1 << lane;
-                storage.pivots[lane] = pivot.map(|row| row - places[lane]);
+                storage.pivots[lane] = pivot;
             }
             storage.islands[lane] = (batch.islands.start + lane.min(last)) as u32;
             storage.free |= u32::from(own.free && !own.asleep) << lane;
@@ -257,7 +261,7 @@ impl<'a> BatchSolve<'a> {
             gather(&mut storage.rounding, batch, begin, whole.rounding, instructions);
             note_rates(batch, begin, whole, storage);
         }
-        if storage.free | storage.pivoted != 0 {
+        if storage.free != 0 {
             note_masses(storage, instructions);
         }
     }

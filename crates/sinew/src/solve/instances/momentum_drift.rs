@@ -50,8 +50,9 @@ struct LaneDrifts<L: Lanes> {
 }
 
 impl<L: Lanes> LaneDrifts<L> {
+    /// From predicted velocities. If any body is held, those of all eight bodies are derived in the same pass.
     #[inline(always)]
-    fn of(storage: &LaneStorage, h: f32, keeps_momenta: KeepsMomenta) -> Self {
+    fn of(storage: &mut LaneStorage, h: f32, keeps_momenta: KeepsMomenta) -> Self {
         let KeepsMomenta { free, turning, held } = keeps_momenta;
         let mut drifts = Self { free: None, held: None };
         // Not `then`, because a closure is not compiled with the target features of the kernel.
@@ -61,7 +62,7 @@ impl<L: Lanes> LaneDrifts<L> {
             drifts.free = Some((rigid, which));
         }
         if held != 0 {
-            drifts.held = Some((storage.pivot_drifts::<L>(h), L::mask(held)));
+            drifts.held = Some((storage.derive_about_pivots::<L>(h), L::mask(held)));
         }
         drifts
     }
@@ -105,6 +106,26 @@ impl DriftLanes {
     }
 }
 
+/// Length of a substep, seconds, and its reciprocal.
+#[derive(Clone, Copy)]
+struct Substep<L> {
+    h: L,
+    per_second: L,
+}
+
+impl<L: Lanes> Substep<L> {
+    #[inline(always)]
+    fn of(h: f32) -> Self {
+        Self { h: L::splat(h), per_second: L::splat(1.0 / h) }
+    }
+
+    /// The velocity of particles that were at `from` when the substep began, were predicted with the velocity `u`, and are at `now`, m/s.
+    #[inline(always)]
+    fn derived(self, now: Vector<L>, from: Vector<L>, u: Vector<L>) -> Vector<L> {
+        u + (now - (from + u * self.h)) * self.per_second
+    }
+}
+
 kernel!(
     /// Derives the velocities in a lane storage at the end of a substep of `h` seconds, without the momenta that corrections must not have added.
     pub(super) fn derive_lanes<L: Lanes>(
@@ -113,14 +134,14 @@ kernel!(
         keeps_momenta: KeepsMomenta,
     ) {
         let drifts = LaneDrifts::<L>::of(storage, h, keeps_momenta);
-        let per_second = L::splat(1.0 / h);
-        let h = L::splat(h);
         let LaneStorage { now, start, velocity, .. } = storage;
+        let substep = Substep::of(h);
         for ((now, start), velocity) in now.iter().zip(start).zip(velocity) {
-            let ((q, w), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
-            let u = Vector::of(velocity.load::<L>()).0;
-            let v = u + (q - (from + u * h)) * per_second;
-            velocity.put(drifts.removed_from(v, from, w).with(h));
+            let ((from, w), mut v) = (Vector::of(start.load::<L>()), at(velocity));
+            if drifts.held.is_none() {
+                v = substep.derived(at(now), from, v);
+            }
+            velocity.put(drifts.removed_from(v, from, w).with(w));
         }
     }
 );
@@ -165,19 +186,17 @@ impl LaneStorage {
         h: f32,
         turning: u32,
     ) -> WideMomentumDrift<L::Doubles> {
-        let per_second = L::splat(1.0 / h);
-        let h = L::splat(h);
+        let substep = Substep::of(h);
         let Self { now, start, velocity, mass, .. } = self;
         // A `match`, because a closure is not compiled with the target features of the kernel.
         let anchor = match start.first() {
             None => Vector::double(DVec3::ZERO),
-            Some(first) => Vector::of(first.load::<L>()).0.widen(),
+            Some(first) => at::<L>(first).widen(),
         };
         let mut sums = MomentSums::<L::Doubles>::none();
         for (((now, start), velocity), mass) in now.iter().zip(start).zip(velocity).zip(mass) {
-            let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
-            let u = Vector::of(velocity.load::<L>()).0;
-            let v = u + (q - (from + u * h)) * per_second;
+            let (from, u) = (at(start), at(velocity));
+            let v: Vector<L> = substep.derived(at(now), from, u);
             let arm = from.widen() - anchor;
             sums.add(L::Doubles::load(mass), arm, v.widen() - u.widen());
         }
@@ -185,25 +204,30 @@ impl LaneStorage {
         WideMomentumDrift { anchor, centre, shift, turn }
     }
 
-    /// The turn of each body about its pivot that corrections have added, before its velocities are derived.
+    /// Derives the velocities. Returns the turn of each body about its pivot that corrections have added to them.
     #[inline(always)]
-    fn pivot_drifts<L: Lanes>(&self, h: f32) -> PivotDrift<L> {
-        let per_second = L::splat(1.0 / h);
-        let h = L::splat(h);
-        let [from, to] = self.pivot_ends();
-        let [from, to] = [Vector::of(from.load::<L>()).0, Vector::of(to.load::<L>()).0];
-        let mut sums = PivotSums::about(from, to);
-        let Self { now, start, velocity, mass, .. } = self;
-        for (((now, start), velocity), mass) in now.iter().zip(start).zip(velocity).zip(mass) {
-            let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
-            let u = Vector::of(velocity.load::<L>()).0;
-            let v = u + (q - (from + u * h)) * per_second;
-            sums.add(L::narrow(L::Doubles::load(mass)), from, u, v);
+    fn derive_about_pivots<L: Lanes>(&mut self, h: f32) -> PivotDrift<L> {
+        let [one, others @ ..] = self.pivots;
+        let mut sums = if others == [one; LANES - 1] {
+            let [from, to] = one;
+            PivotSums::about(at(&self.start[from as usize]), at(&self.start[to as usize]))
+        } else {
+            let [from, to] = self.pivot_ends();
+            PivotSums::about(at(&from), at(&to))
+        };
+        let substep = Substep::of(h);
+        let Self { now, start, velocity, .. } = self;
+        for ((now, start), velocity) in now.iter().zip(start).zip(velocity) {
+            let ((from, w), u) = (Vector::of(start.load()), at(velocity));
+            let v = substep.derived(at(now), from, u);
+            sums.add(w, from, u, v);
+            velocity.put(v.with(w));
         }
         sums.drift()
     }
 
-    /// Where the particles of the pivots were when the substep began, lane by lane; the first particle of a body without one.
+    /// Where the particles of the pivots were when the substep began, lane by lane.
+    #[cold]
     fn pivot_ends(&self) -> [LaneParticles; 2] {
         let mut ends = [LaneParticles::ZERO; 2];
         for (lane, pivot) in self.pivots.iter().enumerate() {
@@ -213,6 +237,12 @@ impl LaneStorage {
         }
         ends
     }
+}
+
+/// Where a particle of eight bodies is.
+#[inline(always)]
+fn at<L: Lanes>(lane_particles: &LaneParticles) -> Vector<L> {
+    Vector::of(lane_particles.load()).0
 }
 
 impl<D: Doubles> MomentSums<D> {

@@ -34,15 +34,13 @@ impl LaneStorage {
 }
 
 kernel!(
-    /// Stores the masses as the reciprocals of the inverse masses; none for pinned particles.
+    /// Stores the masses as the reciprocals of the inverse masses.
     pub(super) fn note_masses<L: Lanes>(storage: &mut LaneStorage) {
         let LaneStorage { mass, now, .. } = storage;
         mass.resize(now.len(), [0.0; LANES]);
         for (mass, entry) in mass.iter_mut().zip(now) {
-            let (w, one) = (L::load(entry.fourths()), L::splat(1.0));
-            let moves = L::zero().lt(w);
-            let (inverse, some) = (moves.select(w, one).widen(), moves.and(one).widen());
-            (some / inverse).store(mass);
+            let inverse = L::load(entry.fourths()).widen();
+            (L::Doubles::splat(1.0) / inverse).store(mass);
         }
     }
 );
