@@ -37,6 +37,12 @@ impl LaneParticles {
         d.store(w);
     }
 
+    /// Writes `w`.
+    #[inline(always)]
+    pub(super) fn set_fourths<L: Lanes>(&mut self, w: L) {
+        w.store(&mut self.0[3]);
+    }
+
     /// A copy with the same number in all `w`.
     pub(super) fn with_fourths(&self, fourth: f32) -> Self {
         let [x, y, z, _] = self.0;

@@ -177,17 +177,13 @@ impl<'a> BatchSolve<'a> {
         } else {
             1
         };
-        for substep in 0..substeps {
-            if let BatchMotion::Step(whole) = &self.motion {
-                for storage in lane_compaction.storages() {
-                    // The lags of the first substep come from the previous step, which may have had another length. From the second substep on they are all
-                    // `h`.
-                    if substep < 2 {
-                        storage.note_losses(h);
-                    }
-                    predict_lanes(storage, whole.uniform_acceleration, h, instructions);
-                }
+        if let BatchMotion::Step(whole) = &self.motion {
+            for storage in lane_compaction.storages() {
+                storage.note_losses(h);
+                predict_lanes(storage, whole.uniform_acceleration, h, instructions);
             }
+        }
+        for substep in 0..substeps {
             lane_compaction.solve(&context, &mut self.normal_impulses);
             for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
                 let from = batch.islands.start - self.task.islands.start;
@@ -196,14 +192,26 @@ impl<'a> BatchSolve<'a> {
                 if let BatchMotion::Step(whole) = &self.motion {
                     whole.iteration_counts[substep].fetch_max(sweeps, Ordering::Relaxed);
                     let keeps_momenta = context.keeps_momenta(storage);
-                    derive_lanes(storage, h, keeps_momenta, instructions);
+                    let next = (substep + 1 < substeps).then_some(whole.uniform_acceleration);
+                    if substep == 0 && next.is_some() {
+                        // The lags of the first substep come from the previous step, which may have had another length. From here on they are all `h`.
+                        storage.note_losses(h);
+                    }
+                    let violated = storage.convergence.violated & storage.mask();
+                    if context.surfaces.is_none() && violated == 0 {
+                        derive_lanes(storage, h, keeps_momenta, next, instructions);
+                        continue;
+                    }
+                    derive_lanes(storage, h, keeps_momenta, None, instructions);
                     if let Some(surfaces) = &context.surfaces {
                         surfaces.bounce(storage, &mut self.normal_impulses);
                     }
-                    let violated = storage.convergence.violated & storage.mask();
                     for lane in SetLanes(violated) {
                         let one = (batch.islands.start + lane, lane);
                         limit_recovery(self.context, one, storage, reports, self.scratch.sweep);
+                    }
+                    if let Some(a) = next {
+                        predict_lanes(storage, a, h, instructions);
                     }
                 }
             }
@@ -246,8 +254,8 @@ impl<'a> BatchSolve<'a> {
             storage.asleep |= u32::from(own.asleep) << lane;
         }
         let start = match &self.motion {
-            BatchMotion::Substep { start, .. } => *start,
-            BatchMotion::Step(whole) => &*whole.start,
+            BatchMotion::Substep { start, .. } => Some(*start),
+            BatchMotion::Step(_) => None,
         };
         let instructions = self.context.execution.instructions;
         storage.load(batch, begin, self.position, start, instructions);

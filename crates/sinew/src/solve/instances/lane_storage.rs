@@ -56,17 +56,20 @@ pub(crate) struct LaneStorage {
 }
 
 impl LaneStorage {
-    /// Gathers positions and substep starts from columns that begin with row `begin`.
+    /// Gathers positions and substep starts from columns that begin with row `begin`. Without starts there is only room for them, which predicting fills.
     pub(super) fn load(
         &mut self,
         batch: &InstanceBatch,
         begin: u32,
         position: &[Vec4],
-        start: &[Vec4],
+        start: Option<&[Vec4]>,
         instructions: InstructionSet,
     ) {
         gather(&mut self.now, batch, begin, position, instructions);
-        gather(&mut self.start, batch, begin, start, instructions);
+        match start {
+            Some(start) => gather(&mut self.start, batch, begin, start, instructions),
+            None => self.start.resize(self.now.len(), LaneParticles::ZERO),
+        }
         self.bodies = batch.islands.len();
         self.saved.resize(self.now.len(), LaneParticles::ZERO);
     }

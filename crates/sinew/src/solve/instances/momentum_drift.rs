@@ -1,9 +1,10 @@
 //! Derives the velocities of eight bodies without the momentum that their corrections must not have added. Operation by operation this is
 //! [`MomentumDrift`](crate::solve::momentum) of a single body, done in the same pass as the velocities.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::lane_storage::LaneStorage;
+use super::motion::Prediction;
 use crate::lanes::{Doubles, LANES, Lanes, SetLanes, Vector, kernel};
 use crate::pose::symmetric::{Cofactors, MAX_CONDITION, cofactors};
 use crate::pose::{MomentSums, pseudo_solve};
@@ -67,6 +68,22 @@ impl<L: Lanes> LaneDrifts<L> {
         drifts
     }
 
+    /// The derived velocity of particles, without what is to be removed, m/s.
+    #[inline(always)]
+    fn velocity(
+        &self,
+        substep: Substep<L>,
+        now: &LaneParticles,
+        start: &LaneParticles,
+        velocity: &LaneParticles,
+    ) -> Vector<L> {
+        let ((from, w), mut v) = (Vector::of(start.load::<L>()), at(velocity));
+        if self.held.is_none() {
+            v = substep.derived(at(now), from, v);
+        }
+        self.removed_from(v, from, w)
+    }
+
     /// A velocity without what is to be removed from particles of inverse mass `w` that were at `from` when the substep began, m/s.
     #[inline(always)]
     fn removed_from(&self, mut v: Vector<L>, from: Vector<L>, w: L) -> Vector<L> {
@@ -127,21 +144,30 @@ impl<L: Lanes> Substep<L> {
 }
 
 kernel!(
-    /// Derives the velocities in a lane storage at the end of a substep of `h` seconds, without the momenta that corrections must not have added.
+    /// Derives the velocities in a lane storage at the end of a substep of `h` seconds, without the momenta that corrections must not have added. With `next`
+    /// also predicts the next substep, with that acceleration, m/s², while the particles are in registers.
     pub(super) fn derive_lanes<L: Lanes>(
         storage: &mut LaneStorage,
         h: f32,
         keeps_momenta: KeepsMomenta,
+        next: Option<Vec3>,
     ) {
         let drifts = LaneDrifts::<L>::of(storage, h, keeps_momenta);
-        let LaneStorage { now, start, velocity, .. } = storage;
+        let LaneStorage { now, start, velocity, rounding, lost, .. } = storage;
         let substep = Substep::of(h);
-        for ((now, start), velocity) in now.iter().zip(start).zip(velocity) {
-            let ((from, w), mut v) = (Vector::of(start.load::<L>()), at(velocity));
-            if drifts.held.is_none() {
-                v = substep.derived(at(now), from, v);
+        let Some(a) = next else {
+            for ((now, start), velocity) in now.iter().zip(start).zip(velocity) {
+                let v = drifts.velocity(substep, now, start, velocity);
+                velocity.put(v.with(substep.h));
             }
-            velocity.put(drifts.removed_from(v, from, w).with(w));
+            return;
+        };
+        let prediction = Prediction::<L>::of(a, h);
+        let columns = now.iter_mut().zip(start).zip(velocity).zip(rounding).zip(lost);
+        for ((((now, start), velocity), rounding), lost) in columns {
+            let v = drifts.velocity(substep, now, start, velocity);
+            // A velocity lags by the length of its substep.
+            prediction.apply((v, prediction.h), now, start, (velocity, rounding), lost);
         }
     }
 );

@@ -6,6 +6,7 @@ use glam::Vec3;
 use super::LaneStorage;
 use crate::integrate::loss;
 use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
+use crate::solve::lane_particles::LaneParticles;
 
 impl LaneStorage {
     /// Computes the share of velocity that each particle loses over a substep of `h` seconds, from its damping rate and the lag of its velocity.
@@ -48,23 +49,53 @@ kernel!(
 kernel!(
     /// Predicts the positions of all bodies after a substep of `h` seconds with the acceleration `a`, m/s².
     pub(super) fn predict_lanes<L: Lanes>(storage: &mut LaneStorage, a: Vec3, h: f32) {
-        let (a, h, zero) = (Vector::<L>::splat(a), L::splat(h), L::zero());
+        let prediction = Prediction::<L>::of(a, h);
         let LaneStorage { now, start, velocity, rounding, lost, .. } = storage;
         let columns = now.iter_mut().zip(start).zip(velocity).zip(rounding).zip(lost);
         for ((((now, start), velocity), rounding), lost) in columns {
-            let ((p, w), (v, lag)) =
-                (Vector::of(now.load::<L>()), Vector::of(velocity.load::<L>()));
-            let before = Vector::of(rounding.load::<L>()).0;
-            let moves = zero.lt(w);
-            let tau = (lag + h) * L::splat(0.5);
-            let change = a * tau - v * L::load(lost) + before;
-            let u = v + change;
-            let rounded = change - (u - v);
-            start.set(p.with(w));
-            rounding.put(rounded.or_else(moves, before).with(zero));
-            let still = Vector::new(zero, zero, zero);
-            velocity.set(u.or_else(moves, still).with(h));
-            now.put((p + u * h).or_else(moves, p).with(w));
+            let (v, lag) = Vector::of(velocity.load());
+            let tau = (lag + prediction.h) * L::splat(0.5);
+            velocity.set_fourths(prediction.h);
+            start.set_fourths(L::load(now.fourths()));
+            prediction.apply((v, tau), now, start, (velocity, rounding), lost);
         }
     }
 );
+
+/// The prediction of a substep of `h` seconds with the acceleration `a`, m/s².
+#[derive(Clone, Copy)]
+pub(super) struct Prediction<L> {
+    a: Vector<L>,
+    pub(super) h: L,
+}
+
+impl<L: Lanes> Prediction<L> {
+    #[inline(always)]
+    pub(super) fn of(a: Vec3, h: f32) -> Self {
+        Self { a: Vector::splat(a), h: L::splat(h) }
+    }
+
+    /// Predicts the position of particles with the velocity `v`, m/s, that is accelerated for `tau` seconds. Velocities in the column are not read, and of it
+    /// and `start` the fourth numbers are left.
+    #[inline(always)]
+    pub(super) fn apply(
+        self,
+        (v, tau): (Vector<L>, L),
+        now: &mut LaneParticles,
+        start: &mut LaneParticles,
+        (velocity, rounding): (&mut LaneParticles, &mut LaneParticles),
+        lost: &[f32; LANES],
+    ) {
+        let (Self { a, h }, zero) = (self, L::zero());
+        let (p, w) = Vector::of(now.load::<L>());
+        let before = Vector::of(rounding.load::<L>()).0;
+        let moves = zero.lt(w);
+        let change = a * tau - v * L::load(lost) + before;
+        let u = v + change;
+        let rounded = change - (u - v);
+        start.put(p.with(w));
+        rounding.put(rounded.or_else(moves, before).with(zero));
+        velocity.put(u.or_else(moves, Vector::new(zero, zero, zero)).with(h));
+        now.put((p + u * h).or_else(moves, p).with(w));
+    }
+}
