@@ -59,9 +59,11 @@ impl<T: Send + Sync + 'static> ResolvedRows<T> {
         changed: bool,
         named: impl Iterator<Item = Entity>,
     ) -> &[u32] {
+        // The list may have come before what it is resolved for, as the mesh of a body that was loaded from a file.
+        let is_first = self.layout == 0;
         let is_old = self.layout != layout.number;
         let same = layout.same_since(core::mem::replace(&mut self.layout, layout.number));
-        if changed || is_old && self.rows.iter().any(|&row| row as usize >= same) {
+        if changed || is_first || is_old && self.rows.iter().any(|&row| row as usize >= same) {
             self.plain = None;
             self.rows.clear();
             self.rows.extend(named.map(|entity| *layout.row_of.get(&entity).unwrap_or(&GONE)));
