@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{ConstraintKind, Equation, Points};
-use bevy_sinew::{AnyConstraint, LoadFault, SaveFault, SinewClock, SinewSnapshot};
+use bevy_sinew::{AnyConstraint, BodyParticles, CreationOrder};
+use bevy_sinew::{LoadFault, SaveFault, SinewClock, SinewSnapshot};
 use bevy_sinew::{ParticleConstraint, RegisterParticleConstraint};
 
 use crate::saved::{SCENES, future, game, played, whole};
@@ -89,8 +90,17 @@ fn loaded_cloth_and_soft_bodies_are_drawn_as_they_were() {
         let saved = SinewSnapshot::capture(old.world());
         let file = write(&saved, old.world());
         let mut new = game();
-        let map = read(&file, new.world()).unwrap().restore(new.world_mut()).unwrap();
-        let loaded = bodies.map(|body| map[&body]);
+        read(&file, new.world()).unwrap().restore(new.world_mut()).unwrap();
+        // In a file entities have no ids of their own.
+        let world = new.world_mut();
+        let mut found: Vec<(CreationOrder, Entity)> = world
+            .query_filtered::<(&CreationOrder, Entity), With<BodyParticles>>()
+            .iter(world)
+            .map(|(order, body)| (*order, body))
+            .collect();
+        found.sort_unstable();
+        assert_eq!(found.len(), bodies.len());
+        let loaded: Vec<Entity> = found.iter().map(|found| found.1).collect();
         tick(&mut new, 3);
         // Meshes that were made by hand are not in the file: the game inserts them, at any time.
         let shared = new.world_mut().resource_mut::<Assets<Mesh>>().add(self::sheet());
@@ -100,7 +110,7 @@ fn loaded_cloth_and_soft_bodies_are_drawn_as_they_were() {
         });
         tick(&mut new, 3);
         tick(&mut old, 6);
-        for (body, loaded) in bodies.into_iter().zip(loaded) {
+        for (body, &loaded) in bodies.into_iter().zip(&loaded) {
             let uvs = |app: &App, body: Entity| {
                 let meshes = app.world().resource::<Assets<Mesh>>();
                 let mesh = meshes.get(&app.world().get::<Mesh3d>(body).unwrap().0).unwrap();
@@ -118,7 +128,7 @@ fn loaded_cloth_and_soft_bodies_are_drawn_as_they_were() {
         for body in loaded {
             new.world_mut().get_mut::<Transform>(body).unwrap().scale = Vec3::splat(0.5);
         }
-        tick(&mut new, 1);
+        tick(&mut new, 3);
         let meshes = size(&new);
         tick(&mut new, 5);
         assert_eq!(size(&new), meshes, "{format}");

@@ -18,7 +18,8 @@ use crate::components::CreationOrder;
 ///
 /// It has the entities that are part of the simulation, and those that they refer to or are attached to, such as a moving platform: of these only the
 /// transform, the name and the parent. A restored simulation continues bit for bit: in place ([`restore`](Self::restore)), any number of times, or in another
-/// app with the same plugins and the same registered constraints. What is drawn (meshes, materials) and messages are not part of it.
+/// app with the same plugins and the same registered constraints. What is drawn (meshes, materials) and messages are not part of it;
+/// cloth, soft bodies and ropes get the meshes of their recipes again where the app has meshes.
 ///
 /// ```
 /// # use bevy::prelude::*;
