@@ -22,6 +22,7 @@
 //! | `sensors` | what sensors report |
 //! | `settings` | solver settings of single bodies |
 //! | `solver` | comparison of the solver's options |
+//! | `surfaces` | edges and triangles against shapes |
 //! | `ticks` | ticks of varying length |
 //! | `thresholds` | where bounces end and rest begins |
 //! | `tied` | cloth on ropes, and loads on cloth |
@@ -49,6 +50,7 @@ mod segments;
 mod sensors;
 mod settings;
 mod solver;
+mod surfaces;
 mod threads;
 mod thresholds;
 mod ticks;

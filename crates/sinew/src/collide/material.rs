@@ -149,8 +149,8 @@ pub struct BodyContacts {
     /// Whether its particles collide with each other. Two that are closer than the sum of their radii in the rest shape keep their distance there instead.
     /// Default false.
     pub with_itself: bool,
-    /// Whether it collides by the triangles of its surface ([`Forces::surfaces`](crate::Forces::surfaces)) in addition to its particles: nothing then passes
-    /// through its mesh, however coarse it is. Costs about ten times as much as particles alone. Default false.
+    /// Whether it collides by the triangles of its surface ([`Forces::surfaces`](crate::Forces::surfaces)) in addition to its particles: neither particles
+    /// nor shapes then pass through its mesh, however coarse it is. Among particles it costs about ten times as much as particles alone. Default false.
     pub surface: bool,
     /// Whether its contacts are listed in the report. Default false.
     pub events: bool,

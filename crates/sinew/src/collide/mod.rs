@@ -8,6 +8,7 @@
 //! | `collider` | static and kinematic shapes |
 //! | `body_collider` | particles that collide as one, by a shape |
 //! | `distance` | distances between points, segments and triangles |
+//! | `features` | edges and triangles of bodies that collide by their surface, against shapes |
 //! | `filter` | which pairs may touch: layers, joints, settings of bodies |
 //! | `nearby` | broad phase over whole bodies |
 //! | `body_classes` | bodies that static geometry treats alike |
@@ -33,6 +34,7 @@ mod body_contact;
 mod bounds;
 mod collider;
 mod distance;
+mod features;
 mod filter;
 mod frame;
 mod friction;

@@ -56,6 +56,23 @@ impl Aggregate<'_> {
         self.inverse_mass + moment.dot(self.inverse_inertia * moment)
     }
 
+    /// Its displacement in the substep along a unit vector, metres: that of the particle in the middle if all of it has moved as a rigid body, and otherwise the
+    /// mean to which an impulse of size `J` there adds the energy `J` times.
+    pub(crate) fn displacement(&self, particles: &Particles, middle: u32, along: Vec3) -> f32 {
+        let turn = self.inverse_inertia * self.lever.cross(along);
+        let barycentre = particles.start[middle as usize].truncate() - self.lever;
+        let each = self.members.iter().filter_map(|&(row, ring)| {
+            let (position, start) =
+                (particles.position[row as usize], particles.start[row as usize]);
+            let moved = (position - start).truncate();
+            let lever = start.truncate() - barycentre;
+            let own = along * self.inverse_mass + turn.cross(lever);
+            let mass = ring_share(ring, self.rings) / position.w;
+            (position.w > 0.0).then(|| mass * own.dot(moved))
+        });
+        each.sum()
+    }
+
     /// Applies an impulse to the particle in the middle, whose row is `middle`, and moves all particles of the aggregate. The impulse is in kg m: a mass times
     /// its displacement in the substep.
     pub(crate) fn apply_impulse(&self, particles: &mut Particles, middle: u32, impulse: Vec3) {

@@ -2,6 +2,7 @@
 
 use super::body_collider::BodyCollider;
 use super::body_contact::{BodyContactSolver, ContactCache, RigidStep};
+use super::features::Features;
 use super::impact::{Impact, Impacts};
 use super::nearby::Nearby;
 use super::pairs::Pairs;
@@ -14,12 +15,14 @@ use crate::forces::RowGravity;
 use crate::islands::Islands;
 use crate::particles::Particles;
 use crate::threads::ExecutionContext;
+use crate::tracked::Tracked;
 
 /// Contact state of a step. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Contacts {
     pub(crate) particle_contacts: ParticleContacts,
     pub(crate) normal_impulses: Vec<NormalImpulse>,
+    features: Features,
     /// For each row whether it takes no part in `pairs`: it does not collide as a particle, or triangles do all that its pairs would.
     unpaired: Vec<bool>,
     nearby: Nearby,
@@ -46,7 +49,7 @@ impl Contacts {
     /// [surface](crate::BodyContacts::surface) use the triangles of `surfaces`.
     pub(crate) fn begin(
         &mut self,
-        (particles, surfaces): (&Particles, &[[u32; 3]]),
+        (particles, surfaces): (&Particles, &Tracked<Vec<[u32; 3]>>),
         world: World,
         contact_cache: &mut ContactCache,
         execution: ExecutionContext<'_>,
@@ -55,11 +58,18 @@ impl Contacts {
         self.body_contact.instructions = execution.instructions;
         self.pairs.instructions = execution.instructions;
         self.impacts.clear();
-        let Self { particle_contacts, unpaired, nearby, body_contact, .. } = self;
-        particle_contacts.begin(particles, &world, body_contact.rows(), &mut self.normal_impulses);
+        let Self { particle_contacts, features, unpaired, nearby, body_contact, .. } = self;
+        let any_surface = filter.bodies().iter().any(|body| body.surface && !body.disabled);
+        if any_surface && !(world.colliders.is_empty() && body_contact.is_empty()) {
+            features.update(surfaces, filter, particles);
+        } else {
+            features.clear();
+        }
+        let own = (body_contact.rows(), &*features);
+        particle_contacts.begin(particles, &world, own, &mut self.normal_impulses);
         let excluded = &particle_contacts.excluded;
         nearby.broad_phase(particles, &world, excluded);
-        body_contact.broad_phase(particles, &world, nearby, contact_cache);
+        body_contact.broad_phase(particles, &world, (nearby, features), contact_cache);
         let near = (filter, &*nearby);
         self.triangles.broad_phase(particles, surfaces, near, excluded, dt, execution);
         unpaired.clone_from(excluded);
@@ -113,9 +123,9 @@ impl Contacts {
         cloth: &mut impl PressedCloth,
         execution: ExecutionContext<'_>,
     ) {
-        let Self { particle_contacts, normal_impulses, nearby, body_contact, .. } = self;
+        let Self { particle_contacts, normal_impulses, nearby, features, body_contact, .. } = self;
         let cloth = (cloth, &*particle_contacts, &mut normal_impulses[..]);
-        body_contact.project(particles, (world, nearby), (h, substep), cloth);
+        body_contact.project(particles, (world, nearby, features), (h, substep), cloth);
         self.pairs.project(particles, world.filter, h);
         // Last, so that the sides that it determines still hold when the next substep begins.
         self.triangles.project(particles, world.filter, execution);

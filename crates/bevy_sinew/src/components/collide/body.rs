@@ -79,9 +79,10 @@ pub enum ContactShape {
     Solid,
     /// The triangles of the body's [`WindSurface`](crate::WindSurface), which `Cloth` and `SoftBody` have, in addition to its particles: nothing passes through
     /// its mesh, from either side, however coarse the mesh and however fast the motion. Triangles collide with particles of other bodies, and with its own if
-    /// the body collides with itself; edges collide with the edges of bodies that use triangles, too. The surface is as thick as the particles'
-    /// [`Radius`](crate::Radius), which may be zero. It costs about ten times as much as particles. [`Collider`](super::Collider)s and rigid bodies collide
-    /// only with its particles. A body without triangles is refused ([`Refusal::NoTriangles`](crate::Refusal::NoTriangles)) and collides by its particles.
+    /// the body collides with itself; edges collide with the edges of bodies that use triangles, too. Posts, corners, edges and small bodies that fit in
+    /// between its particles collide with what is there, apart from meshes and heightfields. The surface is as thick as the particles'
+    /// [`Radius`](crate::Radius), which may be zero (rigid bodies then pass through it); what is sharp comes somewhat closer. Among particles it costs about
+    /// ten times as much as particles. A body without triangles is refused ([`Refusal::NoTriangles`](crate::Refusal::NoTriangles)) and collides by its particles.
     Triangles,
     /// The body's segments: each [`DistanceConstraint`](crate::DistanceConstraint) between two of its particles that is a rod or a tether
     /// ([`Bound::Equal`](crate::Bound), [`Bound::AtMost`](crate::Bound)) is a capsule between them, as thick as the [`Radius`](crate::Radius) of the thinner

@@ -13,6 +13,7 @@
 
 use glam::Vec3;
 
+use super::super::features::Features;
 use super::super::nearby::Nearby;
 use super::super::world::World;
 use super::BodyContactSolver;
@@ -34,7 +35,7 @@ impl BodyContactSolver {
         &mut self,
         particles: &Particles,
         world: &World,
-        nearby: &Nearby,
+        near: (&Nearby, &Features),
         cache: &mut ContactCache,
     ) {
         self.cache.take(cache);
@@ -81,7 +82,7 @@ impl BodyContactSolver {
         self.pairs = pairs;
         self.cache.in_order();
         self.missed.begin(self.contacts.len());
-        self.loose.broad_phase(&self.swept, &self.groups, particles, world, nearby);
+        self.loose.broad_phase(&self.swept, &self.groups, particles, world, near, None);
         let Self {
             contacts,
             used,
@@ -333,7 +334,7 @@ impl BodyContactSolver {
         &mut self,
         particles: &Particles,
         world: &World,
-        nearby: &Nearby,
+        near: (&Nearby, &Features),
         share: f32,
     ) {
         let mut outside_bounds = core::mem::take(&mut self.outside_bounds);
@@ -364,9 +365,10 @@ impl BodyContactSolver {
             contacts[first..].iter().map(|one| [one.a, one.b, cache.part(one.cache_index)]),
         );
         missed.found.sort_unstable();
-        if !self.loose.none_collide() {
+        if !(self.loose.none_collide() && near.1.is_empty()) {
             self.note_contact_events();
-            self.loose.broad_phase(&self.swept, &self.groups, particles, world, nearby);
+            let outside = Some(&self.outside_bounds[..]);
+            self.loose.broad_phase(&self.swept, &self.groups, particles, world, near, outside);
             let loose = core::mem::take(&mut self.loose);
             loose.bodies().for_each(|number| self.read_line(number as usize, particles));
             self.loose = loose;

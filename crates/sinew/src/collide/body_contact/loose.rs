@@ -1,7 +1,11 @@
-//! Contacts of body colliders with single particles that belong to none: the sphere of the particle's radius against the shape, two-way.
+//! Contacts of body colliders with single particles that belong to none, and with the edges and triangles between them
+//! ([`features`](crate::collide::features)): the sphere of the particle's radius against the shape, two-way.
 
 use glam::{Mat3, Vec3, Vec4};
 
+use super::super::features::{
+    Corners, Features, Reach, ShapeBeside, SupportPlane, SurfacePath, SurfacePoint,
+};
 use super::super::friction::friction_share;
 use super::super::impact::ContactParticipant;
 use super::super::material::CombinedMaterial;
@@ -9,6 +13,7 @@ use super::super::nearby::Nearby;
 use super::super::pressed::{Aggregate, PressedCloth, Push};
 use super::super::recovery::{limit_depth, recovery};
 use super::super::restitution::{ImpactRound, elastic_gain, is_elastic, spreads, threshold};
+use super::super::shape::Shape;
 use super::super::world::World;
 use super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, TURN, rotation};
 use super::groups::BodyGroups;
@@ -18,7 +23,7 @@ use super::swept_bounds::SweptBounds;
 use super::turn::Symmetric;
 use super::{BodyContactSolver, ContactEvent};
 use crate::lanes::{Number, Vector};
-use crate::particles::{NO_BODY, Particles};
+use crate::particles::{NO_BODY, Particles, Places};
 
 /// Limit of the total mass of the single particles that touch a body collider, as a share of its mass, up to which neighbours are pushed along with them
 /// ([`PressedCloth::aggregate`]). In the two scenes of `TURNS` (`body_contact`) without, and with 10, 30 and 100 %: 29, 3.6, 3.3 and 3.3 %, in 1.9, 2.7, 2.4
@@ -38,8 +43,9 @@ const OFF_PATH: f32 = 0.01;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loose {
     pairs: Vec<LooseContact>,
-    /// The same, as numbers of body colliders and of rows.
-    near: Vec<(u32, u32)>,
+    /// The same, as numbers of body colliders and of particles or middles of features.
+    near: Vec<(u32, SurfacePoint)>,
+    corners: Corners,
     /// Rows that the last pass has moved; some more than once.
     pressed: Vec<u32>,
     /// The load of each body collider on single particles.
@@ -59,11 +65,12 @@ struct Pressing {
     touching: u32,
 }
 
-/// A particle near a body collider.
+/// A particle, an edge or a triangle near a body collider.
 #[derive(Clone, Copy, Debug)]
 struct LooseContact {
     solid: u32,
-    row: u32,
+    /// The particle; or that point of a feature which is nearest to the body collider in this substep.
+    at: SurfacePoint,
     combined_material: CombinedMaterial,
     reports_events: bool,
     participants: [ContactParticipant; 2],
@@ -79,6 +86,8 @@ struct LooseContact {
     alone: bool,
     /// How neighbours were pushed along, if they were.
     push: Option<Push>,
+    /// A plane between a feature and the body collider, by the last search.
+    plane: SupportPlane,
     /// Position of the particle after the last pass over this contact.
     left: Vec4,
     /// Sum of the impulses in this step, kg·m.
@@ -107,30 +116,34 @@ impl Loose {
 
     /// The rows of those particles, once for each pair.
     pub(super) fn rows(&self) -> impl Iterator<Item = u32> {
-        self.pairs.iter().map(|near| near.row)
+        self.pairs.iter().flat_map(|near| near.at.rows())
     }
 
-    /// Lists the pairs of single particles and body colliders whose bounds overlap in this step.
+    /// Lists the pairs of single particles or features and body colliders whose bounds overlap in this step. Within a step only those body colliders have
+    /// their features found again that have left the bounds they had, which are `outside`; those of others depend on nothing that happens elsewhere.
     pub(super) fn broad_phase(
         &mut self,
         swept: &[SweptBounds],
         groups: &BodyGroups,
         particles: &Particles,
         world: &World,
-        nearby: &Nearby,
+        (nearby, features): (&Nearby, &Features),
+        outside: Option<&[u32]>,
     ) {
         let Self { pairs, near, rows, body_colliders, open, .. } = self;
-        pairs.clear();
         near.clear();
+        if let Some(outside) = outside {
+            let stays = |pair: &&LooseContact| {
+                !pair.at.is_particle() && outside.binary_search(&pair.solid).is_err()
+            };
+            near.extend(pairs.iter().filter(stays).map(|pair| (pair.solid, pair.at.middle())));
+        }
+        pairs.clear();
         rows.clear();
         body_colliders.clear();
         open.clear();
         let filter = world.filter;
-        let g = world.g();
-        let reach = |row: usize| {
-            let speed = particles.velocity[row].truncate().length();
-            particles.radius[row] + (speed + g * world.dt) * world.dt
-        };
+        let reach = |row: usize| reach_of(particles, world, row as u32);
         for row in 0..particles.len() {
             let solid = groups.solid.get(row) == Some(&true);
             let takes_part = nearby.to_shapes().has_particle(row, particles.body[row]);
@@ -141,7 +154,7 @@ impl Loose {
                 }
             }
         }
-        if rows.is_empty() {
+        if rows.is_empty() && features.is_empty() {
             return;
         }
         let sound = swept.iter().enumerate().filter(|(_, swept)| swept.sound);
@@ -168,12 +181,17 @@ impl Loose {
                 let (low, high) = (place - reach, place + reach);
                 let apart = low.cmpgt(one.bounds.1).any() || high.cmplt(one.bounds.0).any();
                 if !apart && filter.rows_may_touch((body, row), (one.body, one.row)) {
-                    near.push((number, row));
+                    near.push((number, SurfacePoint::particle(row)));
                 }
             }
         }
-        near.sort_unstable();
-        pairs.extend(near.iter().map(|&(solid, row)| {
+        if !features.is_empty() {
+            self.find_features(swept, particles, world, (nearby, features), outside);
+        }
+        let Self { pairs, near, .. } = self;
+        near.sort_unstable_by_key(|&(solid, at)| (solid, at.order()));
+        pairs.extend(near.iter().map(|&(solid, at)| {
+            let row = at.first();
             let (body, theirs) = (particles.body[row as usize], swept[solid as usize].body);
             let who = if body == NO_BODY {
                 ContactParticipant::Particle(row)
@@ -183,12 +201,13 @@ impl Loose {
             let (own, other) = (filter.body(body), filter.body(theirs));
             LooseContact {
                 solid,
-                row,
+                at,
                 combined_material: other.material.against(&own.material),
                 reports_events: own.events || other.events,
                 participants: [who, participant(groups, solid as usize, theirs)],
                 force: 0.0,
                 push: None,
+                plane: SupportPlane::default(),
                 left: Vec4::ZERO,
                 normal: Vec3::Y,
                 arm: Vec3::ZERO,
@@ -208,7 +227,51 @@ impl Loose {
 
     /// Rows of particles with an impulse in this substep.
     pub(super) fn pressed_in_substep(&self) -> impl Iterator<Item = u32> {
-        self.pairs.iter().filter(|near| near.force > 0.0).map(|near| near.row)
+        self.pairs.iter().filter(|near| near.force > 0.0).flat_map(|near| near.at.rows())
+    }
+
+    /// Adds the features whose bounds overlap those of a body collider in this step, unless the body collider is blunt there, or flat.
+    fn find_features(
+        &mut self,
+        swept: &[SweptBounds],
+        particles: &Particles,
+        world: &World,
+        (nearby, features): (&Nearby, &Features),
+        outside: Option<&[u32]>,
+    ) {
+        let Self { near, corners, .. } = self;
+        let is_searched = |number: usize| {
+            outside.is_none_or(|outside| outside.binary_search(&(number as u32)).is_ok())
+        };
+        let near_shapes = nearby.to_shapes();
+        let reach = |row: u32| {
+            let most = reach_of(particles, world, row) - particles.radius[row as usize];
+            Reach { most, likely: most }
+        };
+        for body in features.bodies().filter(|&body| near_shapes.has(body)) {
+            let row = features.first_row(body);
+            features.collect(body, particles, reach, corners);
+            for (number, one) in swept.iter().enumerate().filter(|(_, swept)| swept.sound) {
+                let may_touch = world.filter.rows_may_touch((body, row), (one.body, one.row));
+                if !(is_searched(number) && may_touch) {
+                    continue;
+                }
+                let likely = (one.velocity.length() + world.g() * world.dt) * world.dt;
+                let beside = ShapeBeside {
+                    shape: &world.body_colliders[number].shape,
+                    bounds: one.bounds,
+                    frame: one.frame,
+                    origin: one.origin,
+                    reach: Reach { most: likely + one.speculative_margin, likely },
+                };
+                features.find_beside(body, &beside, particles, corners, |feature| {
+                    let mut rows = feature.rows().iter();
+                    if rows.all(|&row| particles.radius[row as usize] > 0.0) {
+                        near.push((number as u32, feature.middle()));
+                    }
+                });
+            }
+        }
     }
 
     /// Solves the contacts one after the other; in later passes of a substep those whose particle has moved since. Of a pinned body collider the recovered
@@ -234,46 +297,74 @@ impl Loose {
         for number in 0..2 * count {
             let again = number >= count;
             let near = &mut pairs[number % count];
-            let (s, i) = (near.solid as usize, near.row as usize);
-            let (q, p) = (particles.position[i], particles.start[i]);
-            if turn == 0 && !again {
+            let s = near.solid as usize;
+            let is_first = turn == 0 && !again;
+            let is_feature = !near.at.is_particle();
+            if is_first {
                 (near.force, near.push) = (0.0, None);
-            } else if near.left == q || again && near.push.is_none() {
+            } else if again && near.push.is_none() || near.left == near.at.path(particles).now {
                 continue;
             }
-            near.left = q;
             let Some(frame) = ShapeFrame::keep(&mut frame, near.solid, particles, groups, bodies)
             else {
                 continue;
             };
             let (at, body) = (frame.at, ScalarBody::of(bodies, frame.at));
-            let Approach { lift, way, from, to } = frame.approach(&body, particles, i);
-            let (w, inverse_mass) = (q.w, bodies[at][SHIFT].w);
-            let radius = particles.radius[i];
             let shape = &world.body_colliders[s].shape;
+            // A feature is located anew until it touches.
+            if is_feature && near.force == 0.0 {
+                let paths = near.at.corner_paths(particles, |path| path);
+                if !near.locate((shape, frame, &body), &paths, &particles.radius) {
+                    near.at = near.at.middle();
+                    near.left = near.at.path(particles).now;
+                    continue;
+                }
+            }
+            let path = near.at.path(particles);
+            near.left = path.now;
+            let Approach { lift, way, from, to } = frame.approach(&body, &path);
+            let radius = near.at.thickness(near.at.radius(&particles.radius, 0), from.distance(to));
+            let (w, inverse_mass) = (path.now.w, bodies[at][SHIFT].w);
+            let row = near.at.first();
             let Some(touch) = shape.touch(from, to, radius) else {
                 let push = near.push.filter(|_| again);
-                let aggregate = push.and_then(|push| cloth.aggregate(particles, near.row, push));
+                let aggregate = push.and_then(|push| cloth.aggregate(particles, row, push));
                 if let Some(aggregate) = aggregate {
                     let gap = shape.nearest(to).distance - radius;
                     near.take_back(particles, &aggregate, (bodies, at), gap);
                 }
                 continue;
             };
-            let recoverable = recovery(h, world.g());
-            let touch = limit_depth(touch, shape, (from, to, radius), recoverable);
-            let Some(touch) = touch else { continue };
+            let touch = limit_depth(touch, shape, (from, to, radius), recovery(h, world.g()));
+            let Some(mut touch) = touch else { continue };
             let n = frame.rotation * touch.normal;
             let n = n + body.turn.cross(n);
+            // An old overlap is recovered by the particle alone, and is no velocity: what is found deep in a body would be flung out.
+            let approach = touch.normal.dot(from - to);
+            let old = touch.depth - approach.max(0.0);
+            if w > 0.0 && old > 0.0 {
+                touch.depth -= old;
+                near.at.shift(&mut Places::all(particles), n * old);
+                near.left = near.at.path(particles).now;
+                if touch.depth <= 0.0 {
+                    continue;
+                }
+            }
+            let path = near.at.path(particles);
+            let (q, p) = (path.now, path.start);
             // Moments are about where the substep began, which is what Verlet keeps.
-            let lever = p.truncate() + lift - body.centre;
-            let body_approach = (q - p).truncate().dot(n) - way.dot(n);
+            let lever = p + lift - body.centre;
+            let gone = q.truncate() - p;
+            let body_approach = gone.dot(n) - way.dot(n);
             let distance = touch.depth.min(BODY_APPROACH * body_approach);
             let push = presses[s].push((inverse_mass, w), (n, distance));
-            // An old overlap is recovered by the particle alone, at a bounded speed: overlapping aggregates would each recover it again.
-            let approach = touch.normal.dot(from - to);
-            let push = push.filter(|_| 2.0 * approach > touch.depth);
-            let aggregate = push.and_then(|push| cloth.aggregate(particles, near.row, push));
+            let push = push.filter(|_| near.at.is_particle());
+            let aggregate = push.and_then(|push| cloth.aggregate(particles, row, push));
+            // All of it is stopped, and no more: what hangs still beside a particle that is pulled onto a body would be flung away. The next pass moves the
+            // particle by what is left, alone.
+            let approaches = aggregate
+                .map_or(f32::INFINITY, |all| body_approach - all.displacement(particles, row, n));
+            let aggregate = aggregate.filter(|_| approaches > 0.0);
             let weight = |along: Vec3| {
                 let moment = lever.cross(along);
                 let own = aggregate.map_or(w, |all| all.compliance(along));
@@ -285,7 +376,8 @@ impl Loose {
             if !(stiff > least && stiff.is_finite() && touch.depth.is_finite()) {
                 continue;
             }
-            let mut depth = touch.depth;
+            let mut depth =
+                if aggregate.is_some() { touch.depth.min(approaches) } else { touch.depth };
             if pin_reach > 0.0 {
                 let left = (depth + way.dot(n)).max(0.0);
                 let swung = body.spun(lever.cross(n)).length() * pin_reach;
@@ -310,33 +402,34 @@ impl Loose {
             }
             if let Some(aggregate) = aggregate {
                 near.push = push;
-                aggregate.apply_impulse(particles, near.row, impulse);
+                aggregate.apply_impulse(particles, row, impulse);
                 pressed.extend(aggregate.members.iter().map(|&(row, _)| row));
             } else {
-                particles.position[i] += (impulse * w).extend(0.0);
-                pressed.push(near.row);
+                near.at.apply_impulse(&mut Places::all(particles), impulse);
+                pressed.extend(near.at.rows().filter(|_| near.at.is_particle()));
             }
             bodies[at][SHIFT] -= (impulse * inverse_mass).extend(0.0);
             bodies[at][TURN] -= body.spun(lever.cross(impulse)).extend(0.0);
             if near.force == 0.0 {
                 // Until velocities are derived, the column holds those that led into the prediction. What is pinned is moved without them.
-                let own = if w > 0.0 { particles.velocity(i) } else { (q - p).truncate() / h };
+                let velocity = near.at.velocity(particles);
+                let own = if w > 0.0 { velocity } else { gone / h };
                 near.approach = n.dot(own - body.predicted_velocity_at(lever, h));
-                let gone = (q - p).truncate();
-                let off = (gone - particles.velocity(i) * h).length_squared();
+                let off = (gone - velocity * h).length_squared();
                 near.alone = aggregate.is_none()
+                    && near.at.is_particle()
                     && w > 0.0
                     && off <= OFF_PATH * OFF_PATH * gone.length_squared()
                     && touch.depth <= (1.0 + OFF_PATH) * approach;
             } else {
                 near.alone = false;
             }
-            near.left = particles.position[i];
+            near.left = near.at.path(particles).now;
             near.force += force;
             near.normal = n;
             near.arm = lever;
             near.total += force;
-            near.point = particles.position(i) - n * radius;
+            near.point = path.origin + near.left.truncate() - n * radius;
         }
     }
 
@@ -357,14 +450,16 @@ impl Loose {
             let Some(frame) = ShapeFrame::of(solid, particles, groups, bodies) else { continue };
             let (body, shift) = (ScalarBody::of(bodies, frame.at), bodies[frame.at][SHIFT]);
             let shape = &world.body_colliders[solid as usize].shape;
-            let touches = |i: usize| {
-                let Approach { from, to, .. } = frame.approach(&body, particles, i);
-                shape.touch(from, to, particles.radius[i]).is_some()
+            let touches = |at: &SurfacePoint| {
+                let Approach { from, to, .. } = frame.approach(&body, &at.path(particles));
+                shape.touch(from, to, particles.radius[at.first() as usize]).is_some()
             };
-            let rows = own.iter().map(|near| near.row as usize);
+            let single = own.iter().map(|near| near.at).filter(SurfacePoint::is_particle);
             let moves = shift.w > 0.0;
-            let lighter = rows.filter(|&i| moves && AGGREGATED * particles.position[i].w > shift.w);
-            let touching = lighter.filter(|&i| touches(i)).count() as u32;
+            let lighter = single.filter(|at| {
+                moves && AGGREGATED * particles.position[at.first() as usize].w > shift.w
+            });
+            let touching = lighter.filter(|at| touches(at)).count() as u32;
             let fall = world.gravity * (h * h) + shift.truncate();
             presses[solid as usize] = Pressing { fall, touching };
         }
@@ -385,6 +480,12 @@ impl Loose {
     }
 }
 
+/// How far from its position a particle may touch something in this step, metres.
+fn reach_of(particles: &Particles, world: &World, row: u32) -> f32 {
+    let speed = particles.velocity[row as usize].truncate().length();
+    particles.radius[row as usize] + (speed + world.g() * world.dt) * world.dt
+}
+
 /// Frame of a body collider in a substep, for contacts with particles.
 struct ShapeFrame {
     solid: u32,
@@ -399,6 +500,7 @@ struct ShapeFrame {
 }
 
 /// Relative motion of a particle and a body collider in a substep.
+#[derive(Clone, Copy)]
 struct Approach {
     /// From the origin of the body collider to that of the particle, metres.
     lift: Vec3,
@@ -451,13 +553,40 @@ impl ShapeFrame {
         last.as_ref()
     }
 
-    /// Relative motion of a particle and the body collider.
+    /// Whether a feature whose corners move along these paths stays in front of a plane that the shape is behind, by its thickness after a displacement. A
+    /// bound: it may be so even if this does not show it.
+    fn is_apart(
+        &self,
+        body: &ScalarBody,
+        plane: &SupportPlane,
+        paths: &[SurfacePath; 3],
+        thickness: impl Fn(f32) -> f32,
+    ) -> bool {
+        let (normal, offset) = plane.parts();
+        // As in `approach`, with the turn by contacts on the side of the plane.
+        let along = self.rotation * normal;
+        let along = along + body.turn.cross(along);
+        let offset = offset - normal.dot(self.centre);
+        let (drift, spin) = ((body.step + body.shift).length(), body.spin.length());
+        let turn = spin + 0.5 * spin * spin + body.turn.length();
+        let centre = body.centre + body.step + body.shift;
+        paths.iter().all(|path| {
+            let q = path.now.truncate();
+            let arm = q + (path.origin - self.origin) - centre;
+            let moved = (q - path.start).length() + drift + turn * arm.length();
+            let distance = along.dot(arm) - offset;
+            let rounding = 1e-5 * (arm.length() + offset.abs());
+            distance > thickness(moved) + moved + rounding
+        })
+    }
+
+    /// Relative motion of a particle, or of a point of a feature, and the body collider.
     #[inline]
-    fn approach(&self, body: &ScalarBody, particles: &Particles, i: usize) -> Approach {
-        let (q, p) = (particles.position[i], particles.start[i]);
-        let lift = particles.origin[i] - self.origin;
-        let arm = q.truncate() + lift - (body.centre + body.step + body.shift);
-        let way = (q - p).truncate() - body.moved(arm);
+    fn approach(&self, body: &ScalarBody, path: &SurfacePath) -> Approach {
+        let (q, p) = (path.now.truncate(), path.start);
+        let lift = path.origin - self.origin;
+        let arm = q + lift - (body.centre + body.step + body.shift);
+        let way = (q - p) - body.moved(arm);
         // In the frame of the body collider, with its turn by contacts to first order.
         let r = &self.rotation;
         let local = |v: Vec3| {
@@ -487,12 +616,30 @@ impl LooseContact {
         if !(force > 0.0 && force.is_finite()) {
             return;
         }
-        aggregate.apply_impulse(particles, self.row, n * -force);
+        aggregate.apply_impulse(particles, self.at.first(), n * -force);
         bodies[at][SHIFT] += (n * (force * inverse_mass)).extend(0.0);
         bodies[at][TURN] += (turn * force).extend(0.0);
         self.force -= force;
         self.total -= force;
-        self.left = particles.position[self.row as usize];
+        self.left = self.at.path(particles).now;
+    }
+
+    /// Moves the point of a feature to where that is nearest to the shape, by the paths of its corners past it. Returns whether the two may touch.
+    fn locate(
+        &mut self,
+        (shape, frame, body): (&Shape, &ShapeFrame, &ScalarBody),
+        paths: &[SurfacePath; 3],
+        radius: &[f32],
+    ) -> bool {
+        self.at = self.at.middle();
+        let radius = self.at.radius(radius, 0);
+        if frame.is_apart(body, &self.plane, paths, |moved| self.at.thickness(radius, moved)) {
+            return false;
+        }
+        let corners = paths.each_ref().map(|path| frame.approach(body, path));
+        let corners =
+            [corners.each_ref().map(|one| one.from), corners.each_ref().map(|one| one.to)];
+        self.at.approach((shape, &mut self.plane), corners, radius)
     }
 
     /// The impulse of an impact with its friction, N·s, on a particle that moves past a body collider with the velocity `past`, m/s, and what it adds to that
@@ -541,40 +688,41 @@ impl BodyContactSolver {
             if round.is_first() {
                 near.impulse = near.force / round.h;
             }
-            let (solid, i) = (near.solid as usize, near.row as usize);
+            let solid = near.solid as usize;
             let at = self.groups.place(solid);
-            let ends = [near.row, round.body(at as u32)];
             let restitution = near.combined_material.restitution;
-            let is_reached = round.reaches(ends);
+            let is_reached = round.reaches(near.at.rows().chain([round.body(at as u32)]));
             if !(is_reached || round.is_first() && restitution > 0.0) {
                 continue;
             }
             let rows = &self.groups.rows[self.groups.parts[solid].entries.clone()];
-            let rows = rows.iter().chain([&near.row]).copied();
+            let rows = rows.iter().copied().chain(near.at.rows());
             let least = threshold(round.gravity.greatest(rows), round.h);
             if !(is_reached || is_elastic(restitution, near.approach.abs(), least).any()) {
                 continue;
             }
             self.enter(particles, core::iter::once(at as u32));
-            if near.alone && near.left == particles.position[i] && near.approach < -least {
-                self.impacts.go_on(near.row);
+            let row = near.at.first();
+            let stayed = || near.left == particles.position[row as usize];
+            if near.alone && stayed() && near.approach < -least {
+                self.impacts.go_on(row);
             } else {
                 self.impacts.stay(at as u32);
             }
             let (body, elasticity) =
                 (ScalarBody::of(&self.bodies, at), (restitution, near.approach, least));
-            let past = particles.velocity(i) - body.velocity_at(near.arm);
-            let weights = (particles.position[i].w, self.bodies[at][SHIFT].w);
+            let past = near.at.velocity(particles) - body.velocity_at(near.arm);
+            let weights = (near.at.path(particles).now.w, self.bodies[at][SHIFT].w);
             let least = body.least(self.bodies[at][CENTRE].w);
             let impact = near.impact(weights, &body, past, elasticity, least);
             let Some((impulse, gained)) = impact else { continue };
             near.total += impulse.dot(near.normal) * round.h;
-            particles.velocity[i] += (impulse * weights.0).extend(0.0);
+            near.at.apply_impact(particles, impulse);
             self.bodies[at][SHIFT] -= (impulse * weights.1).extend(0.0);
             self.bodies[at][TURN] -= body.spun(near.arm.cross(impulse)).extend(0.0);
             if spreads(elasticity, gained, !is_reached).any() {
                 if weights.0 > 0.0 {
-                    round.mark_inexact(near.row);
+                    near.at.rows().for_each(|row| round.mark_inexact(row));
                 }
                 self.mark_body(at as u32, round);
             }

@@ -60,6 +60,7 @@ mod wide_contact;
 use glam::Vec3;
 
 use super::body_collider::BodyCollider;
+use super::features::Features;
 use super::impact::{ContactParticipant, Impacts};
 use super::manifold::ClusterSearch;
 use super::nearby::Nearby;
@@ -200,7 +201,7 @@ impl BodyContactSolver {
     pub(crate) fn project(
         &mut self,
         particles: &mut Particles,
-        (world, nearby): (&World, &Nearby),
+        (world, nearby, features): (&World, &Nearby, &Features),
         (h, substep): (f32, u32),
         (cloth, particle_contacts, normal_impulses): (
             &mut impl PressedCloth,
@@ -218,7 +219,7 @@ impl BodyContactSolver {
         let (from, to) = (share(substep), share(substep + 1));
         self.extract_poses(particles, to * world.dt);
         if !self.outside_bounds.is_empty() {
-            self.find_missed_pairs(particles, world, nearby, from);
+            self.find_missed_pairs(particles, world, (nearby, features), from);
         }
         if self.wide_contacts.is_empty() && self.loose.is_empty() {
             return;

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::super::features::Features;
 use super::super::nearby;
 use super::super::world::World;
 use super::surface::SurfaceForm;
@@ -23,6 +24,7 @@ impl ParticleContacts {
         &mut self,
         particles: &Particles,
         world: &World,
+        features: &Features,
         normal_impulses: &mut Vec<NormalImpulse>,
     ) {
         self.first.clear();
@@ -32,6 +34,7 @@ impl ParticleContacts {
         normal_impulses.clear();
         self.reaches.clear();
         self.batches.clear();
+        self.features.clear();
         self.inside.clear();
         self.ignored.clear();
         self.set_recovery(world.dt / world.substeps.max(1) as f32, world.g());
@@ -42,6 +45,9 @@ impl ParticleContacts {
         if !self.surfaces.is_empty() {
             self.find_ignored(particles, world);
             self.find_candidates(particles, world);
+            if !features.is_empty() {
+                self.find_features(particles, world, features);
+            }
             normal_impulses.resize(self.candidates.len(), NormalImpulse::default());
         }
         self.find_reaches(particles, world.islands);
@@ -59,25 +65,29 @@ impl ParticleContacts {
         }
     }
 
+    /// A box about all poses of a surface in the step, between two of which the motion is nearly straight; infinite for planes and rooms.
+    pub(super) fn bounds_of_surface(&self, number: usize) -> (Vec3, Vec3) {
+        let surface = &self.surfaces[number];
+        let SurfaceForm::Shape(shape) = &surface.form else {
+            return (Vec3::NEG_INFINITY, Vec3::INFINITY);
+        };
+        let steps = self.frames.len() / self.surfaces.len();
+        let instants = if surface.moves { steps } else { 1 };
+        let frames = self.frames.iter().skip(number).step_by(self.surfaces.len()).take(instants);
+        frames
+            .map(|frame| shape.bounds_in(frame))
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (least, most)| {
+                (low.min(least), high.max(most))
+            })
+    }
+
     /// Finds the surfaces that each row may touch.
     fn find_candidates(&mut self, particles: &Particles, world: &World) {
         let islands = world.islands;
         let classes = self.classes.all().len();
         self.sort.found.clear();
-        let steps = self.frames.len() / self.surfaces.len();
-        for (number, surface) in self.surfaces.iter().enumerate() {
-            let (mut low, mut high) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
-            if let SurfaceForm::Shape(shape) = &surface.form {
-                // A box about all poses in the step; between two of them the motion is nearly straight.
-                (low, high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-                let instants = if surface.moves { steps } else { 1 };
-                for frame in
-                    self.frames.iter().skip(number).step_by(self.surfaces.len()).take(instants)
-                {
-                    let (least, most) = shape.bounds_in(frame);
-                    (low, high) = (low.min(least), high.max(most));
-                }
-            }
+        for number in 0..self.surfaces.len() {
+            let (low, high) = self.bounds_of_surface(number);
             for (island, &(least, most)) in islands.list.iter().zip(&self.sort.islands) {
                 if least.cmpgt(high).any() || most.cmplt(low).any() {
                     continue;

@@ -10,6 +10,7 @@
 
 mod batches;
 mod broad_phase;
+mod features;
 mod inside;
 mod late;
 mod normal_impulse;
@@ -21,6 +22,7 @@ use glam::{Vec3, Vec4};
 
 use super::body_classes::BodyClasses;
 use super::bounds::{Bounds, ClassBounds};
+use super::features::Features;
 use super::filter::ContactFilter;
 use super::frame::Frame;
 use super::friction::friction;
@@ -36,6 +38,7 @@ use crate::particles::{Particles, Places};
 pub(crate) use normal_impulse::{NormalImpulse, NormalImpulses};
 
 use batches::CandidateBatches;
+use features::FeatureCandidates;
 use inside::InsideRow;
 use late::LateContacts;
 use surface::{ContactSurface, SurfaceForm};
@@ -76,6 +79,7 @@ pub(crate) struct ParticleContacts {
     /// Whether each row may touch a plane or a box that is a plain bound; true for all rows of a 2D world.
     bounded: Vec<bool>,
     batches: CandidateBatches,
+    features: FeatureCandidates,
     /// Maximum depenetration in a substep, and the overlap at the start of a step above which what is recovered must not become velocity, metres.
     recover: f32,
     max_depenetration: f32,
@@ -122,11 +126,11 @@ impl SurfaceCandidate {
 impl ParticleContacts {
     /// Begins a step: takes the valid surfaces and finds the candidates of each row, except rows that do not collide as particles: those of body colliders, marked
     /// in `solid`, and those of bodies whose contacts are disabled.
-    pub(crate) fn begin(
+    pub(super) fn begin(
         &mut self,
         particles: &Particles,
         world: &World,
-        solid: &[bool],
+        (solid, features): (&[bool], &Features),
         normal_impulses: &mut Vec<NormalImpulse>,
     ) {
         self.classes.update(world.filter, particles);
@@ -147,7 +151,7 @@ impl ParticleContacts {
         }
         self.mark_excluded(particles, world.filter, solid);
         self.gravity.clone_from(world.row_gravity);
-        self.broad_phase(particles, world, normal_impulses);
+        self.broad_phase(particles, world, features, normal_impulses);
     }
 
     /// Marks the rows that do not collide as particles.
@@ -186,8 +190,15 @@ impl ParticleContacts {
         self.bounds.has_plane_constraint()
     }
 
-    /// What these rows may touch as particles, if the batch solve supports it; `None` otherwise. Rows of body colliders touch nothing.
-    pub(crate) fn of_batch(&self, rows: core::ops::Range<u32>) -> Option<BatchContacts<'_>> {
+    /// What these rows and islands may touch as particles, if the batch solve supports it; `None` otherwise. Rows of body colliders touch nothing.
+    pub(crate) fn of_batch(
+        &self,
+        rows: core::ops::Range<u32>,
+        mut islands: core::ops::Range<usize>,
+    ) -> Option<BatchContacts<'_>> {
+        if islands.any(|island| self.features.has(island)) {
+            return None;
+        }
         // Rows beyond the end of the list belong to no body collider.
         let listed = &self.excluded[(rows.start as usize).min(self.excluded.len())..];
         let listed = &listed[..rows.len().min(listed.len())];
@@ -470,10 +481,17 @@ impl ParticleContact {
     #[inline]
     fn resolve(&self, places: &mut Places, row: u32, coefficient: f32) {
         let i = places.at(row);
+        let moved = (places.position[i] - places.start[i]).truncate();
+        places.displace(row, self.displacement(moved, coefficient));
+    }
+
+    /// The displacement out of the contact, with friction, of what has `moved` since the substep began, metres.
+    #[inline(always)]
+    fn displacement(&self, moved: Vec3, coefficient: f32) -> Vec3 {
         let out = self.normal * self.depth;
-        let moved = (places.position[i] - places.start[i]).truncate() + out - self.carried;
+        let moved = moved + out - self.carried;
         let slid = moved - self.normal * moved.dot(self.normal);
-        places.displace(row, out + friction(slid, self.depth, coefficient));
+        out + friction(slid, self.depth, coefficient)
     }
 }
 

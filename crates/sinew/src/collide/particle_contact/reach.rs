@@ -18,6 +18,24 @@ impl ParticleContacts {
         (number, rows): (usize, &[u32]),
         (interval, instructions): (InstantInterval, InstructionSet),
     ) -> f32 {
+        let worst = self.project_island_rows(
+            places,
+            normal_impulses,
+            (number, rows),
+            (interval, instructions),
+        );
+        worst.max(self.project_features(places, number, interval))
+    }
+
+    /// The same for the rows alone, without what is between them.
+    #[inline]
+    fn project_island_rows(
+        &self,
+        places: &mut Places,
+        normal_impulses: &mut NormalImpulses,
+        (number, rows): (usize, &[u32]),
+        (interval, instructions): (InstantInterval, InstructionSet),
+    ) -> f32 {
         let (near, exceeded) = self.in_reach(places, number, rows, instructions);
         let common = self.common_bounds();
         if exceeded || !self.has_batches(number) {

@@ -44,8 +44,8 @@
 //! Nothing passes through a triangle, and no edge through an edge, however fast it is and however coarse the mesh: each is at the end of a substep on the side
 //! where it began. This is the last stage that changes positions in a substep, and the next one begins with its result. There is no global notion of inside,
 //! though: a particle that the game places in or through a surface, or that is built there, stays there. And the guarantee does not hold for pinned particles
-//! that are moved through each other; for particles of an explicit rigid body ([`Compound`](crate::Compound)), which are restored to its shape afterwards; nor
-//! for body colliders, which collide with the particles of a surface and not with its triangles, as static colliders do.
+//! that are moved through each other, nor for particles of an explicit rigid body ([`Compound`](crate::Compound)), which are restored to its shape afterwards.
+//! Colliders and body colliders meet triangles elsewhere ([`features`](super::features)).
 //!
 //! The thickness is weaker than that: under pressure it may shrink for a while, but never to nothing.
 

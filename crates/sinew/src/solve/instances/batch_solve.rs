@@ -123,7 +123,7 @@ impl<'a> BatchSolve<'a> {
             return None;
         }
         let settings = &islands[0].settings;
-        let contacts = self.context.contacts.of_batch(batch.rows())?;
+        let contacts = self.context.contacts.of_batch(batch.rows(), batch.islands.clone())?;
         let ready = settings.order == Order::GaussSeidel
             && !settings.timed
             && islands.iter().all(|island| island.settings == *settings)

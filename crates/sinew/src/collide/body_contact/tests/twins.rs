@@ -36,7 +36,12 @@ fn substeps(
         row_gravity: &gravity,
         at_rest: false,
     };
-    body_colliders.broad_phase(particles, &seen, &nearby, &mut Default::default());
+    body_colliders.broad_phase(
+        particles,
+        &seen,
+        (&nearby, &Default::default()),
+        &mut Default::default(),
+    );
     for number in 0..count {
         for i in 0..particles.len() {
             particles.start[i] = particles.position[i];
@@ -45,7 +50,8 @@ fn substeps(
             particles.position[i] += (v * h).extend(0.0);
         }
         let no_cloth = (&mut (), &ParticleContacts::default(), &mut [][..]);
-        body_colliders.project(particles, (&seen, &nearby), (h, number), no_cloth);
+        let near = (&seen, &nearby, &Default::default());
+        body_colliders.project(particles, near, (h, number), no_cloth);
         for i in 0..particles.len() {
             let v = (particles.position[i] - particles.start[i]).truncate() / h;
             particles.velocity[i] = v.extend(h);
