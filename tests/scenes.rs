@@ -417,13 +417,14 @@ fn nothing_leaves_flatland_and_squares_turn_in_its_plane_alone() {
 }
 
 #[test]
-fn the_sheet_that_collides_by_triangles_keeps_all_marbles_and_the_other_loses_many() {
+fn the_sheet_that_collides_by_triangles_keeps_all_toys_and_the_other_loses_many() {
     let mut app = playing("net");
     tick(&mut app, 240);
-    let below = ["left marble", "right marble"].map(|name| {
-        let marbles = named(&mut app, name);
-        assert_eq!(marbles.len(), 36);
-        marbles.iter().filter(|&&marble| position(&app, marble).y < 0.3).count()
+    let below = ["left toy", "right toy"].map(|name| {
+        let toys = named(&mut app, name);
+        assert_eq!(toys.len(), 36);
+        let height = |&toy: &Entity| app.world().get::<Transform>(toy).unwrap().translation.y;
+        toys.iter().filter(|&toy| height(toy) < 0.3).count()
     });
     assert_eq!(below[1], 0, "through triangles");
     assert!(below[0] > 24, "through the gaps: {}", below[0]);
