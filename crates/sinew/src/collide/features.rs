@@ -439,6 +439,13 @@ impl SurfacePoint {
         self.rows[0]
     }
 
+    /// The row with the greatest weight.
+    pub(super) fn main_row(&self) -> u32 {
+        let [a, b, c] = self.weights;
+        let greatest = if a >= b && a >= c { 0 } else { 1 + usize::from(c > b) };
+        self.rows[greatest]
+    }
+
     /// Its corners in a column of positions that begins with the row `begin`, from the origin of the first of them, metres.
     pub(super) fn corners(&self, column: &[Vec4], origin: &[Vec3], begin: u32) -> [Vec3; 3] {
         let at = |row: u32| row.wrapping_sub(begin) as usize;
