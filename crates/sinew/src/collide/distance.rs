@@ -58,7 +58,7 @@ pub(super) fn has_size(square: f64, u: DVec3, v: DVec3) -> bool {
 
 /// Place of a segment's point nearest to `p` along it, 0 to 1.
 #[inline]
-fn to_segment(p: DVec3, [a, b]: [DVec3; 2]) -> f64 {
+pub(super) fn to_segment(p: DVec3, [a, b]: [DVec3; 2]) -> f64 {
     let along = b - a;
     let square = along.length_squared();
     if square > 0.0 { ((p - a).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 }

@@ -23,6 +23,7 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
+use super::distance::{to_segment, to_triangle};
 use super::filter::ContactFilter;
 use super::frame::Frame;
 use super::shape::{Kind, Nearest, Shape};
@@ -365,9 +366,9 @@ pub(super) struct SurfacePoint {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SupportPlane {
     /// Unit vector out of the shape, or zero if no plane has been found yet.
-    normal: Vec3,
+    pub(super) normal: Vec3,
     /// Its distance from the origin of that frame, metres.
-    offset: f32,
+    pub(super) offset: f32,
 }
 
 impl Default for SupportPlane {
@@ -377,11 +378,6 @@ impl Default for SupportPlane {
 }
 
 impl SupportPlane {
-    /// The direction out of the shape and the distance from the origin of its frame, metres.
-    pub(super) fn parts(&self) -> (Vec3, f32) {
-        (self.normal, self.offset)
-    }
-
     /// Whether all of these points are farther than `distance` metres in front of it, by more than rounding.
     #[inline]
     fn is_behind(&self, points: [Vec3; 3], distance: f32) -> bool {
@@ -487,14 +483,10 @@ impl SurfacePoint {
         }
     }
 
-    /// Something of the motion of each corner in this substep.
+    /// The motion of each corner in this substep.
     #[inline]
-    pub(super) fn corner_paths<T: Copy>(
-        &self,
-        particles: &Particles,
-        of: impl Fn(SurfacePath) -> T,
-    ) -> [T; 3] {
-        let of = |row: u32| of(Self::particle(row).path(particles));
+    pub(super) fn corner_paths(&self, particles: &Particles) -> [SurfacePath; 3] {
+        let of = |row: u32| Self::particle(row).path(particles);
         let [a, b, c] = self.rows;
         let (first, second) = (of(a), of(b));
         [first, second, if b == c { second } else { of(c) }]
@@ -635,7 +627,9 @@ impl SurfacePoint {
             } else {
                 low = t;
             }
-            let projected = project(now.toward(thickness), corners, true)[1].clamp(low, high);
+            let ends = [corners[0], corners[1]].map(Vec3::as_dvec3);
+            let projected = to_segment(now.toward(thickness).as_dvec3(), ends) as f32;
+            let projected = projected.clamp(low, high);
             t = if round <= 2 { projected } else { 0.5 * (low + high) };
             now = Self::measure(shape, corners[0] + along * t);
             if now.distance < best.1.distance {
@@ -656,7 +650,8 @@ impl SurfacePoint {
     ) -> Measured {
         let mut now = first;
         for round in 1..=PROJECTIONS {
-            let weights = project(now.toward(thickness), corners, false);
+            let toward = now.toward(thickness).as_dvec3();
+            let weights = to_triangle(toward, corners.map(Vec3::as_dvec3)).map(|one| one as f32);
             let moved = (0..3).map(|k| (weights[k] - self.weights[k]).abs()).fold(0.0, f32::max);
             self.weights = weights;
             if moved < ON_SIDE || round == PROJECTIONS {
@@ -698,39 +693,4 @@ impl Measured {
     fn toward(&self, thickness: f32) -> Vec3 {
         if self.distance > 0.0 { self.point } else { self.at - self.normal * thickness }
     }
-}
-
-/// The weights of the corners at the point of a feature that is nearest to a point. As [`to_triangle`](super::distance::to_triangle), in single precision: it
-/// is one step of several, and the last word is that of the shape.
-fn project(point: Vec3, [a, b, c]: [Vec3; 3], is_edge: bool) -> [f32; 3] {
-    let along = |from: Vec3, to: Vec3| {
-        let (side, square) = (to - from, from.distance_squared(to));
-        if square > 0.0 { ((point - from).dot(side) / square).clamp(0.0, 1.0) } else { 0.0 }
-    };
-    if is_edge {
-        let t = along(a, b);
-        return [1.0 - t, t, 0.0];
-    }
-    let (u, v, d) = (b - a, c - a, point - a);
-    let n = u.cross(v);
-    let square = n.length_squared();
-    let [of_b, of_c] = [d.cross(v).dot(n), u.cross(d).dot(n)].map(|weight| weight / square);
-    let foot = [1.0 - of_b - of_c, of_b, of_c];
-    // A triangle without area is treated as its sides.
-    let is_beyond = |weight: f32| !(weight >= 0.0 && square > 0.0);
-    if !foot.into_iter().any(is_beyond) {
-        return foot;
-    }
-    let (mut least, mut nearest) = (f32::INFINITY, [1.0, 0.0, 0.0]);
-    for (from, to, other, p, q) in [(0, 1, 2, a, b), (1, 2, 0, b, c), (2, 0, 1, c, a)] {
-        if is_beyond(foot[other]) {
-            let t = along(p, q);
-            let distance = (point - p - (q - p) * t).length_squared();
-            if distance < least {
-                least = distance;
-                (nearest[from], nearest[to], nearest[other]) = (1.0 - t, t, 0.0);
-            }
-        }
-    }
-    nearest
 }

@@ -11,7 +11,7 @@ use super::super::impact::ContactParticipant;
 use super::super::material::CombinedMaterial;
 use super::super::nearby::Nearby;
 use super::super::pressed::{Aggregate, PressedCloth, Push};
-use super::super::recovery::{limit_depth, recovery};
+use super::super::recovery::{limit_depth, recovery, split_depth};
 use super::super::restitution::{ImpactRound, elastic_gain, is_elastic, spreads, threshold};
 use super::super::shape::Shape;
 use super::super::world::World;
@@ -320,7 +320,7 @@ impl Loose {
             let shape = &world.body_colliders[s].shape;
             // A feature is located anew until it touches.
             if is_feature && near.force == 0.0 {
-                let paths = near.at.corner_paths(particles, |path| path);
+                let paths = near.at.corner_paths(particles);
                 if !near.locate((shape, frame, &body), &paths, &particles.radius) {
                     near.at = near.at.middle();
                     near.left = near.at.path(particles).now;
@@ -346,11 +346,11 @@ impl Loose {
             let Some(mut touch) = touch else { continue };
             let n = frame.rotation * touch.normal;
             let n = n + body.turn.cross(n);
-            // What is recovered of an old overlap with a feature is no velocity: what is found late, deep in a body, would be flung out.
+            // What is recovered of an old overlap with a feature is no velocity.
             let approach = touch.normal.dot(from - to);
-            let old = touch.depth - approach.max(0.0);
+            let (new, old) = split_depth(touch.depth, approach);
             if is_feature && w > 0.0 && old > 0.0 {
-                touch.depth -= old;
+                touch.depth = new;
                 near.at.shift(&mut Places::all(particles), n * old);
                 near.left = near.at.path(particles).now;
                 if touch.depth <= 0.0 {
@@ -373,7 +373,7 @@ impl Loose {
                 Some(all) if limited => body_approach - all.displacement(particles, row, n),
                 _ => f32::INFINITY,
             };
-            let aggregate = aggregate.filter(|_| approaches > 0.0);
+            let aggregate = aggregate.filter(|_| !(limited && again) && approaches > 0.0);
             // Moments are about where the substep began, which is what Verlet keeps; those of cloth that moves along about its middle.
             let about = match aggregate {
                 Some(_) => {
@@ -582,7 +582,7 @@ impl ShapeFrame {
         paths: &[SurfacePath; 3],
         thickness: impl Fn(f32) -> f32,
     ) -> bool {
-        let (normal, offset) = plane.parts();
+        let SupportPlane { normal, offset } = *plane;
         // As in `approach`, with the turn by contacts on the side of the plane.
         let along = self.rotation * normal;
         let along = along + body.turn.cross(along);

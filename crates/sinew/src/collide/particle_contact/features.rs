@@ -12,7 +12,7 @@ use super::super::features::{
 };
 use super::super::frame::Frame;
 use super::super::nearby;
-use super::super::recovery::limit_depth;
+use super::super::recovery::{limit_depth, split_depth};
 use super::super::shape::Shape;
 use super::super::world::World;
 use super::surface::{ContactSurface, SurfaceForm};
@@ -215,10 +215,10 @@ impl ParticleContact {
             |column, places: &Places| point.of(point.corners(column, places.origin, places.first));
         let moved = place(places.position, places) - place(places.start, places);
         let depth = self.depth;
-        let old = depth - (self.carried - moved).dot(self.normal).max(0.0);
+        let (new, old) = split_depth(depth, (self.carried - moved).dot(self.normal));
         if old > 0.0 {
             point.shift(places, self.normal * old);
-            self.depth -= old;
+            self.depth = new;
         }
         if self.depth > 0.0 {
             point.apply_impulse(places, self.displacement(moved, coefficient) / w);
