@@ -358,7 +358,10 @@ impl ParticleContacts {
     }
 
     /// Records a contact of a candidate and resolves it; returns the depth, metres.
-    #[inline]
+    ///
+    /// Always inlined, as what it calls: the loops over candidates are compiled for the kernel's instructions, and a call out of them is compiled without. A
+    /// sheet of 64 × 64 on a wide box took 1.2 times as long.
+    #[inline(always)]
     fn take_contact(
         &self,
         places: &mut Places,
@@ -371,7 +374,7 @@ impl ParticleContacts {
     }
 
     /// Records a contact and resolves it; returns the depth, metres.
-    #[inline]
+    #[inline(always)]
     fn resolve(
         &self,
         places: &mut Places,
