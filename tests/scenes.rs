@@ -432,6 +432,23 @@ fn the_sheet_that_collides_by_triangles_keeps_all_toys_and_the_other_loses_many(
 }
 
 #[test]
+fn the_blanket_that_collides_by_triangles_hangs_over_the_fence_and_the_other_lies_on_the_ground() {
+    let mut app = playing("fence");
+    tick(&mut app, 240);
+    let heights = ["left blanket", "right blanket"].map(|name| {
+        let body = named(&mut app, name)[0];
+        let particles = particles_of(&app, body);
+        let sum: f32 = particles.iter().map(|&p| position(&app, p).y).sum();
+        sum / particles.len() as f32
+    });
+    assert!(heights[0] < 0.1, "the left one: {} m", heights[0]);
+    assert!(heights[1] > 0.4, "the right one: {} m", heights[1]);
+    let stage = app.world().resource::<OnStage>();
+    assert_eq!(stage.reading, Some([0.0; 2]), "threads that go through it");
+    assert_finite(&mut app);
+}
+
+#[test]
 fn stacks_on_slopes_creep_less_than_a_tenth_of_a_millimetre_or_slide() {
     let mut app = playing("slopes");
     tick(&mut app, 150);

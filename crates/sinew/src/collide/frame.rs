@@ -72,6 +72,12 @@ impl Frame {
         Self { translation: self.point(inner.translation), rotation }
     }
 
+    /// The world frame of a part of this object, which may have a frame of its own in it.
+    #[inline(always)]
+    pub(crate) fn of_part(&self, part: Option<&Self>) -> Self {
+        part.map_or(*self, |part| self.of(part))
+    }
+
     /// This frame in the coordinates of another: `other ∘ result = self`.
     #[inline(always)]
     pub fn from_within(&self, other: &Self) -> Self {

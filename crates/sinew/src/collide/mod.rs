@@ -9,6 +9,7 @@
 //! | `body_collider` | particles that collide as one, by a shape |
 //! | `distance` | distances between points, segments and triangles |
 //! | `features` | edges and triangles of bodies that collide by their surface, against shapes |
+//! | `surface_point` | the point of such an edge or triangle that meets a shape |
 //! | `filter` | which pairs may touch: layers, joints, settings of bodies |
 //! | `nearby` | broad phase over whole bodies |
 //! | `body_classes` | bodies that static geometry treats alike |
@@ -49,6 +50,7 @@ mod recovery;
 mod restitution;
 mod shape;
 mod stage;
+mod surface_point;
 mod sweep;
 #[cfg(test)]
 mod test_frames;

@@ -20,6 +20,7 @@ pub(crate) mod damping;
 mod drape;
 pub(crate) mod events;
 mod feathers;
+mod fence;
 mod flag;
 mod flatland;
 mod hammock;
@@ -90,6 +91,7 @@ pub const ALL: &[Scene] = &[
     catch::SCENE,
     curtain::SCENE,
     net::SCENE,
+    fence::SCENE,
     slopes::SCENE,
     race::SCENE,
     billiards::SCENE,

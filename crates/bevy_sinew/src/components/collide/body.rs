@@ -80,7 +80,7 @@ pub enum ContactShape {
     /// The triangles of the body's [`WindSurface`](crate::WindSurface), which `Cloth` and `SoftBody` have, in addition to its particles: nothing passes through
     /// its mesh, from either side, however coarse the mesh and however fast the motion. Triangles collide with particles of other bodies, and with its own if
     /// the body collides with itself; edges collide with the edges of bodies that use triangles, too. Posts, corners, edges and small bodies that fit in
-    /// between its particles collide with what is there, apart from meshes and heightfields. The surface is as thick as the particles'
+    /// between its particles, those of meshes and heightfields included, collide with what is there. The surface is as thick as the particles'
     /// [`Radius`](crate::Radius), which may be zero (rigid bodies then pass through it); what is sharp comes somewhat closer. Among particles it costs about
     /// ten times as much as particles. A body without triangles is refused ([`Refusal::NoTriangles`](crate::Refusal::NoTriangles)) and collides by its particles.
     Triangles,

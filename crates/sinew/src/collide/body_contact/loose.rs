@@ -3,9 +3,7 @@
 
 use glam::{Mat3, Vec3, Vec4};
 
-use super::super::features::{
-    Corners, Features, Reach, ShapeBeside, SupportPlane, SurfacePath, SurfacePoint,
-};
+use super::super::features::{Corners, Features, Reach, ShapeBeside};
 use super::super::friction::friction_share;
 use super::super::impact::ContactParticipant;
 use super::super::material::CombinedMaterial;
@@ -14,6 +12,7 @@ use super::super::pressed::{Aggregate, PressedCloth, Push};
 use super::super::recovery::{limit_depth, recovery, split_depth};
 use super::super::restitution::{ImpactRound, elastic_gain, is_elastic, spreads, threshold};
 use super::super::shape::Shape;
+use super::super::surface_point::{SupportPlane, SurfacePath, SurfacePoint, each};
 use super::super::world::World;
 use super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, TURN, rotation};
 use super::groups::BodyGroups;
@@ -270,7 +269,7 @@ impl Loose {
                     origin: one.origin,
                     reach: Reach { most: likely + one.speculative_margin, likely },
                 };
-                features.find_beside(body, &beside, particles, corners, |feature| {
+                features.find_beside(body, &beside, particles, corners, |feature, _| {
                     let mut rows = feature.rows().iter();
                     if rows.all(|&row| particles.radius[row as usize] > 0.0) {
                         near.push((number as u32, feature.middle()));
@@ -656,9 +655,8 @@ impl LooseContact {
         if frame.is_apart(body, &self.plane, paths, |moved| self.at.thickness(radius, moved)) {
             return false;
         }
-        let corners = paths.each_ref().map(|path| frame.approach(body, path));
-        let corners =
-            [corners.each_ref().map(|one| one.from), corners.each_ref().map(|one| one.to)];
+        let corners = each([0, 1, 2], |k| frame.approach(body, &paths[k]));
+        let corners = [each(corners, |one| one.from), each(corners, |one| one.to)];
         self.at.approach((shape, &mut self.plane), corners, radius)
     }
 

@@ -3,7 +3,9 @@
 use glam::Vec3;
 
 use super::super::features::Features;
+use super::super::frame::Frame;
 use super::super::nearby;
+use super::super::shape::Shape;
 use super::super::world::World;
 use super::surface::SurfaceForm;
 use super::{NormalImpulse, ParticleContacts, SurfaceCandidate};
@@ -67,15 +69,24 @@ impl ParticleContacts {
 
     /// A box about all poses of a surface in the step, between two of which the motion is nearly straight; infinite for planes and rooms.
     pub(super) fn bounds_of_surface(&self, number: usize) -> (Vec3, Vec3) {
-        let surface = &self.surfaces[number];
-        let SurfaceForm::Shape(shape) = &surface.form else {
-            return (Vec3::NEG_INFINITY, Vec3::INFINITY);
-        };
+        match &self.surfaces[number].form {
+            SurfaceForm::Shape(shape) => self.swept_bounds(number, shape, None),
+            _ => (Vec3::NEG_INFINITY, Vec3::INFINITY),
+        }
+    }
+
+    /// The same about a shape of a surface, or about one that has a frame in that of the surface.
+    pub(super) fn swept_bounds(
+        &self,
+        number: usize,
+        shape: &Shape,
+        part: Option<&Frame>,
+    ) -> (Vec3, Vec3) {
         let steps = self.frames.len() / self.surfaces.len();
-        let instants = if surface.moves { steps } else { 1 };
+        let instants = if self.surfaces[number].moves { steps } else { 1 };
         let frames = self.frames.iter().skip(number).step_by(self.surfaces.len()).take(instants);
         frames
-            .map(|frame| shape.bounds_in(frame))
+            .map(|frame| shape.bounds_in(&frame.of_part(part)))
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (least, most)| {
                 (low.min(least), high.max(most))
             })

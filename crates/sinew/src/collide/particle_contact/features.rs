@@ -1,19 +1,20 @@
 //! Edges and triangles against colliders ([`features`](crate::collide::features)): what is between the particles of a body that collides by its surface.
 //!
-//! They are projected with the particles of their island, after them. Planes and rooms have no part in this, since nothing of them fits in between particles;
-//! meshes and heightfields, which are not convex, have not; and neither have sensors, contact events and restitution, which particles see to.
+//! They are projected with the particles of their island, after them. Planes and rooms have no part in this, since nothing of them fits in between particles; of
+//! meshes and heightfields their [ridges](crate::collide::shape::Ridge) have. Sensors, contact events and restitution are seen to by the particles.
 
 use core::ops::Range;
 
 use glam::Vec3;
 
 use super::super::features::{
-    Corners, Features, Reach, ShapeBeside, SupportPlane, SurfacePoint, rounding,
+    Corners, Features, Reach, ShapeBeside, is_blunt, ridge_box, rounding,
 };
 use super::super::frame::Frame;
 use super::super::nearby;
 use super::super::recovery::{limit_depth, split_depth};
-use super::super::shape::Shape;
+use super::super::shape::{Kind, Shape};
+use super::super::surface_point::{SupportPlane, SurfacePoint, each};
 use super::super::world::World;
 use super::surface::{ContactSurface, SurfaceForm};
 use super::{InstantInterval, ParticleContact, ParticleContacts};
@@ -26,7 +27,15 @@ pub(super) struct FeatureCandidates {
     list: Vec<FeatureCandidate>,
     /// For each island its range in the list; empty if there are none.
     of_island: Vec<Range<u32>>,
+    ridge_boxes: Vec<RidgeBox>,
     corners: Corners,
+}
+
+/// The box that stands for a ridge, and its frame in that of its surface.
+#[derive(Clone, Debug)]
+struct RidgeBox {
+    shape: Shape,
+    frame: Frame,
 }
 
 /// A feature that may touch a surface in this step.
@@ -34,17 +43,33 @@ pub(super) struct FeatureCandidates {
 struct FeatureCandidate {
     island: u32,
     surface: u32,
+    /// The box of the surface that it may touch, if the surface is not convex.
+    ridge_box: Option<u32>,
     /// Where the search begins: its middle, or the point of it that was nearest when the step began.
     point: SurfacePoint,
-    /// A plane between the two, as the step began.
+    /// A plane between the two, as the step began; where its corners were then, from the origin of the first of them; and the square of the distance that all of
+    /// them may move from there before it could touch, m².
     plane: SupportPlane,
+    corners: [Vec3; 3],
+    free: f32,
     friction: f32,
+}
+
+impl FeatureCandidate {
+    /// Whether its corners are too near to where they were when the step began for it to touch.
+    #[inline(always)]
+    fn stays_away(&self, corners: [Vec3; 3]) -> bool {
+        let [a, b, c] = self.corners;
+        let farthest = corners[0].distance_squared(a).max(corners[1].distance_squared(b));
+        farthest.max(corners[2].distance_squared(c)) < self.free
+    }
 }
 
 impl FeatureCandidates {
     pub(super) fn clear(&mut self) {
         self.list.clear();
         self.of_island.clear();
+        self.ridge_boxes.clear();
     }
 
     /// Whether an island has candidates.
@@ -74,23 +99,36 @@ impl ParticleContacts {
             Reach { most: self.reference[row as usize].w.sqrt(), likely }
         };
         let is_sharp = |surface: &ContactSurface| match &surface.form {
-            SurfaceForm::Shape(shape) => !surface.sensor && rounding(shape).is_some(),
+            SurfaceForm::Shape(shape) => {
+                !surface.sensor && (rounding(shape).is_some() || has_ridges(shape))
+            }
             _ => false,
         };
         if self.surfaces.iter().any(is_sharp) {
             for body in features.bodies() {
                 features.collect(body, particles, reach, &mut found.corners);
                 for (number, surface) in self.surfaces.iter().enumerate() {
-                    if is_sharp(surface) && surface.may_touch(world.filter, body) {
-                        self.find_beside(particles, world, (features, body), number, &mut found);
+                    let SurfaceForm::Shape(shape) = &surface.form else { continue };
+                    if !(is_sharp(surface) && surface.may_touch(world.filter, body)) {
+                        continue;
+                    }
+                    let of_body = (features, body);
+                    if !has_ridges(shape) {
+                        self.find_beside(particles, world, of_body, (number, None), &mut found);
+                        continue;
+                    }
+                    for i in self.find_ridges(particles, world, of_body, number, &mut found) {
+                        let part = (number, Some(i));
+                        self.find_beside(particles, world, of_body, part, &mut found);
                     }
                 }
             }
         }
         if !found.list.is_empty() {
-            found.list.sort_unstable_by_key(|candidate| {
-                (candidate.island, candidate.surface, candidate.point.order())
-            });
+            // Those of one island stay in the order of bodies, surfaces, ridges and features.
+            if !found.list.is_sorted_by_key(|candidate| candidate.island) {
+                found.list.sort_by_key(|candidate| candidate.island);
+            }
             found.of_island.resize(world.islands.list.len(), 0..0);
             let mut begin = 0;
             for own in found.list.chunk_by(|one, next| one.island == next.island) {
@@ -102,33 +140,67 @@ impl ParticleContacts {
         self.features = found;
     }
 
-    /// Finds the features of a body that may touch one surface.
-    fn find_beside(
+    /// Adds the boxes of the ridges of a surface that are near a body and sharp beside its features; returns their numbers.
+    fn find_ridges(
         &self,
         particles: &Particles,
         world: &World,
         (features, body): (&Features, u32),
         number: usize,
         found: &mut FeatureCandidates,
+    ) -> Range<u32> {
+        let FeatureCandidates { ridge_boxes, corners, .. } = found;
+        let begin = ridge_boxes.len() as u32;
+        let surface = &self.surfaces[number];
+        if let SurfaceForm::Shape(shape) = &surface.form {
+            let frames = [0.0, 1.0].map(|share| surface.frame_at(share));
+            let [start, end] = frames.map(|frame| bounds_within(&frame, corners.bounds()));
+            let around = if surface.moves { carried(shape, frames) } else { 0.0 };
+            let near = (start.0.min(end.0) - around, start.1.max(end.1) + around);
+            let motion = (corners.motion() + around) / world.substeps.max(1) as f32;
+            let thickness = corners.thickness();
+            let longest = features.longest(body, particles, corners);
+            shape.ridges_near(near, |ridge| {
+                if !is_blunt(ridge, longest, thickness) {
+                    let (shape, frame) = ridge_box(ridge, (longest, thickness), motion);
+                    ridge_boxes.push(RidgeBox { shape, frame });
+                }
+            });
+        }
+        begin..ridge_boxes.len() as u32
+    }
+
+    /// Finds the features of a body that may touch one surface, or one ridge of it.
+    fn find_beside(
+        &self,
+        particles: &Particles,
+        world: &World,
+        (features, body): (&Features, u32),
+        (number, ridge_box): (usize, Option<u32>),
+        found: &mut FeatureCandidates,
     ) {
         let islands = world.islands;
         let surface = &self.surfaces[number];
-        let SurfaceForm::Shape(shape) = &surface.form else { return };
         let first = features.first_row(body);
         let Some(material) = self.material(number, self.classes.of(first)) else { return };
-        let frames = [0.0, 1.0].map(|share| surface.frame_at(share));
+        let Some((shape, part)) = convex_part(surface, &found.ridge_boxes, ridge_box) else {
+            return;
+        };
+        let (shape, part) = (&shape.clone(), part.copied());
+        let part = part.as_ref();
+        let frames = [0.0, 1.0].map(|share| surface.frame_at(share).of_part(part));
         let carried = if surface.moves { carried(shape, frames) } else { 0.0 };
         // Far from the world's origin, coordinates lose their digits.
         let origin = particles.origin[first as usize];
         let beside = ShapeBeside {
             shape,
-            bounds: self.bounds_of_surface(number),
+            bounds: self.swept_bounds(number, shape, part),
             frame: frames[0].seen_from(origin),
             origin,
             reach: Reach { most: carried, likely: carried },
         };
         let FeatureCandidates { list, corners, .. } = found;
-        features.find_beside(body, &beside, particles, corners, |feature| {
+        features.find_beside(body, &beside, particles, corners, |feature, reach| {
             let rows = feature.rows();
             let island = islands.of[rows[0] as usize];
             let takes_part = rows
@@ -139,10 +211,22 @@ impl ParticleContacts {
                 let mut point = feature.middle();
                 let corners = point.corners(&particles.position, &particles.origin, 0);
                 let radius = point.radius(&particles.radius, 0);
-                let plane = point.begin(shape, corners.map(|at| beside.frame.local(at)), radius);
-                let surface = number as u32;
-                let friction = material.friction;
-                list.push(FeatureCandidate { island, surface, point, plane, friction });
+                let local = each(corners, |at| beside.frame.local(at));
+                let plane = point.begin(shape, local, radius);
+                if plane.distance(local) > reach + radius {
+                    return;
+                }
+                let free = (SurfacePoint::free_way(&plane, local, radius) - carried).max(0.0);
+                list.push(FeatureCandidate {
+                    island,
+                    surface: number as u32,
+                    ridge_box,
+                    point,
+                    plane,
+                    corners,
+                    free: free * free,
+                    friction: material.friction,
+                });
             }
         });
     }
@@ -171,27 +255,59 @@ impl ParticleContacts {
         candidate: &FeatureCandidate,
         interval: InstantInterval,
     ) -> Option<(SurfacePoint, ParticleContact)> {
-        let FeatureCandidate { surface: number, mut point, mut plane, .. } = *candidate;
-        let surface = &self.surfaces[number as usize];
-        let SurfaceForm::Shape(shape) = &surface.form else { return None };
+        let FeatureCandidate { surface: number, ridge_box, mut point, mut plane, .. } = *candidate;
         let (start, now) = (
             point.corners(places.start, places.origin, places.first),
             point.corners(places.position, places.origin, places.first),
         );
+        if candidate.stays_away(start) && candidate.stays_away(now) {
+            return None;
+        }
+        let surface = &self.surfaces[number as usize];
+        let (shape, part) = convex_part(surface, &self.features.ridge_boxes, ridge_box)?;
         let origin = places.origin[places.at(point.first())];
         let (was, is) = self.frames_of(number as usize, interval, origin);
-        let (from, to) = (start.map(|at| was.local(at)), now.map(|at| is.local(at)));
+        let (was, is) = (was.of_part(part), is.of_part(part));
+        let (from, to) = (each(start, |at| was.local(at)), each(now, |at| is.local(at)));
         let radius = point.radius(places.radius, places.first);
         if !point.approach((shape, &mut plane), [from, to], radius) {
             return None;
         }
+        let corners = [from, to];
         let (from, to) = (point.of(from), point.of(to));
         let thickness = point.thickness(radius, from.distance(to));
-        let touched = shape.touch(from, to, thickness)?;
+        let touched = point.touch_collider(shape, corners, thickness)?;
         let way = (from, to, thickness);
         let touched = limit_depth(touched, shape, way, self.recover_in(interval))?;
         Some((point, ParticleContact::of(&touched, to, &[was, is], surface.moves)))
     }
+}
+
+/// Whether a shape is not convex, and its ridges collide in its place.
+fn has_ridges(shape: &Shape) -> bool {
+    matches!(shape.kind(), Kind::Mesh | Kind::HeightField)
+}
+
+/// A surface that is convex, or one of its ridges as a box; with its frame in that of the surface.
+#[inline]
+fn convex_part<'a>(
+    surface: &'a ContactSurface,
+    ridge_boxes: &'a [RidgeBox],
+    ridge_box: Option<u32>,
+) -> Option<(&'a Shape, Option<&'a Frame>)> {
+    match (ridge_box, &surface.form) {
+        (Some(i), _) => ridge_boxes.get(i as usize).map(|part| (&part.shape, Some(&part.frame))),
+        (None, SurfaceForm::Shape(shape)) => Some((shape, None)),
+        (None, _) => None,
+    }
+}
+
+/// An AABB in a frame about one in the world, metres.
+fn bounds_within(frame: &Frame, (low, high): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    let (middle, half) = (frame.local((low + high) * 0.5), (high - low) * 0.5);
+    let r = frame.rotation.transpose();
+    let half = r.x_axis.abs() * half.x + r.y_axis.abs() * half.y + r.z_axis.abs() * half.z;
+    (middle - half, middle + half)
 }
 
 /// How far a point of a shape moves between two frames at the most, metres.

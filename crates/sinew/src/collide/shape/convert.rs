@@ -18,7 +18,7 @@ pub(super) struct ParryShape(Box<dyn parry::Shape>);
 impl Shape {
     /// The equivalent `parry3d` shape. Made on first use, which takes time for a mesh or a heightfield.
     pub(crate) fn parry(&self) -> &dyn parry::Shape {
-        &*self.parry_shape.get_or_init(|| ParryShape(build(&self.form))).0
+        &*self.derived.parry_shape.get_or_init(|| ParryShape(build(&self.form))).0
     }
 }
 

@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::convex::Convex as _;
 use super::fault::{is_coordinate, is_length, is_size};
 use super::flat::Cuboid;
+use super::ridges::Ridges;
 use super::surface::{SpherePath, SphereSlide, Surface, first_crossing, is_near, skin, slide};
 use super::triangle::{ClosestPoint, Feature, Triangle};
 use super::{Nearest, ShapeFault, ShapeTouch};
@@ -18,6 +19,8 @@ pub(super) struct Heights {
     rows: usize,
     /// Row by row, metres.
     heights: Vec<f32>,
+    /// Unit normals of the two triangles of each cell, row by row.
+    normals: Vec<[Vec3; 2]>,
     /// Size of the rectangle, metres; y is 1, since its scale is in the heights.
     size: Vec3,
     bounds: (Vec3, Vec3),
@@ -61,7 +64,14 @@ impl Heights {
         let (half, floor) = (size * 0.5, least - GROUND_DEPTH * size.x.max(size.z));
         let bounds = (Vec3::new(-half.x, floor, -half.z), Vec3::new(half.x, most, half.z));
         let size = size.with_y(1.0);
-        Ok(Self { columns, rows, heights, size, bounds, skin: skin(bounds) })
+        let (normals, skin) = (Vec::new(), skin(bounds));
+        let mut field = Self { columns, rows, heights, normals, size, bounds, skin };
+        let cells = (0..rows - 1).flat_map(|row| (0..columns - 1).map(move |column| (column, row)));
+        let normals = cells.map(|(column, row)| {
+            field.corners(column, row).map(|corners| Triangle::new(corners).normal)
+        });
+        field.normals = normals.collect();
+        Ok(field)
     }
 
     /// The same heightfield in another size.
@@ -89,6 +99,22 @@ impl Heights {
     /// Size of the rectangle along x and z, metres.
     pub(super) fn size(&self) -> Vec3 {
         self.size
+    }
+
+    /// Its [ridges](super::ridges).
+    pub(super) fn ridges(&self) -> Ridges {
+        let vertices: Vec<Vec3> = (0..self.rows)
+            .flat_map(|row| (0..self.columns).map(move |column| self.point(column, row)))
+            .collect();
+        let cells = (0..self.rows - 1)
+            .flat_map(|row| (0..self.columns - 1).map(move |column| (column, row)));
+        // As in `corners`.
+        let corners = |(column, row): (usize, usize)| {
+            let at = |i: usize, j: usize| ((row + j) * self.columns + column + i) as u32;
+            [[at(0, 0), at(0, 1), at(1, 0)], [at(0, 1), at(1, 1), at(1, 0)]]
+        };
+        let triangles: Vec<[u32; 3]> = cells.flat_map(corners).collect();
+        Ridges::of(&vertices, &triangles, self.normals.as_flattened(), true)
     }
 
     /// See [`Shape::touch`](super::Shape::touch).
@@ -250,10 +276,19 @@ impl Heights {
     }
 
     /// The two triangles of a cell: first the one at its lowest x and z.
+    #[inline]
     fn cell(&self, column: usize, row: usize) -> [Triangle; 2] {
+        let [low, high] = self.corners(column, row);
+        let [of_low, of_high] = self.normals[row * (self.columns - 1) + column];
+        [Triangle { corners: low, normal: of_low }, Triangle { corners: high, normal: of_high }]
+    }
+
+    /// The corners of those.
+    #[inline]
+    fn corners(&self, column: usize, row: usize) -> [[Vec3; 3]; 2] {
         let at = |i: usize, j: usize| self.point(column + i, row + j);
         let [a, b, c, d] = [at(0, 0), at(0, 1), at(1, 0), at(1, 1)];
-        [Triangle::new([a, b, c]), Triangle::new([b, d, c])]
+        [[a, b, c], [b, d, c]]
     }
 
     /// A grid point, computed in the same way for all cells around it.

@@ -11,8 +11,9 @@ use super::coarse::DistanceGrid;
 use super::convex::BEND_COSINE;
 use super::extent::around;
 use super::fault::{first_out_of_range, is_length};
+use super::ridges::Ridges;
 use super::surface::{SpherePath, SphereSlide, Surface, is_near, skin, slide};
-use super::tree::TriangleTree;
+use super::tree::AabbTree;
 use super::triangle::{ClosestPoint, Feature, Triangle};
 use super::{Nearest, ShapeFault, ShapeTouch};
 use crate::coincident::first_coincident;
@@ -25,7 +26,7 @@ pub(super) struct Mesh {
     /// Triangles that have an area, in the order of the tree.
     pub(super) triangles: Vec<[u32; 3]>,
     pieces: Vec<Triangle>,
-    tree: TriangleTree,
+    tree: AabbTree,
     distances: DistanceGrid,
     bounds: (Vec3, Vec3),
     skin: f32,
@@ -71,7 +72,8 @@ impl Mesh {
         if !is_length((bounds.1 - bounds.0).max_element()) {
             return Err(ShapeFault::Size);
         }
-        let (tree, order) = TriangleTree::new(&pieces);
+        let piece_bounds: Vec<_> = pieces.iter().map(Triangle::bounds).collect();
+        let (tree, order) = AabbTree::new(&piece_bounds);
         let triangles: Vec<[u32; 3]> = order.iter().map(|&i| triangles[i as usize]).collect();
         let pieces: Vec<Triangle> = order.iter().map(|&i| pieces[i as usize]).collect();
         let pseudo_normals = pseudo_normals(vertices.len(), &triangles, &pieces);
@@ -96,6 +98,12 @@ impl Mesh {
     /// Whether it is closed.
     pub(super) fn is_solid(&self) -> bool {
         !self.pseudo_normals.is_empty()
+    }
+
+    /// Its [ridges](super::ridges).
+    pub(super) fn ridges(&self) -> Ridges {
+        let normals: Vec<Vec3> = self.pieces.iter().map(|piece| piece.normal).collect();
+        Ridges::of(&self.vertices, &self.triangles, &normals, self.is_solid())
     }
 
     /// The corners of all triangles.

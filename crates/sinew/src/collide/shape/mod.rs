@@ -11,6 +11,7 @@
 //! | `triangle`, `surface` | a sphere against triangles: nearest point, crossing, and the rule for non-convex shapes |
 //! | `tree`, `coarse` | bounding volume hierarchy; coarse distance grid |
 //! | `mesh`, `height` | triangle mesh; heightfield |
+//! | `ridges` | convex edges of those |
 //! | `extent`, `scale` | AABBs; scaling |
 //! | `content_hash` | hash of a shape |
 //! | `words` | serialisation as plain words |
@@ -30,6 +31,7 @@ mod height;
 mod hull;
 mod inside;
 mod mesh;
+mod ridges;
 mod round;
 mod scale;
 mod surface;
@@ -46,6 +48,7 @@ pub use scale::is_uniform;
 
 pub(crate) use closed_form::ClosedForm;
 pub(crate) use convert::{from_parry, pose, to_parry};
+pub(crate) use ridges::Ridge;
 
 use convex::Convex;
 use fault::{is_length, is_size};
@@ -54,6 +57,7 @@ use height::Heights;
 use hull::ConvexHull;
 use inside::HollowBox;
 use mesh::Mesh;
+use ridges::Ridges;
 use round::{Ball, Capsule, Cylinder};
 use surface::Surface as _;
 
@@ -65,8 +69,15 @@ pub struct Shape {
     form: Form,
     /// See [`content_hash`](Self::content_hash).
     content_hash: u64,
-    /// The equivalent shape of `parry3d`; made on first use.
-    parry_shape: Arc<OnceLock<convert::ParryShape>>,
+    derived: Arc<Derived>,
+}
+
+/// What follows from the geometry of a shape; each made on first use.
+#[derive(Default)]
+struct Derived {
+    /// The equivalent shape of `parry3d`.
+    parry_shape: OnceLock<convert::ParryShape>,
+    ridges: OnceLock<Ridges>,
 }
 
 /// The geometry of a shape.
@@ -333,7 +344,8 @@ impl Shape {
     }
 
     fn of(form: Form) -> Self {
-        Self { content_hash: content_hash::of(&form), form, parry_shape: Arc::default() }
+        let content_hash = content_hash::of(&form);
+        Self { form, content_hash, derived: Arc::default() }
     }
 
     /// A hash of its kind and numbers, so that cached data of one shape is not used for another, and a change of it wakes what lies on it. Computed when the
@@ -346,7 +358,7 @@ impl Shape {
 
 impl PartialEq for Shape {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.parry_shape, &other.parry_shape) || self.form == other.form
+        Arc::ptr_eq(&self.derived, &other.derived) || self.form == other.form
     }
 }
 
@@ -359,7 +371,7 @@ impl std::fmt::Debug for Shape {
 impl ShapeTouch {
     /// `None` if the depth is not positive or not finite.
     #[inline(always)]
-    fn new(normal: Vec3, depth: f32) -> Option<Self> {
+    pub(super) fn new(normal: Vec3, depth: f32) -> Option<Self> {
         (depth > 0.0 && depth < f32::INFINITY).then_some(Self { normal, depth })
     }
 

@@ -1,4 +1,4 @@
-//! Bounding volume hierarchy of triangles: AABBs, split at the median until few triangles are left.
+//! Bounding volume hierarchy of triangles or edges: AABBs, split at the median until few are left.
 //!
 //! Nodes are stored in depth-first order, each with the index of the next node outside of its subtree, so that traversal needs no stack and no memory. Results
 //! do not depend on the order of traversal, because of two equally near triangles the one with the lower index counts.
@@ -7,11 +7,9 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::triangle::Triangle;
-
-/// AABBs of triangles.
+/// AABBs of things that are numbered.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct TriangleTree {
+pub(super) struct AabbTree {
     nodes: Vec<Node>,
 }
 
@@ -21,24 +19,24 @@ struct Node {
     high: Vec3,
     /// The next node outside of this subtree.
     next: u32,
-    /// Range of its triangles; empty for an inner node.
+    /// Range of what is in it; empty for an inner node.
     first: u32,
     end: u32,
 }
 
-/// Maximum number of triangles in a leaf: testing a triangle costs about as much as testing a box.
+/// Maximum number in a leaf: testing a triangle costs about as much as testing a box.
 const LEAF: usize = 4;
 
-impl TriangleTree {
-    /// Builds the tree, and returns the order that the triangles must be put in.
-    pub(super) fn new(triangles: &[Triangle]) -> (Self, Vec<u32>) {
-        let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+impl AabbTree {
+    /// Builds the tree over bounds (low, high), and returns the order that what has them must be put in.
+    pub(super) fn new(bounds: &[(Vec3, Vec3)]) -> (Self, Vec<u32>) {
+        let mut order: Vec<u32> = (0..bounds.len() as u32).collect();
         let mut tree = Self::default();
-        tree.split(triangles, &mut order, 0);
+        tree.split(bounds, &mut order, 0);
         (tree, order)
     }
 
-    /// The triangles of the next leaf whose bounds (low, high) pass `keep`, as do those of all nodes above. `cursor` starts at 0.
+    /// The range of the next leaf whose bounds (low, high) pass `keep`, as do those of all nodes above. `cursor` starts at 0.
     #[inline]
     pub(super) fn next(
         &self,
@@ -58,15 +56,15 @@ impl TriangleTree {
         None
     }
 
-    fn split(&mut self, triangles: &[Triangle], order: &mut [u32], first: u32) {
+    fn split(&mut self, bounds: &[(Vec3, Vec3)], order: &mut [u32], first: u32) {
         let (mut low, mut high) = (Vec3::INFINITY, -Vec3::INFINITY);
         let (mut least, mut most) = (low, high);
         let middle = |i: u32| {
-            let (low, high) = triangles[i as usize].bounds();
+            let (low, high) = bounds[i as usize];
             low + high
         };
         for &i in order.iter() {
-            let (from, to) = triangles[i as usize].bounds();
+            let (from, to) = bounds[i as usize];
             (low, high) = (low.min(from), high.max(to));
             (least, most) = (least.min(middle(i)), most.max(middle(i)));
         }
@@ -83,8 +81,8 @@ impl TriangleTree {
                 middle(i)[axis].total_cmp(&middle(j)[axis]).then(i.cmp(&j))
             });
             let (below, above) = order.split_at_mut(half);
-            self.split(triangles, below, first);
-            self.split(triangles, above, first + half as u32);
+            self.split(bounds, below, first);
+            self.split(bounds, above, first + half as u32);
         }
         self.nodes[own].next = self.nodes.len() as u32;
     }

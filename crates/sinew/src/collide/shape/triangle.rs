@@ -39,7 +39,8 @@ pub(super) struct Crossing {
 impl Triangle {
     /// A triangle; its normal is zero if it has no area.
     pub(super) fn new(corners: [Vec3; 3]) -> Self {
-        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let [a, b, c] = corners;
+        let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
         let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
         Self { corners, normal }
     }
