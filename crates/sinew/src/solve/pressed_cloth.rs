@@ -22,6 +22,7 @@ use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::context::{SolveContext, SubstepParameters};
 use super::plan::Plan;
+use super::rod_graph::RodGraph;
 use super::strain_limit::StrainScratch;
 use crate::collide::{
     Aggregate, NormalImpulse, NormalImpulses, ParticleContacts, PressedCloth, Push, ring_share,
@@ -71,8 +72,8 @@ struct RowAggregate {
     mass: f32,
     /// Range of the members of all its rings.
     members: Range<u32>,
-    /// Mean length of the rods at its middle, metres.
-    rod: f32,
+    /// Mean length of the rods at its middle, metres, once it is known.
+    rod: Option<f32>,
     /// Substep and number of rings for which its mass was computed last.
     weighed: (u32, u32),
     /// Number of members in those rings.
@@ -118,17 +119,22 @@ impl PressedCloth for HeldCloth<'_> {
             aggregates.push(RowAggregate::default());
         }
         let own = &mut aggregates[*number as usize];
+        let rod = *own.rod.get_or_insert_with(|| mean_rod(self.plan, row));
+        // Most pushes are so small that the particle moves alone. (None is long enough if it has no rods.)
+        let rings = ((distance / (STRAIN * rod)) as u32).min(MAX_RINGS) + 1;
+        if rings < 2 || rod <= 0.0 {
+            return None;
+        }
         // Rounded to few sizes, because the pressing mass varies slightly from substep to substep.
         let mass = power_of_two(mass);
         if own.mass != mass {
             let first = members.len() as u32;
-            let rod = grow(self.plan, particles, (row, mass), members, listed);
+            grow(self.plan, particles, (row, mass), members, listed);
             let members = first..members.len() as u32;
-            *own = RowAggregate { mass, members, rod, ..RowAggregate::default() };
+            *own = RowAggregate { mass, members, rod: own.rod, ..RowAggregate::default() };
         }
         let members = &members[own.members.start as usize..own.members.end as usize];
-        let most = members.last().map_or(0, |&(_, ring)| ring + 1);
-        let rings = ((distance / (STRAIN * own.rod)) as u32 + 1).min(most);
+        let rings = rings.min(members.last().map_or(0, |&(_, ring)| ring + 1));
         if rings < 2 {
             return None;
         }
@@ -186,24 +192,18 @@ impl PressedCloth for HeldCloth<'_> {
 }
 
 /// Appends the aggregate of a row to the members: the particles around it, ring by ring of rods, until they have the given mass, each weighted by its share.
-/// Pins are not included, and the aggregate does not grow past them. Returns the mean length of the rods at its middle, metres.
+/// Pins are not included, and the aggregate does not grow past them.
 fn grow(
     plan: &Plan,
     particles: &Particles,
     (row, mass): (u32, f32),
     members: &mut Vec<(u32, u32)>,
     listed: &mut Marks,
-) -> f32 {
+) {
     let w = |row: u32| particles.position[row as usize].w;
     let first = members.len();
     members.push((row, 0));
-    let Some(&number) = plan.islands.of.get(row as usize) else { return 0.0 };
-    let island = &plan.islands.list[number as usize];
-    let (graph, run) = (plan.tethers.graph_of(island), plan.stretch(island));
-    let (true, Some(graph), Some(run)) = (island.takes_microsteps(), graph, run) else {
-        return 0.0;
-    };
-    let first_row = run.start as u32;
+    let Some((graph, first_row)) = graph_about(plan, row) else { return };
     listed.clear(particles.len());
     listed.insert(row);
     // Sums over all members: of the masses, and of the masses times the ring index.
@@ -223,8 +223,20 @@ fn grow(
         }
         (ring, rings) = (end, rings + 1);
     }
+}
+
+/// Mean length of the rods of a row, metres; 0 if its neighbours cannot be pushed along.
+fn mean_rod(plan: &Plan, row: u32) -> f32 {
+    let Some((graph, first_row)) = graph_about(plan, row) else { return 0.0 };
     let rods = graph.rods_of(row - first_row);
     rods.iter().map(|rod| rod.rest).sum::<f32>() / rods.len() as f32
+}
+
+/// The graph of the large cloth that a row is part of, and the row that it begins with.
+fn graph_about(plan: &Plan, row: u32) -> Option<(&RodGraph, u32)> {
+    let island = &plan.islands.list[*plan.islands.of.get(row as usize)? as usize];
+    let graph = plan.tethers.graph_of(island).filter(|_| island.takes_microsteps())?;
+    Some((graph, plan.stretch(island)?.start as u32))
 }
 
 impl RowAggregate {
