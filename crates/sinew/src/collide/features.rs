@@ -400,16 +400,16 @@ pub(super) fn is_blunt(ridge: &Ridge, longest: f32, thickness: f32) -> bool {
     ridge.rise(longest) <= BLUNT * thickness
 }
 
-/// The box that stands for a ridge beside features of a thickness and of a length at the most that move by `motion` in a substep, metres, and its frame in that
-/// of the shape. It is so deep that nothing is beyond its middle within a substep, nor where sweeps leave some of a load. A blade takes half of its width from
-/// what features keep of their thickness, on either side, so that particles stay farther away.
+/// The box that stands for a ridge of a surface beside features of a thickness and of a length at the most that move by `motion` in a substep, metres, and its
+/// frame in that of the surface. It is so deep that nothing is beyond its middle within a substep, nor where sweeps leave some of a load. A blade takes half of
+/// its width from what features keep of their thickness, on either side, so that particles stay farther away.
 pub(super) fn ridge_box(
-    ridge: &Ridge,
+    (ridge, surface): (&Ridge, &Shape),
     (longest, thickness): (f32, f32),
     motion: f32,
 ) -> (Shape, Frame) {
     let depth = thickness.max(RIDGE_DEPTH * longest) + 2.0 * motion;
-    ridge.solid(depth, (1.0 - BLUNT) * thickness)
+    ridge.solid(surface, depth, (1.0 - BLUNT) * thickness)
 }
 
 /// Whether two AABBs have no point in common.

@@ -162,7 +162,8 @@ impl ParticleContacts {
             let longest = features.longest(body, particles, corners);
             shape.ridges_near(near, |ridge| {
                 if !is_blunt(ridge, longest, thickness) {
-                    let (shape, frame) = ridge_box(ridge, (longest, thickness), motion);
+                    let of_body = (longest, thickness);
+                    let (shape, frame) = ridge_box((ridge, shape), of_body, motion);
                     ridge_boxes.push(RidgeBox { shape, frame });
                 }
             });

@@ -5,7 +5,10 @@
 //! with the edge on it, and [features](crate::collide::features) collide with that box as with any convex shape.
 //!
 //! The box is in the solid. Behind a face it fills at most a right angle, so it lies along one face of an edge that is no sharper. A sharper edge, or an edge of
-//! a sheet, gets a blade in the middle between its faces, or along its only one.
+//! a sheet, gets a blade in the middle between its faces, or along its only one. It is made smaller until it fits in, as at tips, in narrow triangles and in thin
+//! walls.
+
+use std::sync::OnceLock;
 
 use glam::{Mat3, Vec3};
 
@@ -20,6 +23,9 @@ const FLAT: f32 = 0.02;
 /// Cosine of the interior angle up to which an edge counts as sharper than a right angle. More than 0 by rounding.
 const RIGHT_ANGLE: f32 = 1e-3;
 
+/// How often a box that does not fit in is halved.
+const HALVINGS: usize = 6;
+
 /// The convex edges of a surface of triangles.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ridges {
@@ -29,7 +35,7 @@ pub(super) struct Ridges {
 }
 
 /// A convex edge of a surface of triangles.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Ridge {
     /// Metres, in the frame of the shape.
     ends: [Vec3; 2],
@@ -45,6 +51,8 @@ pub(crate) struct Ridge {
     bend: f32,
     /// Sum of the heights of the triangles over the edge, metres.
     width: f32,
+    /// Greatest size at which the box fits in, metres; found on first use.
+    room: OnceLock<f32>,
 }
 
 impl Ridges {
@@ -80,7 +88,7 @@ impl Ridges {
             sides.chunk_by(|one, other| one.0 == other.0).filter_map(of_edge).collect();
         let bounds: Vec<_> = found.iter().map(Ridge::bounds).collect();
         let (tree, order) = AabbTree::new(&bounds);
-        Self { list: order.iter().map(|&i| found[i as usize]).collect(), tree }
+        Self { list: order.iter().map(|&i| found[i as usize].clone()).collect(), tree }
     }
 }
 
@@ -111,6 +119,7 @@ impl Ridge {
             is_blade: !closed,
             bend: f32::INFINITY,
             width: one.height + other.height,
+            room: OnceLock::new(),
         };
         let is_valid = one.along.is_finite() && other.along.is_finite() && ends[0] != ends[1];
         if !is_valid {
@@ -149,18 +158,42 @@ impl Ridge {
         self.bend * length * (length / (2.0 * self.width)).max(0.5)
     }
 
-    /// The box that stands for it, and its frame in that of the shape. It reaches no deeper than `most`, metres: it is not known what is there. A blade is as
-    /// wide as `blade`, metres.
-    pub(crate) fn solid(&self, most: f32, blade: f32) -> (Shape, Frame) {
-        let Self { ends: [a, b], inward, out, .. } = *self;
-        let extent = self.extent.min(most);
-        let depth = if self.is_blade { blade } else { self.depth.min(most) };
-        let along = inward.cross(out);
+    /// The box that stands for it on a surface, and its frame in that of the surface. It reaches no deeper than `most`, metres. A blade is as wide as `blade`,
+    /// metres, and no box is smaller.
+    pub(crate) fn solid(&self, surface: &Shape, most: f32, blade: f32) -> (Shape, Frame) {
+        let room = *self.room.get_or_init(|| self.find_room(surface));
+        let within = |size: f32| size.min(most).min(room).max(blade);
+        let depth = if self.is_blade { blade } else { within(self.depth) };
+        let (cuboid, frame) = self.cuboid(within(self.extent), depth);
+        (Shape::of(Form::Cuboid(cuboid)), frame)
+    }
+
+    /// The greatest size at which no corner of the box is outside of a surface by more than a tenth of that, of some halved ones; 0 if it is none of them.
+    fn find_room(&self, surface: &Shape) -> f32 {
+        let mut room = self.extent.max(self.depth);
+        for _ in 0..HALVINGS {
+            let depth = if self.is_blade { 0.0 } else { self.depth.min(room) };
+            let (cuboid, frame) = self.cuboid(self.extent.min(room), depth);
+            let fits = (0..8_u32).all(|i| {
+                let sign = |bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                let corner = frame.point(cuboid.half_size * Vec3::new(sign(0), sign(1), sign(2)));
+                surface.nearest(corner).distance <= 0.1 * room
+            });
+            if fits {
+                return room;
+            }
+            room *= 0.5;
+        }
+        0.0
+    }
+
+    fn cuboid(&self, extent: f32, depth: f32) -> (Cuboid, Frame) {
+        let ([a, b], inward, out) = (self.ends, self.inward, self.out);
         let half_size = 0.5 * Vec3::new(extent, depth, a.distance(b));
         let down = if self.is_blade { 0.0 } else { half_size.y };
-        let middle = (a + b) * 0.5 + inward * half_size.x - out * down;
-        let frame = Frame { translation: middle, rotation: Mat3::from_cols(inward, out, along) };
-        (Shape::of(Form::Cuboid(Cuboid { half_size })), frame)
+        let translation = (a + b) * 0.5 + inward * half_size.x - out * down;
+        let rotation = Mat3::from_cols(inward, out, inward.cross(out));
+        (Cuboid { half_size }, Frame { translation, rotation })
     }
 }
 
@@ -182,5 +215,122 @@ impl Shape {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recipes::convex_hull;
+
+    const EVERYWHERE: (Vec3, Vec3) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
+
+    fn hull(points: &[Vec3]) -> Shape {
+        Shape::mesh(points.to_vec(), convex_hull(points).unwrap()).unwrap()
+    }
+
+    fn cube() -> Shape {
+        let sign = |bit: u32, i: u32| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
+        let corners = (0..8).map(|i| Vec3::new(sign(0, i), sign(1, i), sign(2, i)));
+        hull(&corners.collect::<Vec<_>>())
+    }
+
+    /// Its sides meet at a little more than a right angle; beside the base they are sharper.
+    fn spike() -> Shape {
+        let base = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let [a, b, c, d] = base.map(|(x, z)| Vec3::new(0.1 * x, 0.0, 0.1 * z));
+        hull(&[a, b, c, d, Vec3::Y])
+    }
+
+    fn all(shape: &Shape) -> Vec<Ridge> {
+        let mut found = Vec::new();
+        shape.ridges_near(EVERYWHERE, |ridge| found.push(ridge.clone()));
+        found
+    }
+
+    #[test]
+    fn only_convex_edges_are_ridges() {
+        let cube = all(&cube());
+        assert_eq!(cube.len(), 12, "without the diagonals of its sides");
+        assert!(cube.iter().all(|ridge| (ridge.bend - 1.0).abs() < 1e-5 && !ridge.is_blade));
+        // A valley between two rows of hills: the floor's edges are hollow.
+        let heights = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let valley = Shape::height_field(3, 3, &heights, Vec3::new(2.0, 1.0, 2.0)).unwrap();
+        let valley = all(&valley);
+        assert_eq!(valley.len(), 8, "its rim");
+        assert!(valley.iter().all(|ridge| ridge.bend == f32::INFINITY));
+        // A square sheet: its rim, from both sides.
+        let square = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
+        let sheet = Shape::mesh(square.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let sheet = all(&sheet);
+        assert_eq!(sheet.len(), 4);
+        assert!(sheet.iter().all(|ridge| ridge.is_blade && ridge.bend == f32::INFINITY));
+    }
+
+    #[test]
+    fn the_box_has_the_edge_on_it_and_is_in_the_solid_but_for_a_blade() {
+        // A wall of 3 cm round a hollow of 1 m, without lid and floor: the boxes must not fill the hollow.
+        let wall = |x: f32, z: f32| {
+            let size = Vec3::new(
+                if x == 0.0 { 1.06 } else { 0.03 },
+                1.0,
+                if z == 0.0 { 1.06 } else { 0.03 },
+            );
+            let sign = |bit: u32, i: u32| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
+            let at = Vec3::new(x, 0.0, z) * 0.515;
+            let corners =
+                (0..8).map(move |i| at + size * Vec3::new(sign(0, i), sign(1, i), sign(2, i)));
+            corners.collect::<Vec<_>>()
+        };
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        for part in [wall(1.0, 0.0), wall(-1.0, 0.0), wall(0.0, 1.0), wall(0.0, -1.0)] {
+            let first = points.len() as u32;
+            triangles.extend(convex_hull(&part).unwrap().iter().map(|t| t.map(|i| i + first)));
+            points.extend(part);
+        }
+        let walls = Shape::mesh(points, triangles).unwrap();
+        for shape in [cube(), spike(), walls] {
+            for ridge in all(&shape) {
+                let (most, blade) = (0.2, 0.01);
+                let (solid, frame) = ridge.solid(&shape, most, blade);
+                assert!(frame.is_valid(), "{frame:?}");
+                for end in ridge.ends {
+                    let away = solid.nearest(frame.local(end)).distance;
+                    assert!(away.abs() < 1e-6, "{ridge:?}: {away}");
+                }
+                let (_, half) = solid.bounds();
+                for i in 0..8_u32 {
+                    let sign = |bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                    let corner = frame.point(half * Vec3::new(sign(0), sign(1), sign(2)));
+                    let out = shape.nearest(corner).distance;
+                    let left = 0.1 * most + 0.5 * blade;
+                    assert!(out < left, "{ridge:?}: {out} m outside");
+                }
+            }
+        }
+    }
+
+    /// From a single edge as from a wedge, and along many as from a cylinder.
+    #[test]
+    fn a_ridge_rises_between_two_points_as_a_wedge_or_a_cylinder_does() {
+        let cube = all(&cube());
+        assert!(cube.iter().all(|ridge| (ridge.rise(0.2) - 0.1).abs() < 1e-5));
+        let (radius, sides) = (0.5, 64_u32);
+        let ring = |height: f32| {
+            (0..sides).map(move |i| {
+                let angle = core::f64::consts::TAU * f64::from(i) / f64::from(sides);
+                let (x, z) = (libm::cos(angle) as f32, libm::sin(angle) as f32);
+                Vec3::new(radius * x, height, radius * z)
+            })
+        };
+        let post = hull(&ring(-1.0).chain(ring(1.0)).collect::<Vec<_>>());
+        let upright = all(&post).into_iter().filter(|ridge| ridge.ends[0].y != ridge.ends[1].y);
+        let mut count = 0;
+        for ridge in upright {
+            let (found, expected) = (ridge.rise(0.3), 0.3 * 0.3 / (8.0 * radius));
+            assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
+            count += 1;
+        }
+        assert_eq!(count, sides);
     }
 }
