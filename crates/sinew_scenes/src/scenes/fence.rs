@@ -78,8 +78,8 @@ fn spawn(world: &mut World) {
     let fence = mesh(world, fence);
     let cells = cells.round() as u32;
     let by = [
-        (-1.1, "left", ContactShape::Particles, 0xd9c9a8),
-        (1.1, "right", ContactShape::Triangles, 0x9fc2d8),
+        (-1.1, "left", ContactShape::Particles, 0xd8743c),
+        (1.1, "right", ContactShape::Triangles, 0x2f8f83),
     ];
     for (x, name, shape, color) in by {
         world.spawn((
@@ -88,7 +88,7 @@ fn spawn(world: &mut World) {
             collider.clone(),
             fence.clone(),
             SurfaceMaterial::new(0.6),
-            Look::color(0xefece4).roughness(0.8),
+            Look::color(0x7a5a43).roughness(0.8),
             Transform::from_xyz(x, 0.0, 0.0),
         ));
         let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);

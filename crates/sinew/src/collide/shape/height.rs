@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::convex::Convex as _;
 use super::fault::{is_coordinate, is_length, is_size};
 use super::flat::Cuboid;
-use super::ridges::Ridges;
+use super::ridges::{Face, Ridge, Ridges};
 use super::surface::{SpherePath, SphereSlide, Surface, first_crossing, is_near, skin, slide};
 use super::triangle::{ClosestPoint, Feature, Triangle};
 use super::{Nearest, ShapeFault, ShapeTouch};
@@ -103,18 +103,39 @@ impl Heights {
 
     /// Its [ridges](super::ridges).
     pub(super) fn ridges(&self) -> Ridges {
-        let vertices: Vec<Vec3> = (0..self.rows)
-            .flat_map(|row| (0..self.columns).map(move |column| self.point(column, row)))
-            .collect();
-        let cells = (0..self.rows - 1)
-            .flat_map(|row| (0..self.columns - 1).map(move |column| (column, row)));
-        // As in `corners`.
-        let corners = |(column, row): (usize, usize)| {
-            let at = |i: usize, j: usize| ((row + j) * self.columns + column + i) as u32;
-            [[at(0, 0), at(0, 1), at(1, 0)], [at(0, 1), at(1, 1), at(1, 0)]]
-        };
-        let triangles: Vec<[u32; 3]> = cells.flat_map(corners).collect();
-        Ridges::of(&vertices, &triangles, self.normals.as_flattened(), true)
+        let (columns, rows) = (self.columns - 1, self.rows - 1);
+        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+        let found = cells.flat_map(|(column, row)| {
+            // As in `corners`.
+            let [low, high] = self.cell(column, row);
+            let ([a, b, c], d) = (low.corners, high.corners[1]);
+            let face = |ends: [Vec3; 2], triangle: &Triangle, opposite: Vec3| {
+                Face::new(ends, opposite, triangle.normal)
+            };
+            // Between the triangle at a side of this cell and that of the cell beyond, unless the field ends there.
+            let beside = |ends: [Vec3; 2], own: Face, beyond: Option<(Triangle, usize)>| {
+                let other =
+                    beyond.map(|(other, opposite)| face(ends, &other, other.corners[opposite]));
+                match other {
+                    Some(other) => Ridge::between(ends, [own, other], true),
+                    None => Ridge::end(ends, [own; 2], true),
+                }
+            };
+            let before = |column: usize, row: usize| self.cell(column, row)[1];
+            let left = column.checked_sub(1).map(|column| (before(column, row), 0));
+            let back = row.checked_sub(1).map(|row| (before(column, row), 2));
+            let middle = [face([b, c], &low, a), face([b, c], &high, d)];
+            [
+                Ridge::between([b, c], middle, true),
+                beside([a, b], face([a, b], &low, c), left),
+                beside([a, c], face([a, c], &low, b), back),
+                (column + 1 == columns)
+                    .then(|| beside([c, d], face([c, d], &high, b), None))
+                    .flatten(),
+                (row + 1 == rows).then(|| beside([b, d], face([b, d], &high, c), None)).flatten(),
+            ]
+        });
+        Ridges::new(found.flatten())
     }
 
     /// See [`Shape::touch`](super::Shape::touch).

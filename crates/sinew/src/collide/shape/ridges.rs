@@ -74,18 +74,23 @@ impl Ridges {
             .collect();
         sides.sort_unstable();
         let at = |row: u32| vertices[row as usize];
-        let face = |&([a, b], i, opposite): &([u32; 2], u32, u32)| {
-            let away = (at(opposite) - at(a)).reject_from(at(b) - at(a));
-            let (height, normal) = (away.length(), normals[i as usize]);
-            Face { along: away / height, height, normal }
-        };
-        let of_edge = |own: &[([u32; 2], u32, u32)]| {
+        let found = sides.chunk_by(|one, other| one.0 == other.0).filter_map(|own| {
             let ends = own[0].0.map(at);
-            let faces = [face(&own[0]), face(own.last().unwrap_or(&own[0]))];
-            Ridge::between(ends, faces, own.len(), closed)
-        };
-        let found: Vec<Ridge> =
-            sides.chunk_by(|one, other| one.0 == other.0).filter_map(of_edge).collect();
+            let face = |&(_, i, opposite): &([u32; 2], u32, u32)| {
+                Face::new(ends, at(opposite), normals[i as usize])
+            };
+            let (first, last) = (face(&own[0]), face(own.last()?));
+            match own.len() {
+                2 => Ridge::between(ends, [first, last], closed),
+                _ => Ridge::end(ends, [first, last], closed),
+            }
+        });
+        Self::new(found)
+    }
+
+    /// In the order in which they are given.
+    pub(super) fn new(found: impl Iterator<Item = Ridge>) -> Self {
+        let found: Vec<Ridge> = found.collect();
         let bounds: Vec<_> = found.iter().map(Ridge::bounds).collect();
         let (tree, order) = AabbTree::new(&bounds);
         Self { list: order.iter().map(|&i| found[i as usize].clone()).collect(), tree }
@@ -94,7 +99,7 @@ impl Ridges {
 
 /// A triangle beside an edge.
 #[derive(Clone, Copy, Debug)]
-struct Face {
+pub(super) struct Face {
     /// Unit vector in the triangle, perpendicular to the edge and away from it.
     along: Vec3,
     /// Extent in that direction, metres.
@@ -102,15 +107,43 @@ struct Face {
     normal: Vec3,
 }
 
+impl Face {
+    /// A triangle with its third corner and its unit normal.
+    #[inline]
+    pub(super) fn new([a, b]: [Vec3; 2], opposite: Vec3, normal: Vec3) -> Self {
+        let away = (opposite - a).reject_from(b - a);
+        let height = away.length();
+        Self { along: away / height, height, normal }
+    }
+}
+
 impl Ridge {
-    /// The ridge of an edge between two of its `count` faces; `None` if it is flat or hollow.
-    fn between(
-        ends: [Vec3; 2],
-        [one, other]: [Face; 2],
-        count: usize,
-        closed: bool,
-    ) -> Option<Self> {
-        let ridge = Self {
+    /// The ridge of an edge between two triangles; `None` if it is flat or hollow.
+    #[inline]
+    pub(super) fn between(ends: [Vec3; 2], faces: [Face; 2], closed: bool) -> Option<Self> {
+        let [one, other] = faces;
+        // Of the interior angle: -1 where it is flat.
+        let cosine = one.along.dot(other.along).clamp(-1.0, 1.0);
+        let bend = ((1.0 + cosine) / (1.0 - cosine)).sqrt();
+        let is_hollow = closed && one.normal.dot(other.along) > 0.0;
+        if bend <= FLAT || is_hollow {
+            return None;
+        }
+        let ridge = Self { bend, ..Self::end(ends, faces, closed)? };
+        if !closed || cosine <= RIGHT_ANGLE {
+            return Some(ridge);
+        }
+        // A blade between the faces.
+        let inward = (one.along + other.along).normalize();
+        let out = inward.cross((ends[1] - ends[0]).normalize());
+        let extent = one.height.min(other.height);
+        Some(Self { inward, out, extent, is_blade: true, ..ridge })
+    }
+
+    /// The ridge of an edge at which a surface ends, or of which more than two triangles are a part; `None` if it has no direction.
+    pub(super) fn end(ends: [Vec3; 2], [one, other]: [Face; 2], closed: bool) -> Option<Self> {
+        let is_valid = one.along.is_finite() && other.along.is_finite() && ends[0] != ends[1];
+        is_valid.then(|| Self {
             ends,
             inward: one.along,
             out: one.normal,
@@ -120,30 +153,7 @@ impl Ridge {
             bend: f32::INFINITY,
             width: one.height + other.height,
             room: OnceLock::new(),
-        };
-        let is_valid = one.along.is_finite() && other.along.is_finite() && ends[0] != ends[1];
-        if !is_valid {
-            return None;
-        }
-        if count != 2 {
-            return Some(ridge);
-        }
-        // Of the interior angle: -1 where it is flat.
-        let cosine = one.along.dot(other.along).clamp(-1.0, 1.0);
-        let bend = ((1.0 + cosine) / (1.0 - cosine)).sqrt();
-        let is_hollow = closed && one.normal.dot(other.along) > 0.0;
-        if bend <= FLAT || is_hollow {
-            return None;
-        }
-        let ridge = Self { bend, ..ridge };
-        if !closed || cosine <= RIGHT_ANGLE {
-            return Some(ridge);
-        }
-        // A blade between the faces.
-        let inward = (one.along + other.along).normalize();
-        let out = inward.cross((ends[1] - ends[0]).normalize());
-        let extent = one.height.min(other.height);
-        Some(Self { inward, out, extent, is_blade: true, ..ridge })
+        })
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {
@@ -307,6 +317,45 @@ mod tests {
                     assert!(out < left, "{ridge:?}: {out} m outside");
                 }
             }
+        }
+    }
+
+    /// The ridges of a heightfield are found by its grid, those of a mesh by sorting.
+    #[test]
+    fn a_heightfield_has_the_ridges_of_its_triangles() {
+        let (columns, rows) = (5_u32, 4_u32);
+        let heights = [0.0, 0.3, 0.1, 0.9, 0.2, 0.7, 0.1, 0.4, 0.0, 0.5];
+        let heights: Vec<f32> = (0..20).map(|i| heights[i * 7 % 10]).collect();
+        let size = Vec3::new(4.0, 1.0, 3.0);
+        let field = Shape::height_field(5, 4, &heights, size).unwrap();
+        let point = |i: u32| {
+            let (x, z) = ((i % columns) as f32 - 2.0, (i / columns) as f32 - 1.5);
+            Vec3::new(x, heights[i as usize], z)
+        };
+        let vertices: Vec<Vec3> = (0..20).map(point).collect();
+        let cells = (0..rows - 1).flat_map(|j| (0..columns - 1).map(move |i| j * columns + i));
+        let triangles: Vec<[u32; 3]> = cells
+            .flat_map(|a| {
+                let (b, c) = (a + columns, a + 1);
+                [[a, b, c], [b, b + 1, c]]
+            })
+            .collect();
+        let normal = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(point);
+            (b - a).cross(c - a).normalize()
+        };
+        let normals: Vec<Vec3> = triangles.iter().map(normal).collect();
+        let expected = Ridges::of(&vertices, &triangles, &normals, true).list;
+        let found = all(&field);
+        assert_eq!(found.len(), expected.len());
+        assert!(found.len() > 20);
+        for ridge in &found {
+            let middle = |ridge: &Ridge| (ridge.ends[0] + ridge.ends[1]) * 0.5;
+            let near = |other: &&Ridge| middle(ridge).distance(middle(other)) < 1e-5;
+            let other = expected.iter().find(near).expect("the same edge");
+            assert!(ridge.bend == other.bend || (ridge.bend - other.bend).abs() < 1e-4);
+            assert!((ridge.width - other.width).abs() < 1e-4);
+            assert_eq!(ridge.is_blade, other.is_blade);
         }
     }
 
