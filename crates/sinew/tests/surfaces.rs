@@ -271,6 +271,42 @@ fn a_sheet_that_falls_onto_a_fence_is_not_cut() {
     }
 }
 
+/// Regression: what is pinned in a solid is attached to it, however deep, and edges of a mesh that its threads come out past do not push them.
+#[test]
+fn a_sheet_that_is_pinned_in_posts_is_not_torn_by_their_edges() {
+    let hang = |post: Option<(f32, bool)>| {
+        let mut world = Simulation::default();
+        let triangles = sheet(&mut world, 4, 1.0, true);
+        let length = |world: &Simulation, [a, b]: [u32; 2]| {
+            world.particles.position(a as usize).distance(world.particles.position(b as usize))
+        };
+        let sides = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let sides: Vec<_> = sides.map(|side| (side, length(&world, side))).collect();
+        for (x, z) in [(0.5, 0.5), (-0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)] {
+            let Some((width, is_mesh)) = post else { continue };
+            let (size, at) = (Vec3::new(width, 1.0, width), Vec3::new(x, 0.6, z));
+            world.colliders.push(if is_mesh {
+                Collider::fixed(mesh(&[box_corners(size, at)]), Frame::IDENTITY)
+            } else {
+                Collider::fixed(Shape::cuboid(size).unwrap(), Frame::at(at))
+            });
+        }
+        for _ in 0..120 {
+            world.step(DT).unwrap();
+        }
+        let strains = sides.iter().map(|&(side, rest)| length(&world, side) / rest - 1.0);
+        strains.fold(0.0, f32::max)
+    };
+    let free = hang(None);
+    for width in [0.1, 0.2, 0.24, 0.3, 0.4] {
+        // Wider ones hold more than the pins.
+        let of_box = hang(Some((width, false)));
+        let expected = if width < 0.25 { free } else { of_box };
+        let held = hang(Some((width, true)));
+        assert!(held < expected + 0.01, "{width} m: stretched by {held} instead of {expected}");
+    }
+}
+
 /// Regression: a small body fell through a sheet between its particles.
 #[test]
 fn a_small_body_is_caught_by_a_coarse_sheet() {

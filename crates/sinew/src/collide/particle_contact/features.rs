@@ -200,6 +200,18 @@ impl ParticleContacts {
             origin,
             reach: Reach { most: carried, likely: carried },
         };
+        // What is pinned in the solid that a ridge belongs to is attached to it, however deep.
+        let is_attached = |&row: &u32| match &surface.form {
+            SurfaceForm::Shape(whole) if ridge_box.is_some() => {
+                let (position, i) = (particles.position[row as usize], row as usize);
+                let frame = surface.frame_at(0.0).seen_from(particles.origin[i]);
+                let is_within = || {
+                    whole.nearest(frame.local(position.truncate())).distance < particles.radius[i]
+                };
+                position.w == 0.0 && is_within()
+            }
+            _ => false,
+        };
         let FeatureCandidates { list, corners, .. } = found;
         features.find_beside(body, &beside, particles, corners, |feature, reach| {
             let rows = feature.rows();
@@ -208,7 +220,8 @@ impl ParticleContacts {
                 .iter()
                 .all(|&row| !self.is_excluded(row) && islands.of[row as usize] == island);
             let moves = rows.iter().any(|&row| particles.position[row as usize].w != 0.0);
-            if takes_part && moves && !islands.list[island as usize].asleep {
+            let is_awake = !islands.list[island as usize].asleep;
+            if takes_part && moves && is_awake && !rows.iter().any(is_attached) {
                 let mut point = feature.middle();
                 let corners = point.corners(&particles.position, &particles.origin, 0);
                 let radius = point.radius(&particles.radius, 0);

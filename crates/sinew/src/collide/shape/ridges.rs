@@ -239,10 +239,13 @@ mod tests {
         Shape::mesh(points.to_vec(), convex_hull(points).unwrap()).unwrap()
     }
 
-    fn cube() -> Shape {
+    fn block(size: Vec3, at: Vec3) -> Vec<Vec3> {
         let sign = |bit: u32, i: u32| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
-        let corners = (0..8).map(|i| Vec3::new(sign(0, i), sign(1, i), sign(2, i)));
-        hull(&corners.collect::<Vec<_>>())
+        (0..8).map(|i| at + size * Vec3::new(sign(0, i), sign(1, i), sign(2, i))).collect()
+    }
+
+    fn cube() -> Shape {
+        hull(&block(Vec3::ONE, Vec3::ZERO))
     }
 
     /// Its sides meet at a little more than a right angle; beside the base they are sharper.
@@ -281,16 +284,8 @@ mod tests {
     fn the_box_has_the_edge_on_it_and_is_in_the_solid_but_for_a_blade() {
         // A wall of 3 cm round a hollow of 1 m, without lid and floor: the boxes must not fill the hollow.
         let wall = |x: f32, z: f32| {
-            let size = Vec3::new(
-                if x == 0.0 { 1.06 } else { 0.03 },
-                1.0,
-                if z == 0.0 { 1.06 } else { 0.03 },
-            );
-            let sign = |bit: u32, i: u32| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
-            let at = Vec3::new(x, 0.0, z) * 0.515;
-            let corners =
-                (0..8).map(move |i| at + size * Vec3::new(sign(0, i), sign(1, i), sign(2, i)));
-            corners.collect::<Vec<_>>()
+            let [wide, deep] = [x, z].map(|side| if side == 0.0 { 1.06 } else { 0.03 });
+            block(Vec3::new(wide, 1.0, deep), Vec3::new(x, 0.0, z) * 0.515)
         };
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
         for part in [wall(1.0, 0.0), wall(-1.0, 0.0), wall(0.0, 1.0), wall(0.0, -1.0)] {
