@@ -1,11 +1,12 @@
-//! Planes and boxes that constrain particles without restitution, drag, motion or events (physics.md C4), and the plane constraint of a 2D world. They are
-//! projected row by row, without a broad phase. Everything else is a surface (`particle_contact::surface`).
+//! Planes and boxes that constrain particles without restitution, drag, motion or events (physics.md C4), and the plane constraint of a 2D world. Particles are
+//! projected one by one, or eight side by side by the same code. Everything else is a surface (`particle_contact::surface`).
 
 use glam::Vec3;
 
 use super::collider::Collider;
-use super::friction::push;
+use super::friction::contact_correction;
 use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane};
+use crate::lanes::{Number, Vector};
 use crate::particles::{Particles, Places, ground};
 
 /// Bounds of particles by class ([`BodyClasses`](super::body_classes::BodyClasses)), and the plane of a 2D world: scratch of a step.
@@ -32,6 +33,44 @@ pub(super) struct ClassBounds {
 pub(super) enum PlaneOrBox {
     Plane(Plane),
     Box(InsideBox),
+}
+
+/// A particle as a sphere, or eight of them, in a substep. Positions are relative to a common origin, metres.
+pub(super) struct Spheres<N> {
+    pub(super) origin: Vec3,
+    pub(super) position: Vector<N>,
+    /// Where they were when the substep began.
+    pub(super) start: Vector<N>,
+    pub(super) radius: N,
+}
+
+impl Spheres<f32> {
+    /// The particle of a row.
+    #[inline(always)]
+    pub(super) fn of(places: &Places, row: u32) -> Self {
+        let i = places.at(row);
+        Self {
+            origin: places.origin[i],
+            position: places.position[i].truncate().into(),
+            start: places.start[i].truncate().into(),
+            radius: places.radius[i],
+        }
+    }
+}
+
+impl<N: Number> Spheres<N> {
+    /// The displacement that brings them out of a plane, metres; zero where they do not overlap.
+    #[inline(always)]
+    pub(super) fn out_of_plane(&self, plane: &Plane) -> Vector<N> {
+        let ground = N::splat(ground(self.origin, plane.normal, plane.offset));
+        plane.correction(self.position, self.radius, ground)
+    }
+
+    /// The displacement that brings them into a box, metres; zero where they are in it.
+    #[inline(always)]
+    pub(super) fn into_box(&self, inside: &InsideBox) -> Vector<N> {
+        inside.correction(self.position, self.radius, self.origin)
+    }
 }
 
 impl PlaneOrBox {
@@ -163,36 +202,57 @@ impl Bounds {
 }
 
 impl ClassBounds {
-    /// Projects a row out of every plane and box, once, with friction, recovering at most `recover` metres of an overlap from before the substep. Returns the
-    /// greatest correction, metres.
-    #[inline]
-    pub(super) fn project(&self, places: &mut Places, row: u32, recover: f32) -> f32 {
-        let mut worst = 0.0_f32;
+    /// Whether nothing bounds the class.
+    pub(super) fn is_empty(&self) -> bool {
+        self.planes.is_empty() && self.boxes.is_empty()
+    }
+
+    /// Projects spheres out of every plane and box, once, with friction, recovering at most `recover` metres of an overlap from before the substep. Returns the
+    /// greatest correction of each, metres.
+    #[inline(always)]
+    pub(super) fn project<N: Number>(&self, spheres: &mut Spheres<N>, recover: f32) -> N {
+        let mut worst = N::zero();
         for plane in &self.planes {
-            let out = plane.correction(places, row);
-            if out != Vec3::ZERO {
-                worst = worst.max(push(places, row, out, (plane.friction, recover)));
-            }
+            let out = spheres.out_of_plane(plane);
+            worst = push(spheres, out, (plane.friction, recover)).max(worst);
         }
         for inside in &self.boxes {
-            let out = inside.correction(places, row);
-            if out != Vec3::ZERO {
-                worst = worst.max(push(places, row, out, (inside.friction, recover)));
-            }
+            let out = spheres.into_box(inside);
+            worst = push(spheres, out, (inside.friction, recover)).max(worst);
         }
         worst
     }
 
     /// The correction of each plane and each box for a row, metres; zero where it does not overlap.
     pub(super) fn corrections(&self, places: &Places, row: u32) -> impl Iterator<Item = Vec3> {
-        let planes = self.planes.iter().map(move |plane| plane.correction(places, row));
-        planes.chain(self.boxes.iter().map(move |inside| inside.correction(places, row)))
+        let planes =
+            self.planes.iter().map(move |plane| Spheres::of(places, row).out_of_plane(plane));
+        let boxes = self.boxes.iter().map(move |inside| Spheres::of(places, row).into_box(inside));
+        planes.chain(boxes).map(Vec3::from)
     }
 
     /// Greatest overlap of a row, metres. Moves nothing.
     pub(super) fn error(&self, places: &Places, row: u32) -> f32 {
         self.corrections(places, row).map(Vec3::length).fold(0.0, f32::max)
     }
+}
+
+/// Moves spheres by the normal corrections `out` and the friction that belongs to them, where there are any. Returns the normal corrections applied, metres.
+#[inline(always)]
+fn push<N: Number>(
+    spheres: &mut Spheres<N>,
+    out: Vector<N>,
+    (coefficient, recover): (f32, f32),
+) -> N {
+    if !N::zero().lt(out.length_squared()).any() {
+        return N::zero();
+    }
+    let moved = spheres.position - spheres.start;
+    let limits = (N::splat(coefficient), N::splat(recover));
+    let (by, depth) = contact_correction(out, moved, limits);
+    let touching = N::zero().lt(depth);
+    spheres.position = (spheres.position + by).or_else(touching, spheres.position);
+    depth
 }
 
 #[cfg(test)]
@@ -215,7 +275,10 @@ mod tests {
         let mut bounds = Bounds::default();
         bounds.begin(&Boundaries::default(), 1);
         bounds.add(bound, |_| Some(friction));
-        bounds.of(0).project(&mut Places::all(particles), 0, f32::INFINITY)
+        let mut sphere = Spheres::of(&Places::all(particles), 0);
+        let depth = bounds.of(0).project(&mut sphere, f32::INFINITY);
+        particles.set_position(0, sphere.origin + Vec3::from(sphere.position));
+        depth
     }
 
     #[test]

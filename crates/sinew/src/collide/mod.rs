@@ -68,6 +68,7 @@ pub use shape::{Nearest, RayHit, Shape, ShapeFault, is_uniform};
 
 pub(crate) use body_contact::{RigidStep, Written, half_spaces};
 pub(crate) use filter::ContactFilter;
+pub(crate) use friction::contact_correction;
 pub(crate) use manifold::{Broad, ManifoldScratch, collide};
 pub(crate) use particle_contact::{
     BatchContacts, InstantInterval, NormalImpulse, NormalImpulses, ParticleContacts,

@@ -4,6 +4,7 @@
 use glam::Vec3;
 
 use super::shape::{Shape, ShapeTouch};
+use crate::lanes::{Number, Vector};
 
 /// Limit of the depenetration in a substep: this multiple of g h² (what gravity adds to an overlap), plus this speed times h, m/s.
 const MAX_RECOVERY: (f32, f32) = (20.0, 2.0);
@@ -48,10 +49,10 @@ pub(super) fn split_depth(depth: f32, approach: f32) -> (f32, f32) {
 }
 
 /// The part of a depth that is corrected in a substep with the given approach, metres.
-#[inline]
-fn limited(depth: f32, approach: f32, recover: f32) -> f32 {
+#[inline(always)]
+fn limited<N: Number>(depth: N, approach: N, recover: N) -> N {
     let allowed = approach + recover;
-    if depth <= recover.max(allowed) { depth } else { allowed.max(0.0) }
+    recover.max(allowed).lt(depth).select(allowed.max(N::zero()), depth)
 }
 
 #[cold]
@@ -59,10 +60,17 @@ fn is_inside(shape: &Shape, at: Vec3, radius: f32, recover: f32) -> bool {
     shape.touch(at, at, radius).is_some_and(|touched| touched.depth > recover)
 }
 
-/// As [`limit_depth`], for a correction by planes and boxes.
-#[inline]
-pub(super) fn limit_correction(out: Vec3, moved: Vec3, recover: f32) -> Vec3 {
+/// As [`limit_depth`], for corrections `out` by planes and boxes of what has `moved` since the substep began, metres.
+#[inline(always)]
+pub(super) fn limit_correction<N: Number>(
+    out: Vector<N>,
+    moved: Vector<N>,
+    recover: N,
+) -> Vector<N> {
     let depth = out.length();
+    if !recover.lt(depth).any() {
+        return out;
+    }
     let kept = limited(depth, -out.dot(moved) / depth, recover);
-    if kept == depth { out } else { out * (kept / depth) }
+    (out * (kept / depth)).or_else(kept.lt(depth), out)
 }

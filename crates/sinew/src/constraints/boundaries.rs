@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::pin::Pin;
 use super::planar_drag::PlanarDrag;
-use crate::particles::Places;
+use crate::lanes::{Number, Vector};
 
 /// The constraints on single particles. [`Constraint`](super::Constraint)s and distances are kept separately, in the [`Simulation`](crate::Simulation), because
 /// a change to them recompiles the plan; these may change at any step at no cost.
@@ -107,29 +107,27 @@ impl InsideBox {
 }
 
 impl Plane {
-    /// The displacement that brings the particle in `row`, a sphere of its radius, just inside, metres; zero if it is inside already. It leads to the nearest
-    /// point of the half-space: along the normal, whatever the mass.
-    #[inline]
-    pub(crate) fn correction(&self, places: &Places, row: u32) -> Vec3 {
-        let radius = places.radius[places.at(row)];
-        let height = places.height(row, self.normal, self.offset) - radius;
-        if height < 0.0 { self.normal * -height } else { Vec3::ZERO }
+    /// The displacement that brings a sphere of `radius` at `p` just inside, metres; zero if it is inside already. It leads to the nearest point of the half-space:
+    /// along the normal, whatever the mass. `ground` is the height of the origin of `p` above the plane.
+    #[inline(always)]
+    pub(crate) fn correction<N: Number>(&self, p: Vector<N>, radius: N, ground: N) -> Vector<N> {
+        let normal = Vector::<N>::splat(self.normal);
+        let height = normal.dot(p) + ground - radius;
+        (normal * -height).or_else(height.lt(N::zero()), Vector::zero())
     }
 }
 
 impl InsideBox {
-    /// The displacement that brings the particle in `row` inside, metres: a clamp of each coordinate. Where the box is thinner than the sphere, the sphere is
-    /// held in the middle.
-    #[inline]
-    pub(crate) fn correction(&self, places: &Places, row: u32) -> Vec3 {
-        let i = places.at(row);
-        let (radius, origin) = (places.radius[i], places.origin[i]);
+    /// The displacement that brings a sphere of `radius` at `p` inside, metres: a clamp of each coordinate. Where the box is thinner than the sphere, the sphere is
+    /// held in the middle. `origin` is that of `p`, metres.
+    #[inline(always)]
+    pub(crate) fn correction<N: Number>(&self, p: Vector<N>, radius: N, origin: Vec3) -> Vector<N> {
         let (min, max) = (self.min - origin, self.max - origin);
-        let middle = (min + max) * 0.5;
-        let low = (min + radius).min(middle);
-        let high = (max - radius).max(middle);
-        let position = places.position[i].truncate();
-        position.max(low).min(high) - position
+        let middle = Vector::<N>::splat((min + max) * 0.5);
+        let radius = Vector::new(radius, radius, radius);
+        let low = (Vector::splat(min) + radius).min(middle);
+        let high = (Vector::splat(max) - radius).max(middle);
+        p.max(low).min(high) - p
     }
 }
 

@@ -55,6 +55,12 @@ impl<N: Number> Vector<N> {
         Self::new(N::splat(v.x), N::splat(v.y), N::splat(v.z))
     }
 
+    /// The zero vector in each lane.
+    #[inline(always)]
+    pub(crate) fn zero() -> Self {
+        Self::new(N::zero(), N::zero(), N::zero())
+    }
+
     /// The positions of packed particles, and their `w`.
     #[inline(always)]
     pub(crate) fn of([x, y, z, w]: [N; 4]) -> (Self, N) {
@@ -70,6 +76,18 @@ impl<N: Number> Vector<N> {
     #[inline(always)]
     pub(crate) fn length(self) -> N {
         self.dot(self).sqrt()
+    }
+
+    /// The smaller of the two, component by component: see [`Number::min`].
+    #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        Self { x: self.x.min(other.x), y: self.y.min(other.y), z: self.z.min(other.z) }
+    }
+
+    /// The larger of the two, component by component: see [`Number::max`].
+    #[inline(always)]
+    pub(crate) fn max(self, other: Self) -> Self {
+        Self { x: self.x.max(other.x), y: self.y.max(other.y), z: self.z.max(other.z) }
     }
 
     /// This one where a mask is set, the other elsewhere.
@@ -126,6 +144,13 @@ impl From<DVec3> for Vector<f64> {
 impl From<Vector<f64>> for DVec3 {
     #[inline(always)]
     fn from(v: Vector<f64>) -> Self {
+        Self::new(v.x, v.y, v.z)
+    }
+}
+
+impl From<Vec3> for Vector<f32> {
+    #[inline(always)]
+    fn from(v: Vec3) -> Self {
         Self::new(v.x, v.y, v.z)
     }
 }

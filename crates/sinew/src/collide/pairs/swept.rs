@@ -14,6 +14,7 @@
 use glam::{Vec3, Vec4};
 
 use super::super::friction::friction;
+use crate::lanes::Vector;
 use crate::particles::Particles;
 
 /// A pair that may touch.
@@ -57,7 +58,8 @@ impl SweptPair {
             return None;
         }
         let slid = moved - normal * normal.dot(moved);
-        let apart = normal * overlap + friction(slid, overlap, self.friction);
+        let apart =
+            normal * overlap + Vec3::from(friction(Vector::from(slid), overlap, self.friction));
         shift(&mut particles.position, self.rows, apart);
         Some((normal, overlap, stopped.is_some()))
     }

@@ -5,10 +5,10 @@ use glam::Vec3;
 use super::super::features::Features;
 use super::super::frame::Frame;
 use super::super::nearby;
-use super::super::shape::Shape;
+use super::super::shape::{Reachable, Shape};
 use super::super::world::World;
 use super::surface::SurfaceForm;
-use super::{NormalImpulse, ParticleContacts, SurfaceCandidate};
+use super::{NO_FACE, NormalImpulse, ParticleContacts, SurfaceCandidate};
 use crate::particles::Particles;
 
 /// Scratch of sorting candidates by row.
@@ -31,6 +31,7 @@ impl ParticleContacts {
     ) {
         self.first.clear();
         self.candidates.clear();
+        self.faces.clear();
         self.elastic.clear();
         self.late.0.clear();
         normal_impulses.clear();
@@ -105,7 +106,8 @@ impl ParticleContacts {
                 }
                 for &row in &islands.members[island.members.clone()] {
                     let i = row as usize;
-                    let reach = self.reference[i].w.sqrt() + particles.radius[i];
+                    let way = self.reference[i].w.sqrt();
+                    let reach = way + particles.radius[i];
                     let at = particles.origin[i] + particles.position[i].truncate();
                     let near = (at + reach).cmpge(low).all() && (at - reach).cmple(high).all();
                     let pinned = particles.position[i].w == 0.0;
@@ -117,7 +119,18 @@ impl ParticleContacts {
                         continue;
                     };
                     let gravity = world.row_gravity.of(row);
-                    self.sort.found.push((row, SurfaceCandidate::new(number, material, gravity)));
+                    let candidate = SurfaceCandidate::new(number, material, gravity);
+                    let surface = &self.surfaces[number];
+                    let reachable = surface.reachable(&self.frames[number], particles, (i, way));
+                    let face = match reachable {
+                        Reachable::Nothing => continue,
+                        Reachable::Several => NO_FACE,
+                        Reachable::Face(face) => {
+                            self.faces.push(face);
+                            self.faces.len() as u32 - 1
+                        }
+                    };
+                    self.sort.found.push((row, SurfaceCandidate { face, ..candidate }));
                 }
             }
         }

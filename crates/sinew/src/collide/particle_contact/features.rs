@@ -18,6 +18,7 @@ use super::super::surface_point::{SupportPlane, SurfacePoint, each};
 use super::super::world::World;
 use super::surface::{ContactSurface, SurfaceForm};
 use super::{InstantInterval, ParticleContact, ParticleContacts};
+use crate::lanes::Vector;
 use crate::particles::{Particles, Places};
 
 /// The features that may touch a collider in a step. Scratch.
@@ -293,7 +294,7 @@ impl ParticleContacts {
         let touched = point.touch_collider(shape, corners, thickness)?;
         let way = (from, to, thickness);
         let touched = limit_depth(touched, shape, way, self.recover_in(interval))?;
-        Some((point, ParticleContact::of(&touched, to, &[was, is], surface.moves)))
+        Some((point, ParticleContact::of(&touched, to, [&was, &is], surface.moves)))
     }
 }
 
@@ -344,14 +345,14 @@ impl ParticleContact {
         let place =
             |column, places: &Places| point.of(point.corners(column, places.origin, places.first));
         let moved = place(places.position, places) - place(places.start, places);
-        let depth = self.depth;
+        let (depth, moved) = (self.depth, Vector::from(moved));
         let (new, old) = split_depth(depth, (self.carried - moved).dot(self.normal));
         if old > 0.0 {
-            point.shift(places, self.normal * old);
+            point.shift(places, (self.normal * old).into());
             self.depth = new;
         }
         if self.depth > 0.0 {
-            point.apply_impulse(places, self.displacement(moved, coefficient) / w);
+            point.apply_impulse(places, Vec3::from(self.displacement(moved, coefficient)) / w);
         }
         depth
     }

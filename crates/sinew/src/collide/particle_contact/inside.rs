@@ -47,6 +47,7 @@ impl ParticleContacts {
                 self.overlaps(&places, row).max_by(|a, b| a.0.depth.total_cmp(&b.0.depth));
             let deep = deepest.filter(|(overlap, _)| overlap.depth > self.max_depenetration);
             let Some((ParticleContact { normal, .. }, candidate)) = deep else { continue };
+            let normal = Vec3::from(normal);
             let along = places.velocity[row as usize].truncate().dot(normal);
             let bounces = |candidate: &SurfaceCandidate| {
                 let least = threshold(candidate.gravity, h);
@@ -72,8 +73,9 @@ impl ParticleContacts {
             let candidate = &self.candidates[number as usize];
             let number = candidate.surface as usize;
             let (surface, frame) = (&self.surfaces[number], &self.frames[number]);
-            let overlap = if surface.sensor { None } else { surface.overlap(places, row, frame) };
-            overlap.map(|overlap| (overlap, Some(candidate)))
+            let face = self.face_of(candidate);
+            let overlap = (!surface.sensor).then(|| surface.overlap(places, row, frame, face));
+            overlap.flatten().map(|overlap| (overlap, Some(candidate)))
         });
         bounds.chain(surfaces)
     }

@@ -75,7 +75,9 @@ impl ParticleContacts {
         for number in 0..self.surfaces.len() {
             let material = self.material(number, self.classes.of(row));
             let Some(material) = material.filter(|_| !self.ignores(row, number)) else { continue };
-            let Some(contact) = self.contact(places, row, number, interval) else { continue };
+            let Some(contact) = self.contact(places, row, (number, None), interval) else {
+                continue;
+            };
             let candidate = SurfaceCandidate::new(number, *material, self.gravity.of(row));
             let depth = self.late.0.with(row, candidate, |impulse| {
                 self.resolve(places, impulse, (row, &candidate), &contact)

@@ -21,17 +21,18 @@ mod surface;
 use glam::{Vec3, Vec4};
 
 use super::body_classes::BodyClasses;
-use super::bounds::{Bounds, ClassBounds};
+use super::bounds::{Bounds, ClassBounds, Spheres};
 use super::features::Features;
 use super::filter::ContactFilter;
 use super::frame::Frame;
 use super::friction::friction;
 use super::material::CombinedMaterial;
 use super::recovery::{limit_correction, limit_depth};
-use super::shape::ShapeTouch;
+use super::shape::{LocalFace, ShapeTouch};
 use super::world::World;
 use crate::constraints::{PlanarDrag, Plane};
 use crate::forces::RowGravity;
+use crate::lanes::{Number, Vector};
 use crate::not_cloned::NotCloned;
 use crate::particles::{Particles, Places};
 
@@ -60,6 +61,8 @@ pub(crate) struct ParticleContacts {
     /// Index of the first candidate of each row, followed by the number of candidates; empty where there are no surfaces.
     first: Vec<u32>,
     candidates: Vec<SurfaceCandidate>,
+    /// The faces that candidates refer to.
+    faces: Vec<LocalFace>,
     /// Rows and numbers of the candidates with a restitution, sensors apart.
     elastic: Vec<[u32; 2]>,
     late: NotCloned<LateContacts>,
@@ -113,13 +116,19 @@ struct SurfaceCandidate {
     drag: PlanarDrag,
     /// Magnitude of the gravity on the row, m/s².
     gravity: f32,
+    /// Number of the only face of the surface that the row may meet, or [`NO_FACE`].
+    face: u32,
 }
+
+/// Stands for a candidate that may meet any part of its surface.
+const NO_FACE: u32 = u32::MAX;
 
 impl SurfaceCandidate {
     /// Gravity in m/s².
     fn new(surface: usize, material: CombinedMaterial, gravity: f32) -> Self {
         let CombinedMaterial { friction, restitution, drag } = material;
-        Self { surface: surface as u32, friction, restitution, drag, gravity }
+        let face = NO_FACE;
+        Self { surface: surface as u32, friction, restitution, drag, gravity, face }
     }
 }
 
@@ -255,7 +264,13 @@ impl ParticleContacts {
         if self.is_excluded(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
-        bounds.project(places, row, self.recover_in(interval))
+        let mut sphere = Spheres::of(places, row);
+        let depth = bounds.project(&mut sphere, self.recover_in(interval));
+        if depth > 0.0 {
+            let here = &mut places.position[places.at(row)];
+            *here = Vec3::from(sphere.position).extend(here.w);
+        }
+        depth
     }
 
     /// Projects a row into the plane of a 2D world; returns its distance from it, metres.
@@ -290,7 +305,7 @@ impl ParticleContacts {
             let number = candidate.surface as usize;
             let (surface, frame) = (&self.surfaces[number], &self.frames[last + number]);
             if !surface.sensor {
-                let overlap = surface.overlap(places, row, frame);
+                let overlap = surface.overlap(places, row, frame, self.face_of(candidate));
                 worst = overlap.map_or(worst, |overlap| worst.max(overlap.depth));
             }
         }
@@ -352,25 +367,10 @@ impl ParticleContacts {
         (row, number): (u32, u32),
         interval: InstantInterval,
     ) -> f32 {
-        let surface = self.candidates[number as usize].surface as usize;
-        let Some(contact) = self.contact(places, row, surface, interval) else { return 0.0 };
-        self.take_contact(places, normal_impulses, (row, number), &contact)
-    }
-
-    /// Records a contact of a candidate and resolves it; returns the depth, metres.
-    ///
-    /// Always inlined, as what it calls: the loops over candidates are compiled for the kernel's instructions, and a call out of them is compiled without. A
-    /// sheet of 64 × 64 on a wide box took 1.2 times as long.
-    #[inline(always)]
-    fn take_contact(
-        &self,
-        places: &mut Places,
-        normal_impulses: &mut NormalImpulses,
-        (row, number): (u32, u32),
-        contact: &ParticleContact,
-    ) -> f32 {
         let candidate = &self.candidates[number as usize];
-        self.resolve(places, normal_impulses.at(number), (row, candidate), contact)
+        let surface = (candidate.surface as usize, self.face_of(candidate));
+        let Some(contact) = self.contact(places, row, surface, interval) else { return 0.0 };
+        self.resolve(places, normal_impulses.at(number), (row, candidate), &contact)
     }
 
     /// Records a contact and resolves it; returns the depth, metres.
@@ -395,13 +395,19 @@ impl ParticleContacts {
         !self.ignored.is_empty() && self.ignored.binary_search(&[surface as u32, row]).is_ok()
     }
 
-    /// The contact of a row with a surface in a substep, if they touch.
+    /// The only face that a candidate's row may meet, if there is one.
+    #[inline]
+    fn face_of(&self, candidate: &SurfaceCandidate) -> Option<&LocalFace> {
+        self.faces.get(candidate.face as usize)
+    }
+
+    /// The contact of a row with a surface in a substep, if they touch. `face` is the only face that the row may meet, if it stays near where the step began.
     #[inline]
     fn contact(
         &self,
         places: &Places,
         row: u32,
-        number: usize,
+        (number, face): (usize, Option<&LocalFace>),
         interval: InstantInterval,
     ) -> Option<ParticleContact> {
         let i = places.at(row);
@@ -410,33 +416,36 @@ impl ParticleContacts {
         let surface = &self.surfaces[number];
         match &surface.form {
             SurfaceForm::Plane(plane) => {
-                self.along(plane.correction(places, row), (start, q), interval)
+                let sphere = Spheres::of(places, row);
+                self.along(sphere.out_of_plane(plane), &sphere, interval)
             }
             SurfaceForm::BoundingBox(room) => {
-                self.along(room.correction(places, row), (start, q), interval)
+                let sphere = Spheres::of(places, row);
+                self.along(sphere.into_box(room), &sphere, interval)
             }
             SurfaceForm::Shape(shape) => {
                 let (was, is) = self.frames_of(number, interval, origin);
                 let (from, to) = (was.local(start.truncate()), is.local(q.truncate()));
-                let mut touched = shape.touch(from, to, radius)?;
+                let mut touched = shape.touch_at(face, (from, to, radius))?;
                 if !surface.sensor {
                     let way = (from, to, radius);
                     touched = limit_depth(touched, shape, way, self.recover_in(interval))?;
                 }
-                Some(ParticleContact::of(&touched, to, &[was, is], surface.moves))
+                Some(ParticleContact::of(&touched, to, [&was, &is], surface.moves))
             }
         }
     }
 
-    /// The contact for a correction of a row that moved from `start` to `q`.
+    /// The contact for a correction of a sphere.
     fn along(
         &self,
-        correction: Vec3,
-        (start, q): (Vec4, Vec4),
+        correction: Vector<f32>,
+        sphere: &Spheres<f32>,
         interval: InstantInterval,
     ) -> Option<ParticleContact> {
-        let moved = (q - start).truncate();
-        ParticleContact::along(limit_correction(correction, moved, self.recover_in(interval)))
+        let moved = sphere.position - sphere.start;
+        let limited = limit_correction(correction, moved, self.recover_in(interval));
+        ParticleContact::along(limited.into())
     }
 
     /// Poses of a surface at the start and end of an interval relative to an origin of rows, which keeps precision far from the world origin.
@@ -451,50 +460,105 @@ impl ParticleContacts {
     }
 }
 
-/// A contact of a particle with a surface.
+/// A contact of a particle with a surface, or of eight.
 #[derive(Clone, Copy, Debug)]
-struct ParticleContact {
+struct ContactOf<N> {
     /// Unit vector to the allowed side.
-    normal: Vec3,
+    normal: Vector<N>,
     /// Penetration depth, metres.
-    depth: f32,
+    depth: N,
     /// Displacement of the surface at the contact since the start of the substep, metres.
-    carried: Vec3,
+    carried: Vector<N>,
 }
+
+type ParticleContact = ContactOf<f32>;
 
 impl ParticleContact {
     /// The contact of a particle at `to`, in the frame of the shape, which moved from the first pose to the second.
-    #[inline]
-    fn of(touched: &ShapeTouch, to: Vec3, [was, is]: &[Frame; 2], moves: bool) -> Self {
-        let mut carried = Vec3::ZERO;
-        if moves {
-            let settled = to + touched.normal * touched.depth;
-            carried = is.point(settled) - was.point(settled);
-        }
-        Self { normal: is.turn(touched.normal), depth: touched.depth, carried }
+    #[inline(always)]
+    fn of(touched: &ShapeTouch, to: Vec3, [was, is]: [&Frame; 2], moves: bool) -> Self {
+        let frames = [&FrameOf::of(was), &FrameOf::of(is)];
+        Self::at(touched.normal.into(), touched.depth, to.into(), (frames, moves))
     }
 
     /// The contact for a correction by something static.
     fn along(correction: Vec3) -> Option<Self> {
         let depth = correction.length();
-        (depth > 0.0).then(|| Self { normal: correction / depth, depth, carried: Vec3::ZERO })
+        let normal = (correction / depth).into();
+        (depth > 0.0).then(|| Self { normal, depth, carried: Vector::zero() })
     }
 
     /// Projects a row out, with friction.
-    #[inline]
+    #[inline(always)]
     fn resolve(&self, places: &mut Places, row: u32, coefficient: f32) {
         let i = places.at(row);
         let moved = (places.position[i] - places.start[i]).truncate();
-        places.displace(row, self.displacement(moved, coefficient));
+        places.displace(row, self.displacement(moved.into(), coefficient).into());
+    }
+}
+
+impl<N: Number> ContactOf<N> {
+    /// Contacts of particles at `to` that touch along `normal`, both in the frame of a shape, which `moves` from the first pose to the second.
+    #[inline(always)]
+    fn at(
+        normal: Vector<N>,
+        depth: N,
+        to: Vector<N>,
+        ([was, is], moves): ([&FrameOf<N>; 2], bool),
+    ) -> Self {
+        let mut carried = Vector::zero();
+        if moves {
+            let settled = to + normal * depth;
+            carried = is.point(settled) - was.point(settled);
+        }
+        Self { normal: is.turn(normal), depth, carried }
     }
 
     /// The displacement out of the contact, with friction, of what has `moved` since the substep began, metres.
     #[inline(always)]
-    fn displacement(&self, moved: Vec3, coefficient: f32) -> Vec3 {
+    fn displacement(&self, moved: Vector<N>, coefficient: N) -> Vector<N> {
         let out = self.normal * self.depth;
         let moved = moved + out - self.carried;
         let slid = moved - self.normal * moved.dot(self.normal);
         out + friction(slid, self.depth, coefficient)
+    }
+}
+
+/// A [`Frame`] for one point, or for eight.
+struct FrameOf<N> {
+    axes: [Vector<N>; 3],
+    translation: Vector<N>,
+}
+
+impl<N: Number> FrameOf<N> {
+    #[inline(always)]
+    fn of(frame: &Frame) -> Self {
+        let r = &frame.rotation;
+        Self {
+            axes: [Vector::splat(r.x_axis), Vector::splat(r.y_axis), Vector::splat(r.z_axis)],
+            translation: Vector::splat(frame.translation),
+        }
+    }
+
+    /// See [`Frame::local`].
+    #[inline(always)]
+    fn local(&self, point: Vector<N>) -> Vector<N> {
+        let direction = point - self.translation;
+        let [x, y, z] = &self.axes;
+        Vector::new(x.dot(direction), y.dot(direction), z.dot(direction))
+    }
+
+    /// See [`Frame::turn`].
+    #[inline(always)]
+    fn turn(&self, local: Vector<N>) -> Vector<N> {
+        let [x, y, z] = self.axes;
+        x * local.x + y * local.y + z * local.z
+    }
+
+    /// See [`Frame::point`].
+    #[inline(always)]
+    fn point(&self, local: Vector<N>) -> Vector<N> {
+        self.turn(local) + self.translation
     }
 }
 

@@ -58,15 +58,16 @@ impl<'a> NormalImpulses<'a> {
 
 impl NormalImpulse {
     /// Records a contact that is about to be resolved.
-    #[inline]
+    #[inline(always)]
     pub(super) fn record(&mut self, places: &Places, row: u32, contact: &ParticleContact) {
         let i = places.at(row);
+        let normal = Vec3::from(contact.normal);
         if self.depth == 0.0 {
             // Until velocities are derived, the column holds those that led into the prediction of the substep.
-            self.approach = places.velocity[i].truncate().dot(contact.normal);
+            self.approach = places.velocity[i].truncate().dot(normal);
         }
-        self.normal = contact.normal;
-        self.carried = contact.carried;
+        self.normal = normal;
+        self.carried = contact.carried.into();
         self.depth += contact.depth;
     }
 }

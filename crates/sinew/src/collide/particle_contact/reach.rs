@@ -37,8 +37,8 @@ impl ParticleContacts {
         (interval, instructions): (InstantInterval, InstructionSet),
     ) -> f32 {
         let (near, exceeded) = self.in_reach(places, number, rows, instructions);
-        let common = self.common_bounds();
         if exceeded || !self.has_batches(number) {
+            let common = self.common_bounds();
             let depths = near.iter().map(|&row| {
                 let bounds = self.bounds_of(row, exceeded, common);
                 self.project(places, normal_impulses, (row, bounds), interval)
@@ -46,18 +46,13 @@ impl ParticleContacts {
             return depths.fold(0.0, f32::max);
         }
         // Rows do not interact, so projecting all of them out of the plain bounds first and then out of the surfaces gives the same result as row by row.
-        let mut worst = 0.0_f32;
-        for &row in near {
-            if let Some(bounds) = self.bounds_of(row, exceeded, common) {
-                worst = worst.max(self.project_to_bounds(places, row, bounds, interval));
-            }
-        }
+        let batches = (number, interval);
+        let mut worst = self.leave_bounds_in_batches(places, batches, instructions);
         if worst > 0.0 && near.iter().any(|&row| self.exceeds_skin(places, row)) {
             for &row in near {
                 worst = worst.max(self.project_row(places, normal_impulses, row, interval));
             }
         } else {
-            let batches = (number, interval);
             let depth = self.leave_in_batches(places, normal_impulses, batches, instructions);
             worst = worst.max(depth);
         }

@@ -2,17 +2,17 @@
 //! without are plain bounds. Each body class is classified separately, so that the trajectory of a body does not depend on the settings of others.
 
 use super::super::body_classes::{BodyClass, BodyClasses};
-use super::super::bounds::{Bounds, PlaneOrBox};
+use super::super::bounds::{Bounds, PlaneOrBox, Spheres};
 use super::super::collider::{Collider, interpolate_frame};
 use super::super::filter::ContactFilter;
 use super::super::frame::Frame;
 use super::super::impact::ContactParticipant;
 use super::super::material::{CombinedMaterial, Layers, Material};
-use super::super::shape::Shape;
+use super::super::shape::{LocalFace, Reachable, Shape};
 use super::super::world::World;
 use super::ParticleContact;
 use crate::constraints::{InsideBox, PlanarDrag, Plane};
-use crate::particles::Places;
+use crate::particles::{Particles, Places};
 
 /// A contact surface.
 #[derive(Clone, Debug)]
@@ -172,21 +172,43 @@ impl ContactSurface {
         interpolate_frame(&self.start, &self.end, share)
     }
 
-    /// Overlap of a row with the surface at rest in a pose, if there is one.
+    /// What a row may meet of it while it moves by up to `way` metres. `frame` is its pose; of what moves itself, a row may meet any part.
+    pub(super) fn reachable(
+        &self,
+        frame: &Frame,
+        particles: &Particles,
+        (row, way): (usize, f32),
+    ) -> Reachable {
+        match &self.form {
+            SurfaceForm::Shape(shape) if !self.moves => {
+                let frame = frame.seen_from(particles.origin[row]);
+                let at = frame.local(particles.position[row].truncate());
+                shape.reachable(at, way, particles.radius[row])
+            }
+            _ => Reachable::Several,
+        }
+    }
+
+    /// Overlap of a row with the surface at rest in a pose, if there is one. `face` is the only face that the row may meet, if there is one.
     pub(super) fn overlap(
         &self,
         places: &Places,
         row: u32,
         frame: &Frame,
+        face: Option<&LocalFace>,
     ) -> Option<ParticleContact> {
         let i = places.at(row);
         match &self.form {
-            SurfaceForm::Plane(plane) => ParticleContact::along(plane.correction(places, row)),
-            SurfaceForm::BoundingBox(room) => ParticleContact::along(room.correction(places, row)),
+            SurfaceForm::Plane(plane) => {
+                ParticleContact::along(Spheres::of(places, row).out_of_plane(plane).into())
+            }
+            SurfaceForm::BoundingBox(room) => {
+                ParticleContact::along(Spheres::of(places, row).into_box(room).into())
+            }
             SurfaceForm::Shape(shape) => {
                 let at = frame.seen_from(places.origin[i]).local(places.position[i].truncate());
-                let touched = shape.touch(at, at, places.radius[i])?;
-                Some(ParticleContact::of(&touched, at, &[*frame; 2], false))
+                let touched = shape.touch_at(face, (at, at, places.radius[i]))?;
+                Some(ParticleContact::of(&touched, at, [frame; 2], false))
             }
         }
     }

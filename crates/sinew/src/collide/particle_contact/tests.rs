@@ -296,6 +296,48 @@ fn obstacles() -> Vec<Collider> {
     ]
 }
 
+/// Asserts that the island of the first row is projected to the same bits in batches and row by row; returns how many candidates touch something.
+fn same_in_batches(world: &Simulation, round: u32) -> usize {
+    let plan = world.plan();
+    let number = plan.islands.of[0] as usize;
+    let rows = &plan.islands.members[plan.islands.list[number].members.clone()];
+    let ends = |batches: bool, instructions: InstructionSet| {
+        let (mut particles, mut contacts) =
+            (world.particles.clone(), world.particle_contacts().clone());
+        assert!(contacts.has_batches(number), "there is something to compare");
+        if !batches {
+            contacts.batches.clear();
+        }
+        let mut impulses = vec![NormalImpulse::default(); contacts.candidates.len()];
+        let depth = contacts.project_island(
+            &mut Places::all(&mut particles),
+            &mut NormalImpulses::all(&mut impulses),
+            (number, rows),
+            (contacts.interval(round % 10, 0, 1), instructions),
+        );
+        let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+        let positions: Vec<_> = particles.position.iter().map(|q| bits(q.truncate())).collect();
+        let sums: Vec<_> = impulses
+            .iter()
+            .map(|one| (bits(one.normal), bits(one.carried), one.depth.to_bits()))
+            .collect();
+        (depth.to_bits(), positions, sums)
+    };
+    let truth = ends(false, InstructionSet::Scalar);
+    for set in InstructionSet::ALL {
+        assert!(ends(true, set) == truth, "{set:?}, round {round}");
+    }
+    truth.2.iter().filter(|(_, _, sum)| *sum != 0).count()
+}
+
+/// Moves a row that is not pinned from where the substep begins.
+fn move_row(world: &mut Simulation, row: usize, by: Vec3) {
+    if world.particles.position[row].w > 0.0 {
+        world.particles.start[row] = world.particles.position[row];
+        world.particles.position[row] += by.extend(0.0);
+    }
+}
+
 #[test]
 fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
     let mut random = Random::new(1);
@@ -312,46 +354,53 @@ fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
             world.particles.set_velocity(row, place() * 300.0);
         }
         world.begin_step(1.0 / 60.0).unwrap();
-        let plan = world.plan().clone();
-        let number = plan.islands.of[0] as usize;
-        let rows = &plan.islands.members[plan.islands.list[number].members.clone()];
         for row in 0..world.particles.len() {
             // Some move far, through thin shapes, and most hardly at all.
             let to = place();
-            let by = if row % 7 == 0 { to } else { to * 0.02 };
-            if world.particles.position[row].w > 0.0 {
-                world.particles.start[row] = world.particles.position[row];
-                world.particles.position[row] += by.extend(0.0);
-            }
+            move_row(&mut world, row, if row % 7 == 0 { to } else { to * 0.02 });
         }
-        let ends = |batches: bool, instructions: InstructionSet| {
-            let (mut particles, mut contacts) =
-                (world.particles.clone(), world.particle_contacts().clone());
-            assert!(contacts.has_batches(number), "there is something to compare");
-            if !batches {
-                contacts.batches.clear();
-            }
-            let mut impulses = vec![NormalImpulse::default(); contacts.candidates.len()];
-            let depth = contacts.project_island(
-                &mut Places::all(&mut particles),
-                &mut NormalImpulses::all(&mut impulses),
-                (number, rows),
-                (contacts.interval(round % 10, 0, 1), instructions),
-            );
-            let bits = |v: Vec3| v.to_array().map(f32::to_bits);
-            let positions: Vec<_> = particles.position.iter().map(|q| bits(q.truncate())).collect();
-            let sums: Vec<_> = impulses
-                .iter()
-                .map(|one| (bits(one.normal), bits(one.carried), one.depth.to_bits()))
-                .collect();
-            (depth.to_bits(), positions, sums)
-        };
-        let truth = ends(false, InstructionSet::Scalar);
-        touched += truth.2.iter().filter(|(_, _, sum)| *sum != 0).count();
-        for set in [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2] {
-            assert!(ends(true, set) == truth, "{set:?}, round {round}");
-        }
+        touched += same_in_batches(&world, round);
     }
     // Of an overlap from before the substep only a part is corrected in it.
     assert!(touched > 2000, "{touched} contacts were compared");
+}
+
+/// A heightfield and a mesh of hills, turned.
+fn terrains() -> [Shape; 2] {
+    let height = |i: u32| 0.1 * libm::sinf(0.9 * (i % 10) as f32) * libm::cosf((i / 10) as f32);
+    let heights: Vec<f32> = (0..100).map(height).collect();
+    let field = Shape::height_field(10, 10, &heights, Vec3::new(2.0, 1.0, 2.0)).unwrap();
+    let vertices = (0..100)
+        .map(|i| Vec3::new(0.2 * (i % 10) as f32 - 0.9, height(i), 0.2 * (i / 10) as f32 - 0.9));
+    let cells = (0..90).filter(|i| i % 10 < 9);
+    let triangles = cells.flat_map(|i| [[i, i + 10, i + 1], [i + 10, i + 11, i + 1]]);
+    [field, Shape::mesh(vertices.collect(), triangles.collect()).unwrap()]
+}
+
+#[test]
+fn rows_on_a_terrain_end_in_batches_where_each_of_them_would_one_by_one() {
+    let mut random = Random::new(2);
+    for terrain in terrains() {
+        let (mut touched, mut faces) = (0, 0);
+        for round in 0..20 {
+            let mut world = hung();
+            world.forces.winds.clear();
+            let frame = Frame::new(Vec3::new(0.3, -0.2, 0.1), Quat::from_xyzw(0.2, 0.1, -0.1, 1.0));
+            world.colliders = vec![Collider::fixed(terrain.clone(), frame)];
+            for row in 0..world.particles.len() {
+                let nearest = terrain.nearest(random.vector() * Vec3::new(0.8, 0.1, 0.8));
+                let above = world.particles.radius[row] + 0.004 * random.number();
+                let at = frame.point(nearest.point + nearest.normal * above);
+                world.particles.set_position(row, at);
+                world.particles.set_velocity(row, random.vector() * 0.2);
+            }
+            world.begin_step(1.0 / 60.0).unwrap();
+            faces += world.particle_contacts().faces.len();
+            for row in 0..world.particles.len() {
+                move_row(&mut world, row, random.vector() * 0.002);
+            }
+            touched += same_in_batches(&world, round);
+        }
+        assert!(touched > 400 && faces > 400, "{touched} contacts, {faces} faces were compared");
+    }
 }

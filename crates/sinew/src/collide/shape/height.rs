@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::convex::Convex as _;
 use super::fault::{is_coordinate, is_length, is_size};
 use super::flat::Cuboid;
+use super::local_face::{Reachable, reachable};
 use super::ridges::{Face, Ridge, Ridges};
 use super::surface::{SpherePath, SphereSlide, Surface, first_crossing, is_near, skin, slide};
 use super::triangle::{ClosestPoint, Feature, Triangle};
@@ -152,6 +153,11 @@ impl Heights {
             SphereSlide::Moved(touch) => self.keep_above(from, to, reach, touch?),
             SphereSlide::Inside => self.lift(to, reach),
         }
+    }
+
+    /// See [`Shape::reachable`](super::Shape::reachable).
+    pub(super) fn reachable(&self, at: Vec3, way: f32, radius: f32) -> Reachable {
+        reachable(self, at, (way, radius.max(self.skin), self.skin))
     }
 
     /// Where a slope has pushed the sphere sideways into the ground, through a side that has no triangles, lifts it; if it then is beyond another slope, moves
@@ -361,6 +367,11 @@ impl Surface for Heights {
 
     fn front_only(&self) -> bool {
         true
+    }
+
+    fn is_away_from_rim(&self, at: Vec3, distance: f32) -> bool {
+        let over = |x: f32, size: f32| x.abs() + distance < 0.5 * size;
+        over(at.x, self.size.x) && over(at.z, self.size.z) && at.y > self.bounds.0.y + distance
     }
 
     fn is_inside(&self, p: Vec3, _near: Option<&(u32, ClosestPoint, Triangle)>) -> bool {

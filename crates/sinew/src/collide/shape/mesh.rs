@@ -11,6 +11,7 @@ use super::coarse::DistanceGrid;
 use super::convex::BEND_COSINE;
 use super::extent::around;
 use super::fault::{first_out_of_range, is_length};
+use super::local_face::{Reachable, reachable};
 use super::ridges::Ridges;
 use super::surface::{SpherePath, SphereSlide, Surface, is_near, skin, slide};
 use super::tree::AabbTree;
@@ -135,6 +136,17 @@ impl Mesh {
         }
     }
 
+    /// See [`Shape::reachable`](super::Shape::reachable).
+    pub(super) fn reachable(&self, at: Vec3, way: f32, radius: f32) -> Reachable {
+        let reach = radius.max(self.skin);
+        let (distance, off) = self.distances.sample(at);
+        let distance = if self.is_solid() { distance } else { distance.abs() };
+        if distance - off > reach + way {
+            return Reachable::Nothing;
+        }
+        reachable(self, at, (way, reach, self.skin))
+    }
+
     /// Calls `call` with the triangles whose bounds (low, high) pass `keep`, as must those of the nodes above.
     pub(super) fn near(&self, keep: &dyn Fn(Vec3, Vec3) -> bool, call: &mut dyn FnMut([Vec3; 3])) {
         let mut cursor = 0;
@@ -222,6 +234,10 @@ impl Surface for Mesh {
 
     fn front_only(&self) -> bool {
         self.is_solid()
+    }
+
+    fn is_away_from_rim(&self, _at: Vec3, _distance: f32) -> bool {
+        true
     }
 
     fn is_inside(&self, p: Vec3, near: Option<&(u32, ClosestPoint, Triangle)>) -> bool {

@@ -9,6 +9,7 @@
 //! | `inside` | the inverted box (solid outside), and the half-spaces of unbounded shapes |
 //! | `hull` | convex hull: nearest point and ray entry |
 //! | `triangle`, `surface` | a sphere against triangles: nearest point, crossing, and the rule for non-convex shapes |
+//! | `local_face` | the one triangle that a sphere may meet in a step, eight spheres at a time |
 //! | `tree`, `coarse` | bounding volume hierarchy; coarse distance grid |
 //! | `mesh`, `height` | triangle mesh; heightfield |
 //! | `ridges` | convex edges of those |
@@ -30,6 +31,7 @@ pub(super) mod gap;
 mod height;
 mod hull;
 mod inside;
+mod local_face;
 mod mesh;
 mod ridges;
 mod round;
@@ -48,6 +50,7 @@ pub use scale::is_uniform;
 
 pub(crate) use closed_form::ClosedForm;
 pub(crate) use convert::{from_parry, pose, to_parry};
+pub(crate) use local_face::{LaneFaces, LocalFace, Reachable};
 pub(crate) use ridges::Ridge;
 
 use convex::Convex;
@@ -250,6 +253,26 @@ impl Shape {
             Form::Hull(hull) => hull.touch(from, to, radius),
             Form::Mesh(mesh) => mesh.touch(from, to, radius),
             Form::Heights(heights) => heights.touch(from, to, radius),
+        }
+    }
+
+    /// The same contact for a sphere that may meet only `face`, if the conditions for that hold: see [`reachable`](Self::reachable).
+    #[inline]
+    pub(crate) fn touch_at(
+        &self,
+        face: Option<&LocalFace>,
+        (from, to, radius): (Vec3, Vec3, f32),
+    ) -> Option<ShapeTouch> {
+        let only = face.and_then(|face| face.touch_one(from, to));
+        only.unwrap_or_else(|| self.touch(from, to, radius))
+    }
+
+    /// What a sphere may meet while its centre stays within `way` metres of a place, in the frame of the shape.
+    pub(crate) fn reachable(&self, at: Vec3, way: f32, radius: f32) -> Reachable {
+        match &self.form {
+            Form::Mesh(mesh) => mesh.reachable(at, way, radius),
+            Form::Heights(heights) => heights.reachable(at, way, radius),
+            _ => Reachable::Several,
         }
     }
 

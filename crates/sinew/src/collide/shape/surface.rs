@@ -41,6 +41,9 @@ pub(super) trait Surface {
     /// Whether it stops only what comes from the front.
     fn front_only(&self) -> bool;
 
+    /// Whether nothing but triangles is within a distance of a point. A heightfield has sides without.
+    fn is_away_from_rim(&self, at: Vec3, distance: f32) -> bool;
+
     /// Whether a point is inside of the volume that it encloses. `near` is the nearest triangle if there is one within reach.
     fn is_inside(&self, p: Vec3, near: Option<&(u32, ClosestPoint, Triangle)>) -> bool;
 }
@@ -75,6 +78,9 @@ pub(super) enum SphereSlide {
 
 /// Maximum number of pushes. A corner takes one for each wall; where three slopes meet at obtuse angles they push it to and fro for a while.
 const ROUNDS: usize = 8;
+
+/// Share of its radius that a sphere keeps at least. Less overlap is what rounding leaves of the last push.
+pub(super) const CLEAR: f32 = 1.0 - 1e-5;
 
 /// Minimum distance of a centre from a triangle, as a share of the largest coordinate: 32 steps of `f32`, more than the accumulated rounding of a step.
 const SKIN: f32 = 4e-6;
@@ -112,8 +118,7 @@ pub(super) fn slide(surface: &impl Surface, from: Vec3, to: Vec3, reach: f32) ->
             }
             let Some((_, close, triangle)) = near else { break };
             let away = close.square.sqrt();
-            // Less is what rounding leaves of the last push.
-            if away >= reach * (1.0 - 1e-5) {
+            if away >= reach * CLEAR {
                 break;
             }
             (direction(place, from, &close, &triangle, away), reach - away)

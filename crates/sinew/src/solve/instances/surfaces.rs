@@ -9,7 +9,7 @@ use core::ops::Range;
 use glam::{Vec3, Vec4};
 
 use super::lane_storage::LaneStorage;
-use crate::collide::NormalImpulses;
+use crate::collide::{NormalImpulses, contact_correction};
 use crate::constraints::Plane;
 use crate::lanes::{LANES, Lanes, SetLanes, Vector, kernel};
 use crate::particles::Places;
@@ -161,36 +161,19 @@ kernel!(
         let (going, mut deepest) = (L::mask(going), L::zero());
         let LaneStorage { now, start, radius, ground, .. } = storage;
         for ((now, start), radius) in now.iter_mut().zip(start).zip(radius) {
-            for (number, plane) in planes.iter().enumerate() {
-                let ground = &ground[number];
+            for (plane, ground) in planes.iter().zip(ground.iter()) {
                 let (p, w) = Vector::of(now.load::<L>());
-                let normal = Vector::<L>::splat(plane.normal);
-                let height = normal.dot(p) + L::load(ground) - L::load(radius);
-                let below = height.lt(L::zero()).and(L::zero().lt(w)).and(going);
-                if !below.any() {
+                let movable = L::zero().lt(w).and(going);
+                let out = plane.correction(p, L::load(radius), L::load(ground));
+                let out = out.or_else(movable, Vector::zero());
+                if !L::zero().lt(out.length_squared()).any() {
                     continue;
                 }
-                let mut out = normal * -height;
                 let moved = p - Vector::of(start.load::<L>()).0;
-                let mut depth = out.length();
-                let deep = L::splat(recover).lt(depth).and(below);
-                if deep.any() {
-                    let most = L::splat(recover) - out.dot(moved) / depth;
-                    let less = out * (most.max(L::zero()) / depth);
-                    out = less.or_else(deep.and(most.lt(depth)), out);
-                    depth = out.length();
-                }
-                // Ignored if the square of the depth underflows.
-                let below = below.and(L::zero().lt(depth * depth));
-                let moved = moved + out;
-                let slid = moved - out * (moved.dot(out) / (depth * depth));
-                let distance = slid.length();
-                let most = L::splat(plane.friction) * depth;
-                let slips = most.lt(distance);
-                let slowed = slid * (L::splat(-plane.friction) * depth / distance);
-                let back = slowed.or_else(slips, -slid);
-                now.put((p + (out + back)).or_else(below, p).with(w));
-                deepest = below.and(depth).max(deepest);
+                let limits = (L::splat(plane.friction), L::splat(recover));
+                let (by, depth) = contact_correction(out, moved, limits);
+                now.put((p + by).or_else(L::zero().lt(depth), p).with(w));
+                deepest = depth.max(deepest);
             }
         }
         deepest.array()

@@ -152,7 +152,7 @@ fn hold(particles: &mut Particles, i: usize, (low, high, friction): (Vec3, Vec3,
     let n = out / depth;
     let moved = (particles.position[i] - particles.start[i]).truncate() + out;
     let slid = moved - n * n.dot(moved);
-    let back = super::super::friction::friction(slid, depth, friction);
+    let back = Vec3::from(super::super::friction::friction(slid.into(), depth, friction));
     particles.position[i] += (out + back).extend(0.0);
 }
 

@@ -1,5 +1,6 @@
 //! Guarantees of shapes: each closed form against `parry3d`, no tunnelling at any speed, refused input, scaling and bounds.
 
+mod local_faces;
 mod motion;
 mod refusals;
 mod sizes;
