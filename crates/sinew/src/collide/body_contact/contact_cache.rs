@@ -65,7 +65,7 @@ pub struct CachedManifold {
     pub(super) manifold: Manifold,
     /// The first one's frame in the coordinates of the second when the manifold was computed.
     pub(super) seen_from: Frame,
-    /// Distance up to which it has all points, metres; negative for a triangle mesh, which has one manifold for each triangle and computes them in each step.
+    /// Distance up to which it has all points, metres; as a negative number for one of a triangle: up to that distance the pair has a manifold for each triangle.
     pub(super) reach: f32,
     pub(super) friction_anchor: FrictionAnchor,
 }
@@ -240,8 +240,13 @@ impl CachedManifold {
         let manifold = &self.manifold;
         let staleness = turned / turn_limit(manifold) + moved / slip_limit(manifold, smaller);
         let staleness = staleness * staleness_rate(manifold);
-        (moved + turned * size + reach <= self.reach && staleness < MAX_STALENESS)
+        (moved + turned * size + reach <= self.reach.abs() && staleness < MAX_STALENESS)
             .then_some(staleness)
+    }
+
+    /// Whether it is one of a triangle.
+    pub(super) fn is_of_triangle(&self) -> bool {
+        self.reach < 0.0
     }
 
     /// Whether a point of the manifold is nearer than `reach`, metres.
@@ -369,6 +374,17 @@ impl CacheBuilder {
         self.was.get(at).filter(|one| one.key == *key)
     }
 
+    /// The manifold of the step before at a position.
+    pub(super) fn before(&self, at: usize) -> &CachedManifold {
+        &self.was[at]
+    }
+
+    /// All manifolds of the step before of the same pair, from the first of them on.
+    pub(super) fn of_pair(&self, first: usize, key: &ContactKey) -> &[CachedManifold] {
+        let rest = &self.was[first..];
+        &rest[..rest.iter().take_while(|one| one.key.is_of(key)).count()]
+    }
+
     /// Prepares to add manifolds of a key: carries over the listed ones before it.
     pub(super) fn advance_to(&mut self, key: &ContactKey) {
         self.carry_dormant(Some(key));
@@ -398,7 +414,7 @@ impl CacheBuilder {
 
     /// Carries over the manifolds of a pair unchanged, from the position of the first on.
     pub(super) fn carry_over(&mut self, key: &ContactKey, from: usize) {
-        let same = self.was[from..].iter().take_while(|one| one.key.is_of(key)).count();
+        let same = self.of_pair(from, key).len();
         self.now.extend_from_slice(&self.was[from..from + same]);
     }
 

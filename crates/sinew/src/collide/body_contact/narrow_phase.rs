@@ -74,6 +74,17 @@ impl BodyContactSolver {
             return (from, ManifoldSource::CarriedOver);
         }
         let shapes = shapes(pair, world, &self.static_geometry);
+        if have_triangles(shapes) {
+            let cached = self.cache.of_pair(from, key);
+            let is_valid = |cached: &CachedManifold| {
+                cached.content_hashes == content_hashes(shapes)
+                    && cached.staleness(here, size, reach).is_some()
+            };
+            let valid = !cached.is_empty() && cached.iter().all(is_valid);
+            let count = cached.len();
+            let source = ManifoldSource::CachedTriangles { count };
+            return (from, if valid { source } else { ManifoldSource::Computed });
+        }
         let cached = self.cache.cached(from, key);
         let valid = cached.filter(|cached| cached.content_hashes == content_hashes(shapes));
         let valid = valid.and_then(|cached| {
@@ -121,6 +132,18 @@ impl BodyContactSolver {
                 if near {
                     let contact = self.contact(pair, (cache_index, staleness), world, 0.0);
                     self.contacts.push(contact);
+                }
+            }
+            ManifoldSource::CachedTriangles { count } => {
+                for at in from..from + count {
+                    let cached = self.cache.before(at);
+                    let staleness = cached.staleness(here, size, reach).unwrap_or_default();
+                    let near = cached.is_near(here, reach);
+                    let cache_index = self.cache.keep(at, near);
+                    if near {
+                        let contact = self.contact(pair, (cache_index, staleness), world, 0.0);
+                        self.contacts.push(contact);
+                    }
                 }
             }
             ManifoldSource::BoxPair(_) | ManifoldSource::Computed => {
@@ -400,6 +423,8 @@ enum ManifoldSource {
     CarriedOver,
     /// The cached manifold is valid, with its staleness; `near` if it may press in this step.
     Cached { staleness: f32, near: bool },
+    /// The cached manifolds of a number of triangles are valid.
+    CachedTriangles { count: usize },
     /// Two boxes: the index of the pair in their queue.
     BoxPair(usize),
     /// To be computed.
@@ -407,7 +432,7 @@ enum ManifoldSource {
 }
 
 impl PairQuery {
-    /// A manifold of the pair as a cache entry, computed up to the distance `reach`, metres. Those of triangle meshes are computed in each step.
+    /// A manifold of the pair as a cache entry, computed up to the distance `reach`, metres.
     #[inline(always)]
     fn cached(&self, shapes: [&Shape; 2], manifold: &Manifold, reach: f32) -> CachedManifold {
         CachedManifold {
@@ -415,7 +440,7 @@ impl PairQuery {
             content_hashes: content_hashes(shapes),
             manifold: *manifold,
             seen_from: self.here,
-            reach: if have_triangles(shapes) { -1.0 } else { reach },
+            reach: if have_triangles(shapes) { -reach } else { reach },
             friction_anchor: FrictionAnchor::default(),
         }
     }
@@ -546,8 +571,8 @@ impl BodyContactSolver {
             for lane in SetLanes(wide.stale) {
                 let Some(one) = contacts.get_mut(wide.number[lane] as usize) else { continue };
                 let cached = &mut cache.now[one.cache_index as usize];
-                // Those with one manifold for each triangle are computed once a step.
-                if cached.reach < 0.0 {
+                // Those with one manifold for each triangle are not computed within a step.
+                if cached.is_of_triangle() {
                     continue;
                 }
                 let (a, b) = (one.a as usize, one.b as usize);
