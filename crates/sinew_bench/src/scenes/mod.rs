@@ -84,4 +84,6 @@ pub const SCENES: &[Scene] = &[
     scene("U11", user::u11),
     #[cfg(feature = "plugin")]
     scene("U12", user::u12),
+    #[cfg(feature = "plugin")]
+    scene("U13", user::u13),
 ];

@@ -1,4 +1,4 @@
-//! U1 to U12, the user scenes: whole frames of apps with `MinimalPlugins` and `SinewPlugins` at default settings (with four substeps where a row says so), with
+//! U1 to U13, the user scenes: whole frames of apps with `MinimalPlugins` and `SinewPlugins` at default settings (with four substeps where a row says so), with
 //! a ground, on one thread or, with `--threads`, on the default threads of an app.
 //!
 //! A frame is a tick of 1/60 s. The time is the mean over all frames from the first second to the fourth, when bodies are in contact. The quality is measured
@@ -60,7 +60,7 @@ impl Level {
     }
 }
 
-/// U1 to U9, and U12.
+/// U1 to U9, U12 and U13.
 const LEVELS: &[Level] = &[
     level("U1", "a cape of 24×24 dropped on a ball", |world| cape(world, ClothPins::None)),
     level("U1", "a cape of 24×24 hung over a ball, steady wind", |world| {
@@ -89,6 +89,19 @@ const LEVELS: &[Level] = &[
     level("U12", "a figure flies at a hanging sheet of 64×64", flown_at),
     level("U12", "a sheet of 64×64 falls on nine crates", on_crates),
     level("U12", "a sheet of 64×64 falls on another one on a ball", on_another),
+    level("U13", "a sheet of 64×64 falls on the ground", on_the_ground),
+    level("U13", "a sheet of 64×64 falls on hills", |world| {
+        hills(world);
+        on_the_ground(world);
+    }),
+    level("U13", "100 ragdolls fall on hills", |world| {
+        hills(world);
+        figures(world, 0.0);
+    }),
+    level("U13", "1000 boxes in rows fall on hills", |world| {
+        hills(world);
+        boxes(world, false);
+    }),
 ];
 
 const HEAP: Level = level("U6", "1000 boxes in rows fall into a heap", |world| boxes(world, false))
@@ -116,7 +129,8 @@ macro_rules! users {
 }
 
 users!(
-    u1 "U1", u2 "U2", u3 "U3", u4 "U4", u5 "U5", u6 "U6", u7 "U7", u8 "U8", u9 "U9", u12 "U12"
+    u1 "U1", u2 "U2", u3 "U3", u4 "U4", u5 "U5", u6 "U6", u7 "U7", u8 "U8", u9 "U9", u12 "U12",
+    u13 "U13"
 );
 
 /// U10: cost of a ground, a far collider, a wind and a system of the game between two phases in each scene, relative to the frame without any of them.
@@ -127,7 +141,9 @@ users!(
 pub(super) fn u10(effort: &Effort) -> Vec<Row> {
     let falls = |level: &Level| ["U6", "U7", "U8"].contains(&level.id);
     let asleep = level("U11", "1000 boxes side by side, asleep", |world| lying(world, true));
-    let by_default = LEVELS.iter().filter(|level| level.substeps.is_none() && level.id != "U12");
+    let by_default = LEVELS
+        .iter()
+        .filter(|level| level.substeps.is_none() && !["U12", "U13"].contains(&level.id));
     by_default
         .map(|level| match falls(level) {
             false => with_extras(level, effort, |_| {}, &[A_GROUND, FAR, A_WIND, OWN_SYSTEM]),
@@ -477,6 +493,23 @@ fn on_another(world: &mut World) {
     world.spawn((Collider::sphere(0.5), Transform::from_xyz(0.0, 0.5, 0.0)));
     sheet(world, ClothPins::None, Vec3::Y * 1.2, true);
     sheet(world, ClothPins::None, Vec3::new(0.02, 1.4, 0.0), true);
+}
+
+fn on_the_ground(world: &mut World) {
+    sheet(world, ClothPins::None, Vec3::Y * 0.8, true);
+}
+
+/// Hills of up to half a metre over the ground, in cells of half a metre.
+fn hills(world: &mut World) {
+    const SIDE: usize = 97;
+    let height = |i: usize| {
+        let (x, z) = ((i % SIDE) as f32, (i / SIDE) as f32);
+        0.25 + 0.15 * ops::sin(0.7 * x) * ops::cos(0.5 * z) + 0.1 * ops::sin(0.3 * (x + z))
+    };
+    let heights: Vec<f32> = (0..SIDE * SIDE).map(height).collect();
+    if let Ok(hills) = Collider::height_field(SIDE, SIDE, &heights, Vec3::new(48.0, 1.0, 48.0)) {
+        world.spawn((hills, Transform::default()));
+    }
 }
 
 fn ropes(world: &mut World) {

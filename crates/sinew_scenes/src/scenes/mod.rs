@@ -24,6 +24,7 @@ mod fence;
 mod flag;
 mod flatland;
 mod hammock;
+mod hills;
 mod hinges;
 pub(crate) mod impulses;
 mod inertia;
@@ -129,6 +130,7 @@ pub const ALL: &[Scene] = &[
     million::SCENE,
     sweeps::SCENE,
     hammock::SCENE,
+    hills::SCENE,
 ];
 
 /// The scene of that name, if there is one.
