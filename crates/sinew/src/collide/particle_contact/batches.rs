@@ -11,7 +11,7 @@ use glam::Vec3;
 
 use super::super::bounds::{ClassBounds, Spheres};
 use super::super::frame::Frame;
-use super::super::shape::{ClosedForm, LaneFaces};
+use super::super::shape::{ClosedForm, LaneFaces, SphereTouches};
 use super::surface::{ContactSurface, SurfaceForm};
 use super::{
     ContactOf, FrameOf, InstantInterval, NormalImpulses, ParticleContact, ParticleContacts,
@@ -340,15 +340,6 @@ enum LaneTests<'a> {
     Faces(&'a [LaneFaces]),
 }
 
-/// Contacts of eight rows that came from in front.
-struct LaneTouches<L> {
-    normal: Vector<L>,
-    depth: L,
-    touching: L,
-    /// Mask: whether the rest is right.
-    certain: L,
-}
-
 impl LaneTests<'_> {
     /// Tests the rows of a batch, which move from one point to another in the frame of the surface.
     #[inline(always)]
@@ -357,19 +348,15 @@ impl LaneTests<'_> {
         number: usize,
         [from, to]: [Vector<L>; 2],
         batch: &RowBatch,
-    ) -> LaneTouches<L> {
+    ) -> SphereTouches<L> {
         match self {
             Self::Form(form) => {
                 let near = form.nearest(to);
                 let found = near.touch(from, L::load(&batch.radius));
                 let (depth, touching) = (found.depth, found.touching);
-                LaneTouches { normal: near.normal, depth, touching, certain: found.in_front }
+                SphereTouches { normal: near.normal, depth, touching, certain: found.in_front }
             }
-            Self::Faces(faces) => {
-                let found = faces[number].load::<L>().touch(from, to);
-                let (depth, touching) = (found.depth, found.touching);
-                LaneTouches { normal: found.normal, depth, touching, certain: found.certain }
-            }
+            Self::Faces(faces) => faces[number].load::<L>().touch(from, to),
         }
     }
 }

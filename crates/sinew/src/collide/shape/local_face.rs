@@ -11,7 +11,8 @@
 //!
 //! 1. `p` is in front of the plane of `T`, and both are within the three planes through its edges. So if the path crosses that plane, it crosses `T`.
 //! 2. A triangle within reach of the sphere that is nowhere in front of the plane of `T` is neither met before `T` nor nearer than it.
-//! 3. Any other within reach is a *wall*. From the plane of a wall, `p`, `q` and the place where the sphere is put keep at least `R`, on the side of `c`.
+//! 3. Any other within reach is a *wall*. Its plane has `c`, `p` and `q` in front, `q` is no nearer to it than to the plane of `T`, and the place where the sphere is
+//!    put keeps `R` from it.
 //!
 //! Then the contact is the one with the plane of `T`, of the depth `R - n·(q - a)` with a vertex `a` of it. Where a condition does not hold, the surface is searched as
 //! before.
@@ -50,7 +51,7 @@ pub(crate) struct LocalFaceOf<N> {
     opposite: N,
     /// What centres keep from its edges.
     margin: N,
-    /// Unit normals of the walls, and how far along them centres stay.
+    /// Unit normals of the walls, and where their planes are along them.
     walls: [(Vector<N>, N); WALLS],
 }
 
@@ -62,22 +63,24 @@ pub(crate) type LocalFace = LocalFaceOf<f32>;
 #[repr(align(64))]
 pub(crate) struct LaneFaces([LaneArray; NUMBERS]);
 
-/// Contacts of spheres with their faces.
-pub(crate) struct FaceTouches<N> {
+/// Contacts of a sphere, or of eight, in the common case of a rule.
+pub(crate) struct SphereTouches<N> {
     pub(crate) normal: Vector<N>,
     /// Penetration depth, metres.
     pub(crate) depth: N,
-    /// Mask: whether it touches, if the conditions hold.
+    /// Mask: whether it touches.
     pub(crate) touching: N,
-    /// Mask: whether the conditions hold.
+    /// Mask: whether it is the common case; if not, the rest means nothing.
     pub(crate) certain: N,
 }
 
 /// Walls of a face. Where a terrain is concave at two edges of a triangle, it has two.
 const WALLS: usize = 2;
 
-/// Numbers in a [`LocalFaceOf`].
-const NUMBERS: usize = 22 + 4 * WALLS;
+/// Vectors in a [`LocalFaceOf`] apart from walls; where its other numbers begin; and how many numbers it has.
+const VECTORS: usize = 6;
+const OTHERS: usize = 3 * (VECTORS + WALLS);
+const NUMBERS: usize = OTHERS + 4 + WALLS;
 
 /// Triangles that are looked at around a place, at the most. Where there are more, they are so small beside the way of a step that a sphere does not stay over one.
 const MOST: usize = 24;
@@ -156,15 +159,15 @@ fn face_at<'a>(
         }
         let toward = other.normal.dot(at - other.corners[0]) >= 0.0;
         let along = if toward { other.normal } else { -other.normal };
-        let kept = along.dot(other.corners[0] - a) + reach;
+        let offset = along.dot(other.corners[0] - a);
         let same = |wall: &&mut (Vector<f32>, f32)| {
             Vec3::from(wall.0).distance_squared(along) < PARALLEL * PARALLEL
         };
         if let Some(wall) = walls[..count].iter_mut().find(same) {
-            wall.1 = wall.1.max(kept);
+            wall.1 = wall.1.max(offset);
             continue;
         }
-        *walls.get_mut(count)? = (along.into(), kept);
+        *walls.get_mut(count)? = (along.into(), offset);
         count += 1;
     }
     Some(LocalFaceOf {
@@ -183,7 +186,7 @@ fn face_at<'a>(
 impl<N: Number> LocalFaceOf<N> {
     /// Contacts of spheres whose centres move from `from` to `to`, in the frame of the shape.
     #[inline(always)]
-    pub(crate) fn touch(&self, from: Vector<N>, to: Vector<N>) -> FaceTouches<N> {
+    pub(crate) fn touch(&self, from: Vector<N>, to: Vector<N>) -> SphereTouches<N> {
         let (from, to) = (from - self.corner, to - self.corner);
         let height = self.normal.dot(to);
         let depth = self.reach - height;
@@ -196,13 +199,13 @@ impl<N: Number> LocalFaceOf<N> {
             let over = over.and((self.opposite + self.margin).le(second.dot(end)));
             certain = certain.and(within).and(over);
         }
-        for (wall, kept) in self.walls {
-            for end in [from, to, placed] {
-                certain = certain.and(kept.le(wall.dot(end)));
-            }
+        let (kept, least) = (self.reach * N::splat(CLEAR), height.max(N::zero()));
+        for (wall, offset) in self.walls {
+            let in_front = offset.le(wall.dot(from)).and((offset + least).le(wall.dot(to)));
+            certain = certain.and(in_front).and((offset + kept).le(wall.dot(placed)));
         }
-        let touching = height.lt(self.reach * N::splat(CLEAR));
-        FaceTouches { normal: self.normal, depth, touching, certain }
+        let touching = height.lt(kept);
+        SphereTouches { normal: self.normal, depth, touching, certain }
     }
 }
 
@@ -245,31 +248,36 @@ impl LaneFaces {
 }
 
 impl<N: Copy> LocalFaceOf<N> {
-    /// All of its numbers.
+    /// All of its numbers: vectors, those of the walls last, then the rest.
     fn numbers(&self) -> [N; NUMBERS] {
         let Self { corner, normal, centre, sides: [first, second, third], walls, .. } = self;
-        let [(one, kept), (other, other_kept)] = walls;
-        let vectors = [corner, normal, centre, first, second, third, one, other];
-        let numbers = [self.square, self.reach, self.opposite, self.margin, *kept, *other_kept];
+        let vectors = [corner, normal, centre, first, second, third].into_iter();
+        let vectors = vectors.chain(walls.iter().map(|(wall, _)| wall));
+        let others = [self.square, self.reach, self.opposite, self.margin].into_iter();
+        let others = others.chain(walls.iter().map(|&(_, offset)| offset));
         let mut all = [self.square; NUMBERS];
-        let of_vectors = vectors.into_iter().flat_map(|v| [v.x, v.y, v.z]);
-        all.iter_mut().zip(of_vectors.chain(numbers)).for_each(|(to, number)| *to = number);
+        let numbers = vectors.flat_map(|v| [v.x, v.y, v.z]).chain(others);
+        all.iter_mut().zip(numbers).for_each(|(to, number)| *to = number);
         all
     }
 
     /// From these.
     #[inline(always)]
     fn from_numbers(all: &[N; NUMBERS]) -> Self {
+        let mut walls = [(vector(all, VECTORS), all[OTHERS + 4]); WALLS];
+        for (i, wall) in walls.iter_mut().enumerate() {
+            *wall = (vector(all, VECTORS + i), all[OTHERS + 4 + i]);
+        }
         Self {
             corner: vector(all, 0),
             normal: vector(all, 1),
             centre: vector(all, 2),
             sides: [vector(all, 3), vector(all, 4), vector(all, 5)],
-            walls: [(vector(all, 6), all[28]), (vector(all, 7), all[29])],
-            square: all[24],
-            reach: all[25],
-            opposite: all[26],
-            margin: all[27],
+            walls,
+            square: all[OTHERS],
+            reach: all[OTHERS + 1],
+            opposite: all[OTHERS + 2],
+            margin: all[OTHERS + 3],
         }
     }
 }

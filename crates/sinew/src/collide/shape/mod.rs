@@ -50,7 +50,7 @@ pub use scale::is_uniform;
 
 pub(crate) use closed_form::ClosedForm;
 pub(crate) use convert::{from_parry, pose, to_parry};
-pub(crate) use local_face::{LaneFaces, LocalFace, Reachable};
+pub(crate) use local_face::{LaneFaces, LocalFace, Reachable, SphereTouches};
 pub(crate) use ridges::Ridge;
 
 use convex::Convex;
