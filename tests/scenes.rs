@@ -463,7 +463,9 @@ fn what_falls_on_hills_lies_on_them() {
     assert!(blanket.iter().all(|&height| height > 0.005), "{blanket:?}");
     let lying = blanket.iter().filter(|&&height| height < 0.04).count();
     assert!(lying > blanket.len() / 2, "{lying} of {} follow the terrain", blanket.len());
-    assert!(above("crate").iter().all(|&height| height > 0.0));
+    // The particles of a crate are at its corners.
+    let crates = above("crate");
+    assert!(crates.iter().all(|&height| height > -2e-3), "{crates:?}");
     // Some joints of a figure are outside of the capsules of its bones: on a plane they are as deep.
     assert!(above("ragdoll").iter().all(|&height| height > -0.02));
     assert_finite(&mut app);
