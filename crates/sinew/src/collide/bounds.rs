@@ -61,14 +61,14 @@ impl Spheres<f32> {
 impl<N: Number> Spheres<N> {
     /// The displacement that brings them out of a plane, metres; zero where they do not overlap.
     #[inline(always)]
-    pub(super) fn out_of_plane(&self, plane: &Plane) -> Vector<N> {
+    pub(super) fn plane_correction(&self, plane: &Plane) -> Vector<N> {
         let ground = N::splat(ground(self.origin, plane.normal, plane.offset));
         plane.correction(self.position, self.radius, ground)
     }
 
     /// The displacement that brings them into a box, metres; zero where they are in it.
     #[inline(always)]
-    pub(super) fn into_box(&self, inside: &InsideBox) -> Vector<N> {
+    pub(super) fn box_correction(&self, inside: &InsideBox) -> Vector<N> {
         inside.correction(self.position, self.radius, self.origin)
     }
 }
@@ -213,11 +213,11 @@ impl ClassBounds {
     pub(super) fn project<N: Number>(&self, spheres: &mut Spheres<N>, recover: f32) -> N {
         let mut worst = N::zero();
         for plane in &self.planes {
-            let out = spheres.out_of_plane(plane);
+            let out = spheres.plane_correction(plane);
             worst = push(spheres, out, (plane.friction, recover)).max(worst);
         }
         for inside in &self.boxes {
-            let out = spheres.into_box(inside);
+            let out = spheres.box_correction(inside);
             worst = push(spheres, out, (inside.friction, recover)).max(worst);
         }
         worst
@@ -226,8 +226,9 @@ impl ClassBounds {
     /// The correction of each plane and each box for a row, metres; zero where it does not overlap.
     pub(super) fn corrections(&self, places: &Places, row: u32) -> impl Iterator<Item = Vec3> {
         let planes =
-            self.planes.iter().map(move |plane| Spheres::of(places, row).out_of_plane(plane));
-        let boxes = self.boxes.iter().map(move |inside| Spheres::of(places, row).into_box(inside));
+            self.planes.iter().map(move |plane| Spheres::of(places, row).plane_correction(plane));
+        let boxes =
+            self.boxes.iter().map(move |inside| Spheres::of(places, row).box_correction(inside));
         planes.chain(boxes).map(Vec3::from)
     }
 

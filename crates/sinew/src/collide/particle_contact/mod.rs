@@ -417,11 +417,11 @@ impl ParticleContacts {
         match &surface.form {
             SurfaceForm::Plane(plane) => {
                 let sphere = Spheres::of(places, row);
-                self.along(sphere.out_of_plane(plane), &sphere, interval)
+                self.along(sphere.plane_correction(plane), &sphere, interval)
             }
             SurfaceForm::BoundingBox(room) => {
                 let sphere = Spheres::of(places, row);
-                self.along(sphere.into_box(room), &sphere, interval)
+                self.along(sphere.box_correction(room), &sphere, interval)
             }
             SurfaceForm::Shape(shape) => {
                 let (was, is) = self.frames_of(number, interval, origin);

@@ -200,10 +200,10 @@ impl ContactSurface {
         let i = places.at(row);
         match &self.form {
             SurfaceForm::Plane(plane) => {
-                ParticleContact::along(Spheres::of(places, row).out_of_plane(plane).into())
+                ParticleContact::along(Spheres::of(places, row).plane_correction(plane).into())
             }
             SurfaceForm::BoundingBox(room) => {
-                ParticleContact::along(Spheres::of(places, row).into_box(room).into())
+                ParticleContact::along(Spheres::of(places, row).box_correction(room).into())
             }
             SurfaceForm::Shape(shape) => {
                 let at = frame.seen_from(places.origin[i]).local(places.position[i].truncate());
