@@ -46,7 +46,7 @@ pub(super) const SCENE: Scene = Scene {
 };
 
 /// Vertices along a side of the terrain, and its width, metres.
-const SIDE: usize = 65;
+const SIDE: usize = 49;
 const WIDE: f32 = 12.0;
 
 fn spawn(world: &mut World) {
@@ -66,7 +66,7 @@ fn spawn(world: &mut World) {
     world.spawn((
         InScene,
         Name::new("blanket"),
-        Cloth { radius: 0.012, density: 0.4, ..Cloth::grid(2.2, 2.2, 44, 44) },
+        Cloth { radius: 0.012, density: 0.4, ..Cloth::grid(2.2, 2.2, 36, 36) },
         surface,
         Look::color(0xd8743c).double_sided().roughness(0.95),
         Interpolate,
@@ -90,7 +90,7 @@ fn spawn(world: &mut World) {
     for n in 0..6_u32 {
         let along = n as f32;
         let at =
-            Vec3::new(0.7 + 0.35 * (n % 3) as f32, 1.1 + 0.4 * along, 0.9 - 0.4 * (n / 3) as f32);
+            Vec3::new(1.3 + 0.4 * (n % 3) as f32, 1.1 + 0.4 * along, 0.9 - 0.4 * (n / 3) as f32);
         world.spawn((
             InScene,
             Name::new("crate"),

@@ -128,22 +128,14 @@ impl BodyContactSolver {
         match *source {
             ManifoldSource::CarriedOver => self.cache.carry_over(key, from),
             ManifoldSource::Cached { staleness, near } => {
-                let cache_index = self.cache.keep(from, near);
-                if near {
-                    let contact = self.contact(pair, (cache_index, staleness), world, 0.0);
-                    self.contacts.push(contact);
-                }
+                self.keep_manifold(pair, from, (staleness, near), world);
             }
             ManifoldSource::CachedTriangles { count } => {
                 for at in from..from + count {
                     let cached = self.cache.before(at);
                     let staleness = cached.staleness(here, size, reach).unwrap_or_default();
                     let near = cached.is_near(here, reach);
-                    let cache_index = self.cache.keep(at, near);
-                    if near {
-                        let contact = self.contact(pair, (cache_index, staleness), world, 0.0);
-                        self.contacts.push(contact);
-                    }
+                    self.keep_manifold(pair, at, (staleness, near), world);
                 }
             }
             ManifoldSource::BoxPair(_) | ManifoldSource::Computed => {
@@ -173,6 +165,22 @@ impl BodyContactSolver {
             }
         }
         first
+    }
+
+    /// Keeps the manifold at `at` of the last step's cache, and adds a contact if it is near enough to press.
+    #[inline(always)]
+    fn keep_manifold(
+        &mut self,
+        pair: [u32; 2],
+        at: usize,
+        (staleness, near): (f32, bool),
+        world: &World,
+    ) {
+        let cache_index = self.cache.keep(at, near);
+        if near {
+            let contact = self.contact(pair, (cache_index, staleness), world, 0.0);
+            self.contacts.push(contact);
+        }
     }
 
     /// Lists the manifolds of a dormant pair, from `first` on, as ones to carry over without a query in the next steps, if the set of dormant islands is new.
