@@ -65,7 +65,7 @@ pub struct CachedManifold {
     pub(super) manifold: Manifold,
     /// The first one's frame in the coordinates of the second when the manifold was computed.
     pub(super) seen_from: Frame,
-    /// Distance up to which it has all points, metres; as a negative number for one of a triangle: up to that distance the pair has a manifold for each triangle.
+    /// Distance up to which it has all points, metres; as a negative number for one of triangles: up to that distance the pair has a manifold for each plane of them.
     pub(super) reach: f32,
     pub(super) friction_anchor: FrictionAnchor,
 }
@@ -76,7 +76,7 @@ pub(super) struct ContactKey {
     /// Id of the first body collider.
     pub(super) a: u64,
     pub(super) other: Other,
-    /// Triangle of a mesh.
+    /// Triangle of a mesh, of several coplanar ones the first.
     pub(super) nth: u32,
 }
 
@@ -401,15 +401,40 @@ impl CacheBuilder {
         place as u32
     }
 
-    /// Adds a manifold. It takes over the friction anchor of the old manifold with its key, searched from a position on, if their normals agree; `axes` are
-    /// those of the second participant.
-    pub(super) fn add(&mut self, mut one: CachedManifold, from: usize, axes: &Mat3) {
-        let was = self.cached(self.first_from(from, &one.key), &one.key);
-        let normal = *axes * one.manifold.normal;
-        if let Some(was) = was.filter(|was| was.friction_anchor.up.dot(normal) > SAME_NORMAL) {
-            one.friction_anchor = was.friction_anchor;
-        }
+    /// Adds a manifold without a friction anchor.
+    pub(super) fn add(&mut self, one: CachedManifold) {
         self.now.push(one);
+    }
+
+    /// Hands the friction anchors of a pair's manifolds of the step before, from the position `from` on, to its new ones, from `first` on, where their normals
+    /// agree; `axes` are those of the second participant. Each goes to the manifold with its key; if that is gone, to the first that has none: a body that
+    /// slides over a floor of triangles touches others of them, and rests on the same floor.
+    pub(super) fn hand_on_anchors(&mut self, from: usize, first: usize, axes: &Mat3) {
+        let Some(key) = self.now.get(first).map(|one| ContactKey { nth: 0, ..one.key }) else {
+            return;
+        };
+        let from = self.first_from(from, &key);
+        let count = self.of_pair(from, &key).len();
+        let Self { was, now, .. } = self;
+        let (was, now) = (&was[from..from + count], &mut now[first..]);
+        let agrees = |was: &CachedManifold, one: &CachedManifold| {
+            was.friction_anchor.up.dot(*axes * one.manifold.normal) > SAME_NORMAL
+        };
+        for one in &mut *now {
+            let same = was.iter().find(|was| was.key == one.key && agrees(was, one));
+            one.friction_anchor = same.map_or(one.friction_anchor, |was| was.friction_anchor);
+        }
+        for was in was {
+            if now.iter().any(|one| one.key == was.key) {
+                continue;
+            }
+            let is_next = |one: &&mut CachedManifold| {
+                one.friction_anchor == FrictionAnchor::default() && agrees(was, one)
+            };
+            if let Some(next) = now.iter_mut().find(is_next) {
+                next.friction_anchor = was.friction_anchor;
+            }
+        }
     }
 
     /// Carries over the manifolds of a pair unchanged, from the position of the first on.
@@ -469,6 +494,6 @@ impl CacheBuilder {
 
 /// Sorts manifolds by key. Not inlined: sorting is much code, and its callers are compiled several times.
 #[inline(never)]
-pub(super) fn sort(manifolds: &mut [CachedManifold]) {
+fn sort(manifolds: &mut [CachedManifold]) {
     manifolds.sort_unstable_by_key(|one| one.key);
 }

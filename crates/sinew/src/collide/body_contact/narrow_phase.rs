@@ -16,7 +16,7 @@ use super::super::manifold::{BoxPairs, Manifold, ManifoldScratch, collide, is_of
 use super::super::shape::Shape;
 use super::super::world::World;
 use super::BodyContactSolver;
-use super::contact_cache::{CachedManifold, ContactKey, FrictionAnchor, Other, SLACK, sort};
+use super::contact_cache::{CachedManifold, ContactKey, FrictionAnchor, Other, SLACK};
 use super::groups::{BodyGroups, CompiledCollider};
 use super::sensors::SensorPath;
 use super::static_geometry::StaticGeometry;
@@ -143,7 +143,7 @@ impl BodyContactSolver {
                 let Self { cache, static_geometry, narrow_phase, .. } = self;
                 let (shapes, far) = (shapes(pair, world, static_geometry), reach + SLACK * size.1);
                 let mut add = |manifold: &Manifold| {
-                    cache.add(query.cached(shapes, manifold, far), from, &axes);
+                    cache.add(query.cached(shapes, manifold, far));
                 };
                 if let ManifoldSource::BoxPair(number) = *source {
                     let manifold = &found[number];
@@ -153,9 +153,8 @@ impl BodyContactSolver {
                 } else {
                     let [a, b] = shapes;
                     collide(a, b, here, far, &mut narrow_phase.0.manifolds, &mut add);
-                    // A mesh reports its triangles in any order.
-                    sort(&mut cache.now[first..]);
                 }
+                cache.hand_on_anchors(from, first, &axes);
                 for place in first..self.cache.now.len() {
                     if self.cache.now[place].is_near(here, reach) {
                         let contact = self.contact(pair, (place as u32, 0.0), world, 0.0);
@@ -431,7 +430,7 @@ enum ManifoldSource {
     CarriedOver,
     /// The cached manifold is valid, with its staleness; `near` if it may press in this step.
     Cached { staleness: f32, near: bool },
-    /// The cached manifolds of a number of triangles are valid.
+    /// A number of cached manifolds of triangles are valid.
     CachedTriangles { count: usize },
     /// Two boxes: the index of the pair in their queue.
     BoxPair(usize),
@@ -469,7 +468,7 @@ fn shapes<'a>(
     }
 }
 
-/// Whether the pair has one manifold for each triangle.
+/// Whether the pair has one manifold for each plane of triangles.
 #[inline(always)]
 fn have_triangles([a, b]: [&Shape; 2]) -> bool {
     is_of_triangles(a) || is_of_triangles(b)
@@ -579,7 +578,7 @@ impl BodyContactSolver {
             for lane in SetLanes(wide.stale) {
                 let Some(one) = contacts.get_mut(wide.number[lane] as usize) else { continue };
                 let cached = &mut cache.now[one.cache_index as usize];
-                // Those with one manifold for each triangle are not computed within a step.
+                // Those with one manifold for each plane of triangles are not computed within a step.
                 if cached.is_of_triangle() {
                     continue;
                 }

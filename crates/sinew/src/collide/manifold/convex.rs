@@ -13,16 +13,18 @@ use parry3d::shape::{Shape as ParryShape, Triangle, TrianglePseudoNormals};
 use super::super::distance::to_triangle;
 use super::super::shape::{Kind, Shape, from_parry, pose, to_parry};
 use super::boxes::BoxPairs;
-use super::features::{ShapeOrTriangle, best_face, contacts, of_face};
+use super::coplanar::TriangleContacts;
+use super::features::{ContactPoints, ShapeOrTriangle, best_face, contacts, of_face};
 use super::reduce::reduced;
 use super::round::{limit, rim};
-use super::{FLAT_COSINE, FLAT_SINE, Frame, Manifold, Point};
+use super::{FLAT_COSINE, FLAT_SINE, Frame, Manifold, Point, roundings};
 
 /// Buffers reused between calls; they do not influence results.
 #[derive(Default)]
 pub(crate) struct ManifoldScratch {
     pub(super) boxes: BoxPairs,
     manifold: ContactManifold<(), ()>,
+    triangles: TriangleContacts,
 }
 
 /// Two convex shapes of any kind.
@@ -37,7 +39,9 @@ pub(super) fn collide(
         return None;
     }
     let of = ShapeOrTriangle::Shape(b);
-    touch((b.parry(), &of), None, a, a_in_b, &pose(a_in_b), reach, scratch)
+    let found = &mut scratch.manifold;
+    let (normal, points) = touch((b.parry(), &of), None, a, a_in_b, &pose(a_in_b), reach, found)?;
+    Some(reduced(normal, reach, &points))
 }
 
 /// The normals that a triangle of a mesh or heightfield may have: those of its pseudo-normals, on the side where the shape is.
@@ -90,7 +94,7 @@ fn above(a: &ShapeOrTriangle, a_in_b: &Frame, up: Vec3, p: Vec3) -> f32 {
     up.dot(a_in_b.translation - p) - a.reach(a_in_b.turn_back(-up))
 }
 
-/// A convex shape on each nearby triangle of a mesh or heightfield.
+/// A convex shape on the nearby triangles of a mesh or heightfield: a manifold for each plane of them, in the order of its first triangle.
 pub(super) fn on_triangles(
     a: &Shape,
     b: &Shape,
@@ -105,21 +109,21 @@ pub(super) fn on_triangles(
     let pose = pose(a_in_b);
     let bounds = a.parry().compute_aabb(&pose).loosened(reach);
     let own = ShapeOrTriangle::Shape(a);
+    let ManifoldScratch { manifold, triangles, .. } = scratch;
+    triangles.clear();
     let mut on = |part: u32, triangle: &Triangle, normals: Option<TrianglePseudoNormals>| {
         let corners = [triangle.a, triangle.b, triangle.c].map(from_parry);
         let normals =
             normals.map(|normals| TriangleNormals::new(normals, &own, a_in_b, corners[0]));
-        let of = ShapeOrTriangle::Triangle(corners);
+        let (of, normals) = (ShapeOrTriangle::Triangle(corners), normals.as_ref());
         let found = if let Kind::Sphere { radius } = a.kind() {
-            ball_on_triangle(radius, a_in_b, corners, normals.as_ref(), reach)
+            ball_on_triangle(radius, a_in_b, corners, normals, reach)
         } else {
-            touch((triangle, &of), normals.as_ref(), a, a_in_b, &pose, reach, scratch)
+            touch((triangle, &of), normals, a, a_in_b, &pose, reach, manifold)
         };
-        if let Some(manifold) = found.filter(Manifold::is_sound) {
-            let kinds = [a.kind(), b.kind()];
-            let mut manifold = Manifold { part, ..manifold };
-            manifold.note_rounding(kinds, a_in_b);
-            out(&manifold);
+        if let Some((normal, points)) = found {
+            let roundings = roundings([a.kind(), b.kind()], a_in_b, normal, &points);
+            triangles.push(part, (normal, &points), roundings, reach);
         }
     };
     if let Some(mesh) = b.parry().as_trimesh() {
@@ -133,6 +137,11 @@ pub(super) fn on_triangles(
             on(i, triangle, field.triangle_normal_constraints(i));
         });
     }
+    triangles.each_plane(&mut |manifold| {
+        if manifold.is_sound() {
+            out(&manifold);
+        }
+    });
 }
 
 /// A ball on a triangle. Where the triangle does not allow the normal there, the ball touches it along one that it allows only if its centre is above the
@@ -143,7 +152,7 @@ fn ball_on_triangle(
     corners: [Vec3; 3],
     normals: Option<&TriangleNormals>,
     reach: f32,
-) -> Option<Manifold> {
+) -> Option<(Vec3, ContactPoints)> {
     let (centre, corners) = (a_in_b.translation.as_dvec3(), corners.map(Vec3::as_dvec3));
     let [i, j, k] = to_triangle(centre, corners);
     let nearest = corners[0] * i + corners[1] * j + corners[2] * k;
@@ -165,7 +174,8 @@ fn ball_on_triangle(
     }
     let on_a = a_in_b.turn_back(normal * -radius);
     let distance = between.dot(normal) - radius;
-    Some(Manifold::single(normal, on_a, nearest.as_vec3(), distance))
+    let point = Point { on_a, on_b: nearest.as_vec3(), distance };
+    Some((normal, [point].into_iter().collect()))
 }
 
 /// Distance at which touching or overlapping shapes are queried, as a share of the smallest half extent of the first one. `parry3d` computes the normal of two
@@ -177,8 +187,8 @@ const QUERIES: u32 = 4;
 /// By what share of [`APART`] an edge or corner must be farther apart than a face to be preferred: a shape that lies on a face keeps it.
 const BIAS: f32 = 0.1;
 
-/// The manifold of two convex shapes. Where they touch or overlap, the normal is that of the face of least overlap. Where an edge or a corner touches, the
-/// normal is found at a distance: the first shape is moved out along the last normal found, which does not change which features are nearest.
+/// The normal and all contact points of two convex shapes. Where they touch or overlap, the normal is that of the face of least overlap. Where an edge or a
+/// corner touches, it is found at a distance: the first shape is moved out along the last normal found, which does not change which features are nearest.
 fn touch(
     (b, of): (&dyn ParryShape, &ShapeOrTriangle),
     normals: Option<&TriangleNormals>,
@@ -186,12 +196,11 @@ fn touch(
     a_in_b: &Frame,
     pose: &Pose,
     reach: f32,
-    scratch: &mut ManifoldScratch,
-) -> Option<Manifold> {
+    found: &mut ContactManifold<(), ()>,
+) -> Option<(Vec3, ContactPoints)> {
     let apart = APART * a.parry().compute_local_aabb().half_extents().min_element();
     let query = Query { a: a.parry(), b, normals, pose, reach, apart };
     let is_round = matches!(a.kind(), Kind::Sphere { .. } | Kind::Capsule { .. });
-    let found = &mut scratch.manifold;
     let nearest = query.run(is_round, found)?;
     let own = ShapeOrTriangle::Shape(a);
     let seen = normals
@@ -203,7 +212,7 @@ fn touch(
         let face = best_face(&own, of, a_in_b);
         normal = face.filter(|face| face.0 >= nearest - BIAS * apart).map_or(normal, |face| face.1);
     }
-    along_normal(a, of, a_in_b, normal, (reach, 0.02 * apart), found)
+    Some((normal, along_normal(a, of, a_in_b, normal, 0.02 * apart, found)))
 }
 
 /// Two convex shapes, the first one at a pose in the other's coordinates.
@@ -277,9 +286,9 @@ fn along_normal(
     b: &ShapeOrTriangle,
     a_in_b: &Frame,
     normal: Vec3,
-    (reach, rounding): (f32, f32),
+    rounding: f32,
     found: &ContactManifold<(), ()>,
-) -> Option<Manifold> {
+) -> ContactPoints {
     let mut points = contacts(&ShapeOrTriangle::Shape(a), b, a_in_b, normal);
     // Maps a point of a capsule's axis to its surface, across the axis except at the ends.
     let towards_b = a_in_b.turn_back(-normal);
@@ -310,5 +319,5 @@ fn along_normal(
         .reduce(|least, point| if point.distance < least.distance { point } else { least });
     let deepest = points.iter().map(|point| point.distance).fold(f32::INFINITY, f32::min);
     points.extend(nearest.filter(|nearest| nearest.distance < deepest - rounding));
-    Some(reduced(normal, reach, &points))
+    points
 }

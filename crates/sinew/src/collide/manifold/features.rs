@@ -9,6 +9,8 @@ use super::{FLAT_COSINE, FLAT_SINE, Frame, Point, across_axis};
 
 /// Corners in order about the normal: one for a corner, two for an edge, three or more for a face.
 type FeatureCorners = SmallVec<[Vec3; 16]>;
+/// Contact points of two shapes before their reduction to four.
+pub(super) type ContactPoints = SmallVec<[Point; 16]>;
 
 /// Number of corners that approximate a cylinder's end. Their polygon covers 97 % of its area.
 const CYLINDER_CORNERS: usize = 16;
@@ -37,14 +39,14 @@ pub(super) fn contacts(
     b: &ShapeOrTriangle,
     a_in_b: &Frame,
     normal: Vec3,
-) -> SmallVec<[Point; 16]> {
+) -> ContactPoints {
     let (t, u) = normal.any_orthonormal_pair();
     let flat = |p: Vec3| Vec3::new(p.dot(t), p.dot(u), p.dot(normal));
     let mut own = a.feature(a_in_b.turn_back(-normal));
     own.iter_mut().for_each(|p| *p = flat(a_in_b.point(*p)));
     let mut theirs = b.feature(normal);
     theirs.iter_mut().for_each(|p| *p = flat(*p));
-    let (own, theirs) = (outline(own), outline(theirs));
+    let (own, theirs) = (outline(own, 0.0), outline(theirs, 0.0));
     let up = [plane(&own), plane(&theirs)];
     let steep = up.map(|up| up.map_or(f32::INFINITY, |up| up.truncate().length() / up.z.abs()));
     // Corners of the clipped feature, with the heights of both surfaces there.
@@ -61,7 +63,7 @@ pub(super) fn contacts(
             let height = |p: Vec3| own[0].z - (p - own[0]).truncate().dot(up.truncate()) / up.z;
             cut(theirs, &own).into_iter().map(|p| (p.with_z(height(p)), p.z)).collect()
         }
-        [None, Some(_)] => return SmallVec::new(),
+        [None, Some(_)] => return ContactPoints::new(),
     };
     let place = |p: Vec3, z: f32| t * p.x + u * p.y + normal * z;
     let points = pairs.into_iter().map(|(p, z)| {
@@ -269,15 +271,37 @@ fn edge(corners: &[Vec3], direction: Vec3) -> FeatureCorners {
     feature
 }
 
-/// The convex hull of some points by x and y, counter-clockwise (A. M. Andrew's monotone chain, 1979).
-fn outline(mut places: FeatureCorners) -> FeatureCorners {
+/// The points of a flat contact area that span it: the corners of its outline, seen along its normal, and the deepest point. Points nearer than `rounding` metres
+/// to another, or to the line between two others, are left out.
+pub(super) fn spanning(points: &[Point], normal: Vec3, rounding: f32) -> ContactPoints {
+    let (t, u) = normal.any_orthonormal_pair();
+    // The number of a point takes the place of its height, which an outline passes on.
+    let numbered = points.iter().enumerate();
+    let flat = numbered.map(|(i, p)| Vec3::new(p.on_b.dot(t), p.on_b.dot(u), i as f32));
+    let corners = outline(flat.collect(), rounding);
+    let mut chosen: ContactPoints = corners.iter().map(|p| points[p.z as usize]).collect();
+    chosen.dedup_by(|a, b| a.on_b.distance_squared(b.on_b) <= rounding * rounding);
+    let deepest = |points: &[Point]| {
+        points.iter().copied().reduce(|p, q| if q.distance < p.distance { q } else { p })
+    };
+    if let [Some(of_chosen), Some(of_all)] = [deepest(&chosen), deepest(points)]
+        && of_all.distance < of_chosen.distance - rounding
+    {
+        chosen.push(of_all);
+    }
+    chosen
+}
+
+/// The convex hull of some points by x and y, counter-clockwise (A. M. Andrew's monotone chain, 1979). Points nearer to the line between two others than a
+/// hundred-thousandth of the extent, or than `rounding` metres, count as lying on it.
+fn outline(mut places: FeatureCorners, rounding: f32) -> FeatureCorners {
     if places.len() < 3 {
         return places;
     }
     places.sort_unstable_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
     let (first, last) = (places[0], places[places.len() - 1]);
-    // Points nearer than this to the line between two others count as lying on it.
-    let thin = 1e-5 * (last - first).truncate().length_squared();
+    let squared = (last - first).truncate().length_squared();
+    let thin = (1e-5 * squared).max(rounding * squared.sqrt());
     let mut corners = FeatureCorners::new();
     let turns = |p: Vec3, q: Vec3, r: Vec3| (q - p).truncate().perp_dot((r - p).truncate()) > thin;
     let half = |places: &mut dyn Iterator<Item = Vec3>, corners: &mut FeatureCorners| {
@@ -336,18 +360,20 @@ fn along(
     theirs: &FeatureCorners,
     place: impl Fn(Vec3) -> Vec3,
     a_in_b: &Frame,
-) -> SmallVec<[Point; 16]> {
-    let (&[p, p1], &[q, q1]) = (own.as_slice(), theirs.as_slice()) else { return SmallVec::new() };
+) -> ContactPoints {
+    let (&[p, p1], &[q, q1]) = (own.as_slice(), theirs.as_slice()) else {
+        return ContactPoints::new();
+    };
     let (d, e) = ((p1 - p).truncate(), (q1 - q).truncate());
     let lengths = d.length() * e.length();
     if lengths <= 0.0 || d.perp_dot(e).abs() > CROSSING_SINE * lengths {
-        return SmallVec::new();
+        return ContactPoints::new();
     }
     // Places of the ends of `b`'s edge along `a`'s, as fractions of its length.
     let at = |r: Vec3| (r - p).truncate().dot(d) / d.length_squared();
     let (from, to) = (at(q).min(at(q1)).max(0.0), at(q).max(at(q1)).min(1.0));
     if to < from {
-        return SmallVec::new();
+        return ContactPoints::new();
     }
     let point = |share: f32| {
         let on_a = p + (p1 - p) * share;

@@ -8,12 +8,14 @@
 //! | `round` | spheres; capsule and capsule |
 //! | `rod` | capsule and box |
 //! | `convex` | cylinders and hulls, and convex shapes on meshes and heightfields: normals from `parry3d`, points from `features` |
+//! | `coplanar` | one manifold for all coplanar triangles that a shape touches |
 //! | `reduce` | reduction of many contact points to four |
 //! | `broad` | broad phase: pairs of overlapping AABBs |
 
 mod boxes;
 mod broad;
 mod convex;
+mod coplanar;
 mod features;
 mod half_space;
 mod reduce;
@@ -51,7 +53,7 @@ pub(crate) struct Manifold {
     pub(crate) normal: Vec3,
     points: [Point; 4],
     len: u32,
-    /// Index of the triangle of a mesh or heightfield; 0 for convex shapes.
+    /// Index of the triangle of a mesh or heightfield, of several coplanar ones the least; 0 for convex shapes.
     pub(crate) part: u32,
     /// Rounding radii of the two shapes, metres; 0 where a shape is not round. A sphere touches a face below its centre however it has rolled, a capsule and a
     /// lying cylinder below their axes. The point that stays fixed in a round shape is therefore the centre of the rounding, one radius inside the surface.
@@ -181,11 +183,7 @@ impl Manifold {
     /// Sets the rounding radii of both shapes.
     #[inline(always)]
     fn note_rounding(&mut self, kinds: [Kind; 2], a_in_b: &Frame) {
-        let towards_b = a_in_b.turn_back(-self.normal);
-        let own = rounding(kinds[0], towards_b, self.points().iter().map(|point| point.on_a));
-        let theirs = rounding(kinds[1], self.normal, self.points().iter().map(|point| point.on_b));
-        self.radii = [own.0, theirs.0];
-        self.axial = [own.1, theirs.1];
+        (self.radii, self.axial) = roundings(kinds, a_in_b, self.normal, self.points());
     }
 
     /// Whether there are points and all numbers are finite: NaN and infinity times zero are NaN, and so is a sum with them.
@@ -202,7 +200,8 @@ impl Manifold {
 /// Passes each manifold of `a` and `b` to `out` where they are no further apart than `reach` metres (0 or more); `a_in_b` is the frame of `a` in the
 /// coordinates of `b`.
 ///
-/// Two convex shapes give one manifold; meshes and heightfields give one for each triangle, and the inside of a box gives one for each wall. There is none for
+/// Two convex shapes give one manifold; meshes and heightfields give one for each plane of their nearby triangles, by ascending
+/// [`part`](Manifold::part), and the inside of a box gives one for each wall. There is none for
 /// two shapes that cannot move (half-spaces, insides of boxes, meshes, heightfields), and none if the frame is not finite.
 pub(crate) fn collide(
     a: &Shape,
@@ -219,7 +218,7 @@ pub(crate) fn collide(
     in_order(b, a, &b_in_a, reach, scratch, &mut |manifold| out(&manifold.swapped(a_in_b)));
 }
 
-/// Whether a shape gives a manifold for each triangle near another shape.
+/// Whether a shape gives a manifold for each plane of its triangles near another shape.
 pub(crate) fn is_of_triangles(shape: &Shape) -> bool {
     match shape.kind() {
         Kind::Mesh | Kind::HeightField => true,
@@ -292,6 +291,18 @@ const FLAT_COSINE: f32 = 0.995;
 /// By how much an axis must be better to be preferred to one that comes before it (faces before edges): a share of the overlap, plus a share of the smallest
 /// half size of a box. A shape at rest, whose overlaps are noise, keeps its face and its points.
 const BIAS: (f32, f32) = (0.03, 2e-3);
+
+/// Rounding radii of two shapes that touch at some points along a normal, metres, and whether each is round about its y axis only.
+type Roundings = ([f32; 2], [bool; 2]);
+
+/// The [`Roundings`] of two shapes in contact.
+#[inline(always)]
+fn roundings(kinds: [Kind; 2], a_in_b: &Frame, normal: Vec3, points: &[Point]) -> Roundings {
+    let towards_b = a_in_b.turn_back(-normal);
+    let own = rounding(kinds[0], towards_b, points.iter().map(|point| point.on_a));
+    let theirs = rounding(kinds[1], normal, points.iter().map(|point| point.on_b));
+    ([own.0, theirs.0], [own.1, theirs.1])
+}
 
 /// The rounding radius of a shape that touches at some points, metres (0 if it is not round there), and whether it is round about its y axis only.
 #[inline(always)]
