@@ -80,6 +80,7 @@ impl BodyContactSolver {
         self.cache.begin(self.dormant.0.is_kept);
         self.compare_all(&pairs, particles, world, is_new);
         self.pairs = pairs;
+        self.drop_ghosts(world);
         self.cache.in_order();
         self.missed.begin(self.contacts.len());
         self.loose.broad_phase(&self.swept, &self.groups, particles, world, near, None);
@@ -310,6 +311,11 @@ impl MissedPairs {
         self.used.clear();
         self.found.clear();
         self.moved.clear();
+    }
+
+    /// Number of manifolds that the broad phase found when the step began, those that were dropped left out.
+    pub(super) fn contacts(&self) -> usize {
+        self.contacts
     }
 
     /// Whether a manifold of this pair and part was found in this step.

@@ -19,6 +19,7 @@
 //! | `swept_bounds` | swept AABB and speculative margin of a body collider in a step |
 //! | `broad_phase` | pairs whose swept bounds overlap, and missed pairs of body colliders that left theirs |
 //! | `narrow_phase` | manifolds of a pair: cached, computed afresh, or refreshed within a step |
+//! | `ghosts` | drops contacts with inner edges of a floor made of several colliders |
 //! | `rest_overlaps` | parts of a body that overlap in its rest shape and never collide |
 //! | `dormant` | body colliders of dormant islands, whose poses, bounds and manifolds are kept |
 //! | `contact_cache` | manifolds and friction anchors that are kept from step to step |
@@ -37,6 +38,7 @@ mod contact_cache;
 mod deep_overlap;
 mod dormant;
 mod friction;
+mod ghosts;
 mod groups;
 mod loose;
 mod narrow_phase;
@@ -144,6 +146,8 @@ pub(crate) struct BodyContactSolver {
     nearby: Vec<[u32; 2]>,
     pairs: Vec<[u32; 2]>,
     contacts: Vec<Contact>,
+    /// Numbers of the contacts that are ghosts, ascending, and of the contacts beside them. Scratch of the broad phase.
+    ghosts: Vec<[u32; 2]>,
     sensors: Sensors,
     wide_contacts: Vec<WideContact>,
     cache: CacheBuilder,

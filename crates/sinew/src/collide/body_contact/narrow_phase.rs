@@ -21,9 +21,12 @@ use super::groups::{BodyGroups, CompiledCollider};
 use super::sensors::SensorPath;
 use super::static_geometry::StaticGeometry;
 use super::swept_bounds::SweptBounds;
-use super::wide_contact::{Contact, TORSIONAL_RADIUS, put_manifold};
+use super::wide_contact::{Contact, TORSIONAL_RADIUS, WideContact, put_manifold};
 use crate::lanes::{SetLanes, set};
 use crate::particles::{NO_BODY, Particles};
+
+/// Squared difference of two normals up to which they are those of one face.
+const SAME_FACE: f32 = 1e-6;
 
 /// Limit of queued pairs, so that their data stay in the fastest cache.
 const MAX_PENDING: usize = 64;
@@ -33,9 +36,12 @@ const MAX_PENDING: usize = 64;
 pub(super) struct NarrowPhase {
     pending: Vec<Comparison>,
     boxes: BoxPairs,
-    /// Wide contact and lane of each pair of boxes whose manifold has become stale within a step.
-    stale: Vec<(usize, usize)>,
+    /// Wide contact and lane of each pair of boxes whose manifold has become stale within a step, the first one's frame in the coordinates of the second, and the
+    /// distance up to which they may touch, metres.
+    stale: Vec<(usize, usize, Frame, f32)>,
     manifolds: ManifoldScratch,
+    /// Manifolds of a missed pair.
+    missed: Vec<Manifold>,
 }
 
 impl BodyContactSolver {
@@ -247,6 +253,7 @@ impl BodyContactSolver {
                 size,
                 staleness,
                 torsional_radius: torsional(is_alone && groups.is_alone(second), size),
+                goes_on: false,
             };
         };
         let geometry = &static_geometry[number];
@@ -267,6 +274,7 @@ impl BodyContactSolver {
             size: part.reach,
             staleness,
             torsional_radius: torsional(is_alone, part.reach),
+            goes_on: false,
         }
     }
 
@@ -384,20 +392,25 @@ impl BodyContactSolver {
         };
         let contact = self.contact(pair, (0, 0.0), world, share);
         let reach = query.reach;
-        let Self { missed, cache, contacts, narrow_phase, static_geometry, .. } = self;
-        let shapes = shapes(pair, world, static_geometry);
+        let shapes = shapes(pair, world, &self.static_geometry);
         let (of_triangles, pair) = (have_triangles(shapes), [contact.a, contact.b]);
-        if !of_triangles && missed.has(pair, 0, contacts, cache) {
+        if !of_triangles && self.missed.has(pair, 0, &self.contacts, &self.cache) {
             return;
         }
         let [a, b] = shapes;
-        collide(a, b, &query.here, reach, &mut narrow_phase.0.manifolds, &mut |manifold| {
-            if of_triangles && missed.has(pair, manifold.part, contacts, cache) {
-                return;
+        let NarrowPhase { manifolds, missed: found, .. } = &mut self.narrow_phase.0;
+        found.clear();
+        collide(a, b, &query.here, reach, manifolds, &mut |manifold| found.push(*manifold));
+        for number in 0..self.narrow_phase.0.missed.len() {
+            let manifold = &self.narrow_phase.0.missed[number];
+            if of_triangles && self.missed.has(pair, manifold.part, &self.contacts, &self.cache)
+                || self.is_missed_ghost(&contact, manifold, world)
+            {
+                continue;
             }
-            let cache_index = cache.insert_missed(query.cached(shapes, manifold, reach));
-            contacts.push(Contact { cache_index, ..contact });
-        });
+            let cache_index = self.cache.insert_missed(query.cached(shapes, manifold, reach));
+            self.contacts.push(Contact { cache_index, ..contact });
+        }
     }
 }
 
@@ -540,6 +553,24 @@ fn are_pinned_together(
         || pins(1).any(|pin| is_in(pin, 0, their))
 }
 
+/// Replaces the manifold of a contact within a step, unless the face that the two touch goes on and the new manifold is one of its rim.
+fn refresh(
+    wide: &mut WideContact,
+    lane: usize,
+    (one, cached): (&Contact, &mut CachedManifold),
+    (manifold, seen_from, reach): (&Manifold, Frame, f32),
+    centres: [Vec3; 2],
+) {
+    let was = &cached.manifold;
+    let is_of_rim =
+        manifold.normal.distance_squared(was.normal) > SAME_FACE || manifold.axial != was.axial;
+    if one.goes_on && is_of_rim {
+        return;
+    }
+    (cached.manifold, cached.seen_from, cached.reach) = (*manifold, seen_from, reach);
+    put_manifold(wide, lane, (one, cached), centres);
+}
+
 /// The contact participant that a body collider is reported as.
 pub(super) fn participant(groups: &BodyGroups, number: usize, body: u32) -> ContactParticipant {
     if body == NO_BODY {
@@ -602,25 +633,27 @@ impl BodyContactSolver {
                     }
                 };
                 let seen_from = own.from_within(&theirs);
-                (cached.seen_from, cached.reach) = (seen_from, reach);
                 if boxes.push([shape, other], &seen_from, reach).is_some() {
-                    stale.push((number, lane));
+                    stale.push((number, lane, seen_from, reach));
                     continue;
                 }
-                cached.manifold = Default::default();
-                collide(shape, other, &seen_from, reach, manifolds, &mut |manifold| {
-                    cached.manifold = *manifold;
-                });
-                put_manifold(wide, lane, (one, cached), centres(groups, one));
+                let mut found = Manifold::default();
+                collide(shape, other, &seen_from, reach, manifolds, &mut |one| found = *one);
+                refresh(
+                    wide,
+                    lane,
+                    (one, cached),
+                    (&found, seen_from, reach),
+                    centres(groups, one),
+                );
             }
         }
         let found = boxes.collide(*instructions);
-        for (&(number, lane), manifold) in stale.iter().zip(found) {
+        for (&(number, lane, seen_from, reach), manifold) in stale.iter().zip(found) {
             let wide = &mut wide_contacts[number];
             let one = &contacts[wide.number[lane] as usize];
             let cached = &mut cache.now[one.cache_index as usize];
-            cached.manifold = *manifold;
-            put_manifold(wide, lane, (one, cached), centres(groups, one));
+            refresh(wide, lane, (one, cached), (manifold, seen_from, reach), centres(groups, one));
         }
     }
 

@@ -28,8 +28,9 @@ pub(super) struct SweptBounds {
     pub(super) centre: Vec3,
     /// Frame of the shape, from its origin.
     pub(super) frame: Frame,
-    /// Velocity of its centre, m/s.
+    /// Velocity of its centre, m/s, and angular velocity, rad/s.
     pub(super) velocity: Vec3,
+    pub(super) spin: Vec3,
     /// Speculative margin: how far from its extrapolated path a point of it may get in the step before pairs are searched again, metres.
     pub(super) speculative_margin: f32,
     pub(super) origin: Vec3,
@@ -47,6 +48,7 @@ impl Default for SweptBounds {
             centre: Vec3::ZERO,
             frame: Frame::IDENTITY,
             velocity: Vec3::ZERO,
+            spin: Vec3::ZERO,
             speculative_margin: 0.0,
             origin: Vec3::ZERO,
             body: NO_BODY,
@@ -208,6 +210,7 @@ impl BodyContactSolver {
             centre,
             frame,
             velocity,
+            spin: spin * rate,
             speculative_margin,
             origin,
             body,

@@ -184,8 +184,20 @@ impl ShapeOrTriangle<'_> {
                 each(Vec3::Y, half_height);
                 each(-Vec3::Y, half_height);
             }
+            Kind::HalfSpace => each(Vec3::Y, 0.0),
             _ => (),
         }
+    }
+
+    /// The face with the given normal: the exact normal, and its support distance, metres from the shape's origin. `None` if there is none.
+    pub(super) fn face_along(&self, normal: Vec3) -> Option<(Vec3, f32)> {
+        let mut found = None;
+        self.each_face(&mut |face, offset| {
+            if (face - normal).length_squared() < FACE_TOLERANCE * FACE_TOLERANCE {
+                found = Some((face, offset));
+            }
+        });
+        found
     }
 
     /// Corners of the feature that is farthest along a unit direction, in any order: of the faces across it, of an edge, or one corner. For a capsule, the ends

@@ -9,6 +9,7 @@
 //! | `rod` | capsule and box |
 //! | `convex` | cylinders and hulls, and convex shapes on meshes and heightfields: normals from `parry3d`, points from `features` |
 //! | `coplanar` | one manifold for all coplanar triangles that a shape touches |
+//! | `ghost` | contacts with inner edges of a floor made of several shapes, which are none |
 //! | `reduce` | reduction of many contact points to four |
 //! | `broad` | broad phase: pairs of overlapping AABBs |
 
@@ -17,6 +18,7 @@ mod broad;
 mod convex;
 mod coplanar;
 mod features;
+mod ghost;
 mod half_space;
 mod reduce;
 mod rod;
@@ -34,6 +36,7 @@ use crate::lanes::InstructionSet;
 pub(crate) use boxes::BoxPairs;
 pub(crate) use broad::{Aabb, BlockSearch, Broad, ClusterSearch, EightBoxes, NO_GROUP};
 pub(crate) use convex::ManifoldScratch;
+pub(crate) use ghost::{StaticContact, Sweeping, is_ghost};
 
 /// A pair of nearby points, one on each surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,6 +2,7 @@
 
 mod contact_cache;
 mod drag;
+mod ghosts;
 mod heaps;
 mod kept;
 mod kinematic_geometry;

@@ -4,13 +4,19 @@ use super::*;
 use crate::recipes::{BoxLayout, BoxSpec, box_3d};
 
 /// Adds a shape with the moments of inertia of a box of this size: 2/5 m r² for sides of `√2.4 r`, those of a cylinder for `√3 r` across it.
-fn add_round(world: &mut Simulation, shape: Shape, size: Vec3, at: Vec3, turned: Quat) -> usize {
+pub(super) fn add_round(
+    world: &mut Simulation,
+    shape: Shape,
+    size: Vec3,
+    at: Vec3,
+    turned: Quat,
+) -> usize {
     let spec = BoxSpec { size, mass: 2.0, layout: BoxLayout::Equimomental, ..BoxSpec::default() };
     add(world, &box_3d(&spec).unwrap(), shape, at, turned)
 }
 
 /// A ball with the inertia of a solid one.
-fn add_ball(world: &mut Simulation, radius: f32, at: Vec3) -> usize {
+pub(super) fn add_ball(world: &mut Simulation, radius: f32, at: Vec3) -> usize {
     let (ball, size) = (Shape::sphere(radius).unwrap(), Vec3::splat(radius * libm::sqrtf(2.4)));
     add_round(world, ball, size, at, Quat::IDENTITY)
 }
