@@ -30,6 +30,7 @@
 //! | `curtain` | a soft ball thrown against a curtain |
 //! | `net` | marbles in two coarse sheets, of which one collides by its triangles |
 //! | `hills` | a blanket, ragdolls and crates on a terrain |
+//! | `tiles` | crates, a barrel and a ball over a floor of many colliders |
 //! | `fence` | two blankets over fences that are meshes, of which one collides by its triangles |
 //! | `slopes` | stacks on slopes that stick or slide by friction |
 //! | `race` | rolling and sliding bodies on one slope |

@@ -60,6 +60,7 @@ mod straight;
 pub(crate) mod swap;
 pub(crate) mod sweeps;
 mod throws;
+mod tiles;
 pub(crate) mod timestep;
 pub(crate) mod verlet;
 mod volumes;
@@ -131,6 +132,7 @@ pub const ALL: &[Scene] = &[
     sweeps::SCENE,
     hammock::SCENE,
     hills::SCENE,
+    tiles::SCENE,
 ];
 
 /// The scene of that name, if there is one.
