@@ -7,7 +7,7 @@ use core::ops::Range;
 use smallvec::SmallVec;
 
 use super::super::frame::Frame;
-use super::super::manifold::{Manifold, StaticContact, Sweeping, is_ghost};
+use super::super::manifold::{Manifold, MovingBody, StaticContact, is_ghost};
 use super::super::world::World;
 use super::BodyContactSolver;
 use super::contact_cache::FrictionAnchor;
@@ -90,7 +90,7 @@ impl BodyContactSolver {
         let manifold = &self.cache.now[other.cache_index as usize].manifold;
         let Some(beside) = self.static_contact(other, manifold) else { return false };
         let swept = &self.swept[a];
-        let body = Sweeping {
+        let body = MovingBody {
             shape: &world.body_colliders[a].shape,
             frame: swept.frame,
             turn: swept.spin * world.dt,

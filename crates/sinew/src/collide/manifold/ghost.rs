@@ -29,7 +29,7 @@ const BOTH_CARRY: f32 = 0.5;
 const SAME: f32 = 1e-6;
 
 /// A body that moves in a step.
-pub(crate) struct Sweeping<'a> {
+pub(crate) struct MovingBody<'a> {
     pub(crate) shape: &'a Shape,
     pub(crate) frame: Frame,
     /// Rotation vector of its motion in the step, rad.
@@ -46,7 +46,7 @@ pub(crate) struct StaticContact<'a> {
 }
 
 /// Whether a contact of a body is a ghost beside another one, which is none.
-pub(crate) fn is_ghost(body: &Sweeping, contact: &StaticContact, beside: &StaticContact) -> bool {
+pub(crate) fn is_ghost(body: &MovingBody, contact: &StaticContact, beside: &StaticContact) -> bool {
     let normal = contact.normal();
     let rolls_beside = beside.manifold.axial[0] && !contact.manifold.axial[0];
     if (normal - beside.normal()).length_squared() < SAME && !rolls_beside {
@@ -76,7 +76,7 @@ pub(crate) fn is_ghost(body: &Sweeping, contact: &StaticContact, beside: &Static
         && contact.points().all(|point| up.dot(point) <= height + tolerance)
 }
 
-impl Sweeping<'_> {
+impl MovingBody<'_> {
     /// By how much it turns against a direction, rad. A turn of a round shape about its own axis, or about its centre, moves no surface.
     fn tilt(&self, up: Vec3) -> f32 {
         let axis = self.frame.rotation.y_axis;
