@@ -23,7 +23,7 @@ impl BodyContactSolver {
             let of_one = self.with_fixed(first.a, from);
             from = of_one.end;
             let geometry = |number: usize| self.contacts[number].geometry;
-            // Inner edges of one mesh are known to itself.
+            // Most touch one only.
             if !of_one.is_empty() && geometry(of_one.start) != geometry(of_one.end - 1) {
                 self.find_ghosts(of_one, world, &mut ghosts);
             }
@@ -87,6 +87,10 @@ impl BodyContactSolver {
         world: &World,
     ) -> bool {
         let (a, other) = (contact.a as usize, &self.contacts[number]);
+        // Inner edges of one mesh are known to itself.
+        if other.geometry == contact.geometry {
+            return false;
+        }
         let manifold = &self.cache.now[other.cache_index as usize].manifold;
         let Some(beside) = self.static_contact(other, manifold) else { return false };
         let swept = &self.swept[a];
@@ -96,7 +100,7 @@ impl BodyContactSolver {
             turn: swept.spin * world.dt,
             reach: self.groups.parts[a].reach,
         };
-        other.geometry != contact.geometry && is_ghost(&body, one, &beside)
+        is_ghost(&body, one, &beside)
     }
 
     /// A manifold of a contact, if its geometry stays where it is in this step.

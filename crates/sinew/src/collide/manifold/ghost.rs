@@ -1,9 +1,9 @@
 //! Ghost contacts: contacts with the inner edges of a floor that is made of several shapes.
 //!
 //! Two tiles lie side by side, and a box slides from one to the other. Nothing is in its way. But the box and the second tile, looked at as a pair, are farthest
-//! apart along the side of the tile: their normal is level, and the box stops as at a wall, or is thrown up by it. Balls meet the near edge of the tile from
-//! above, and lose speed there. So do boxes that fall along a wall of several blocks. Within a mesh the normals of the neighbouring triangles exclude such a
-//! contact (`convex`); between colliders the pairs have to be compared.
+//! apart along the side of the tile: their normal is level, and the box stops as at a wall, or is thrown up by it. A box that falls along a wall of blocks is held
+//! by each of them in the same way, and a ball meets the near edge of the tile from above and loses speed there. Other engines call such contacts ghost
+//! collisions. Within a mesh the normals of the neighbouring triangles exclude them (`convex`); between colliders the pairs have to be compared.
 //!
 //! # The rule
 //!

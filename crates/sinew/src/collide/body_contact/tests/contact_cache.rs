@@ -216,16 +216,6 @@ fn bodies_that_slide_over_triangles_do_not_sink_in_between() {
     assert!(deepest < 4e-3, "{deepest}");
 }
 
-/// A level floor of 80 × 80 cells of a size, its middle at `far` along x in the coordinates of the mesh, metres.
-fn tiles(cell: f32, far: f32) -> Shape {
-    let at = |i: u32| {
-        Vec3::new((i % 81) as f32 - 40.0, 0.0, (i / 81) as f32 - 40.0) * cell + Vec3::X * far
-    };
-    let cells = (0..81 * 80).filter(|i| i % 81 < 80);
-    let triangles = cells.flat_map(|i| [[i, i + 81, i + 1], [i + 1, i + 81, i + 82]]);
-    Shape::mesh((0..81 * 81).map(at).collect(), triangles.collect()).unwrap()
-}
-
 /// The manifold of a floor has the number of one of its triangles. A body that slides leaves that triangle and keeps what it knows of friction.
 #[test]
 fn a_body_slides_over_a_floor_of_triangles_as_over_a_plane() {
@@ -241,8 +231,8 @@ fn a_body_slides_over_a_floor_of_triangles_as_over_a_plane() {
         centre(&world, first) - from
     };
     for (speed, size) in [(0.5, Vec3::splat(0.5)), (2.0, Vec3::splat(0.5)), (4.0, Vec3::ONE)] {
-        let [on_plane, on_tiles] =
-            [Shape::half_space(), tiles(0.1, 0.0)].map(|floor| slide(floor, speed, size));
+        let [on_plane, on_tiles] = [Shape::half_space(), tiles([81, 81], [0.1, 0.1], 0.0)]
+            .map(|floor| slide(floor, speed, size));
         let off = on_plane.distance(on_tiles) / on_plane.length();
         println!("{speed} m/s: {on_plane} and {on_tiles}");
         assert!(off < 0.01, "{speed} m/s: {on_plane} and {on_tiles}");
@@ -259,7 +249,10 @@ fn boxes_stand_on_coplanar_triangles_of_any_size_and_far_from_the_origin_of_a_me
             let mut world = world();
             set_material(&mut world, rough(0.5));
             let slope = turn(Vec3::Z, tilt);
-            let floor = Collider::fixed(tiles(cells * size, far), Frame::new(Vec3::ZERO, slope));
+            let floor = Collider::fixed(
+                tiles([81, 81], [cells * size; 2], far),
+                Frame::new(Vec3::ZERO, slope),
+            );
             world.colliders.push(floor.with_material(rough(0.5)));
             let tower = [0.5, 1.5].map(|height| {
                 let at = slope * Vec3::new(far + 0.13 * size, height * size, 0.07 * size);

@@ -18,10 +18,7 @@ fn floors() -> [Vec<Collider>; 4] {
     let grid = (-4..56).flat_map(|n| {
         (-6..7).map(move |m| tile(Vec3::new(TILE, 1.0, TILE), x(n), TILE * m as f32 + 0.07))
     });
-    let at = |i: u32| Vec3::new((i % 5) as f32 - 2.0, 0.0, (i / 5) as f32 - 8.0) * TILE;
-    let cells = (0..5 * 16).filter(|i| i % 5 < 4);
-    let triangles = cells.flat_map(|i| [[i, i + 5, i + 1], [i + 1, i + 5, i + 6]]).collect();
-    let mesh = Shape::mesh((0..5 * 17).map(at).collect(), triangles).unwrap();
+    let mesh = tiles([5, 17], [TILE; 2], 0.0);
     let meshes = (-1..14).map(|n| Collider::fixed(mesh.clone(), Frame::at(Vec3::X * x(4 * n))));
     let plane = Collider::fixed(Shape::half_space(), Frame::IDENTITY);
     [vec![plane], row.collect(), grid.collect(), meshes.collect()]

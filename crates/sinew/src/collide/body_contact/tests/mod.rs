@@ -32,6 +32,18 @@ fn world() -> Simulation {
     world
 }
 
+/// A level mesh of cells of a size, with a number of vertices along x and along z; its middle is at `far` along x in the coordinates of the mesh, metres.
+fn tiles([columns, rows]: [u32; 2], size: [f32; 2], far: f32) -> Shape {
+    let at = |i: u32, of: u32, size: f32| (i as f32 - 0.5 * (of - 1) as f32) * size;
+    let vertex = |i: u32| {
+        Vec3::new(far + at(i % columns, columns, size[0]), 0.0, at(i / columns, rows, size[1]))
+    };
+    let cells = (0..columns * (rows - 1)).filter(|i| i % columns + 1 < columns);
+    let triangles =
+        cells.flat_map(|i| [[i, i + columns, i + 1], [i + 1, i + columns, i + columns + 1]]);
+    Shape::mesh((0..columns * rows).map(vertex).collect(), triangles.collect()).unwrap()
+}
+
 /// Adds a box and returns its first row.
 fn add_box(world: &mut Simulation, size: Vec3, mass: f32, at: Vec3, turned: Quat) -> usize {
     let spec = BoxSpec { size, mass, layout: BoxLayout::Equimomental, ..BoxSpec::default() };

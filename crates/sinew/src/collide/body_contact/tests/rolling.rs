@@ -49,18 +49,6 @@ struct Rolled<'a> {
     off: f32,
 }
 
-/// A level mesh of cells, `columns` vertices along x and `rows` along z.
-fn tiles(columns: u32, rows: u32, size: Vec3) -> Shape {
-    let steps = Vec3::new((columns - 1) as f32, 1.0, (rows - 1) as f32);
-    let at = |i: u32| {
-        Vec3::new((i % columns) as f32, 0.0, (i / columns) as f32) / steps * size - size / 2.0
-    };
-    let cells = (0..columns * (rows - 1)).filter(|i| i % columns + 1 < columns);
-    let triangles =
-        cells.flat_map(|i| [[i, i + columns, i + 1], [i + 1, i + columns, i + columns + 1]]);
-    Shape::mesh((0..columns * rows).map(at).collect(), triangles.collect()).unwrap()
-}
-
 /// A ball, and a capsule and a cylinder across the slope, of 0.5 m radius, on slopes of an angle (a half-space, a box, two triangles, and 36 000), with `share` of the
 /// friction that they need to roll, `tan θ k / (1 + k)` with `k` for the inertia: after two seconds at each number of substeps.
 fn on_slopes(degrees: f32, share: f32, substeps: &[u32], mut each: impl FnMut(Rolled)) {
@@ -75,7 +63,7 @@ fn on_slopes(degrees: f32, share: f32, substeps: &[u32], mut each: impl FnMut(Ro
         (Shape::half_space(), 0.0),
         (Shape::cuboid(Vec3::new(80.0, 1.0, 20.0)).unwrap(), -0.5),
         (Shape::mesh(corners, vec![[0, 2, 1], [0, 3, 2]]).unwrap(), 0.0),
-        (tiles(columns as u32, rows as u32, Vec3::new(80.0, 0.0, 40.0)), 0.0),
+        (tiles([columns as u32, rows as u32], [80.0 / 300.0, 40.0 / 60.0], 0.0), 0.0),
         (Shape::height_field(columns, rows, &level, Vec3::new(80.0, 1.0, 40.0)).unwrap(), 0.0),
     ];
     let side = radius * libm::sqrtf(2.4);
