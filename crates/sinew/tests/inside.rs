@@ -123,41 +123,59 @@ fn particles_and_ropes_that_begin_inside_are_put_out_in_peace() {
     }
 }
 
-/// A figure that starts in various positions and orientations inside a solid, or with some of its particles pinned there.
-#[test]
-fn ragdolls_that_begin_inside_are_put_out_in_peace() {
-    let mut seed = 7_u32;
+/// The highest speeds of twelve figures in each solid, which start there in various positions and orientations, or with some of their particles pinned.
+fn put_out_figures(substeps: u32, seed: &mut u32) -> Vec<(f32, String)> {
     let mut next = move || {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (seed >> 8) as f32 / 16_777_216.0
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*seed >> 8) as f32 / 16_777_216.0
     };
     let figure: Blueprint = ragdoll(&RagdollSpec::default()).unwrap();
-    for substeps in [4, 10, 40] {
-        for (name, collider) in solids() {
-            for i in 0..12 {
-                let mut world = empty(substeps);
-                world.colliders.push(collider.clone());
-                let turn = Quat::from_xyzw(next() - 0.5, next() - 0.5, next() - 0.5, next() - 0.5)
-                    .normalize();
-                let at = Vec3::new(next() - 0.5, 0.0, next() - 0.5);
-                let mut body = figure.transformed(turn, at);
-                let low = body.particles.iter().map(|p| p.position.y).fold(f32::MAX, f32::min);
-                let depth = 0.05 + 0.25 * next();
-                let lift = -depth - low;
-                body = body.transformed(Quat::IDENTITY, Vec3::Y * lift);
-                let pins = i % 3;
-                for _ in 0..pins {
-                    let which = (next() * body.particles.len() as f32) as u32;
-                    let _ = body.pin(which);
-                }
-                body.build_colliding(&mut world, BodyContacts::default()).unwrap();
-                let worst = fastest(&mut world, 60);
-                // A limb that is pushed out swings faster than its middle, and some figures fall off.
-                let place = format!("{name}, {substeps} substeps, {depth} m, {pins} pins");
-                assert!(worst < 16.0, "{place}: {worst} m/s");
+    let mut all = Vec::new();
+    for (name, collider) in solids() {
+        for i in 0..12 {
+            let mut world = empty(substeps);
+            world.colliders.push(collider.clone());
+            let turn =
+                Quat::from_xyzw(next() - 0.5, next() - 0.5, next() - 0.5, next() - 0.5).normalize();
+            let at = Vec3::new(next() - 0.5, 0.0, next() - 0.5);
+            let mut body = figure.transformed(turn, at);
+            let low = body.particles.iter().map(|p| p.position.y).fold(f32::MAX, f32::min);
+            let depth = 0.05 + 0.25 * next();
+            let lift = -depth - low;
+            body = body.transformed(Quat::IDENTITY, Vec3::Y * lift);
+            let pins = i % 3;
+            for _ in 0..pins {
+                let which = (next() * body.particles.len() as f32) as u32;
+                let _ = body.pin(which);
             }
+            body.build_colliding(&mut world, BodyContacts::default()).unwrap();
+            let place = format!("{name}, {substeps} substeps, {depth} m, {pins} pins");
+            all.push((fastest(&mut world, 60), place));
         }
     }
+    all
+}
+
+#[test]
+fn ragdolls_that_begin_inside_are_put_out_in_peace() {
+    let mut seed = 7;
+    for substeps in [4, 10, 40] {
+        for (worst, place) in put_out_figures(substeps, &mut seed) {
+            // A limb that is pushed out swings faster than its middle, and some figures fall off.
+            assert!(worst < 16.0, "{place}: {worst} m/s");
+        }
+    }
+}
+
+/// To take the speed of a recovery off, a contact near a pin was solved anew for impulses instead of their changes, and a torso beside its pin came to turn at
+/// 250 rad/s by that; and a pinned body could be moved by as much as a tower needs, 10 m/s at four substeps. Of 840 figures some left at 59, 44 and 24 m/s.
+#[test]
+fn no_figure_is_thrown_out() {
+    let all = (1..=10).flat_map(|n| put_out_figures(4, &mut (7919 * n)));
+    let mut all: Vec<(f32, String)> = all.collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(all[all.len() * 99 / 100].0 < 14.0, "{:?}", &all[all.len() * 99 / 100]);
+    assert!(all[all.len() - 1].0 < 22.0, "{:?}", all.last());
 }
 
 #[test]

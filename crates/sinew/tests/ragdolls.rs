@@ -72,22 +72,27 @@ fn what_a_contact_stops_is_handed_on_in_the_same_substep() {
     assert!(worst < 0.015 && low > -0.08, "{worst} {low}");
 }
 
-/// A crate on a lying figure: the constraint that is solved last must not pull the figure into the ground, nor out of its joints (8 % before). The crate is
-/// where a ton of it does not catch a limb by its edge: in eight of 24 places within 9 cm it does, and presses that 6 to 11 cm into the ground.
+/// A crate on a lying figure: the constraint that is solved last must not pull the figure into the ground, nor out of its joints (8 % before). In a third of the
+/// places a ton of it catches a limb by its edge, and presses that 6 to 11 cm into the ground.
 #[test]
 fn a_crate_of_a_ton_lies_on_a_figure() {
-    for mass in [20.0, 300.0, 1000.0] {
-        let mut world = on_a_floor();
-        add(&mut world, Vec3::new(0.0, 0.4, -0.9), Quat::from_rotation_x(1.5), Vec3::ZERO);
-        let bones = world.distances().len();
-        let size = Vec3::splat(0.6);
-        let mut load = box_3d(&BoxSpec { size, mass, ..BoxSpec::default() }).unwrap();
-        load.parts[0].shape = Shape::cuboid(size).ok();
-        let load = load.transformed(Quat::IDENTITY, Vec3::new(0.004, 1.4, 0.096));
-        load.build_colliding(&mut world, contacts()).unwrap();
-        let [worst, low] = run(&mut world, bones, 480);
-        println!("{mass} kg: bones off by {worst}, as low as {low} m");
-        assert!(worst < 0.015 && low > -0.06, "{mass} kg: {worst} {low}");
+    for (mass, most) in [(20.0, 0.03), (300.0, 0.04), (1000.0, 0.12)] {
+        let mut deep = 0;
+        for (row, column) in (0..24).map(|n| (n / 5, n % 5)) {
+            let mut world = on_a_floor();
+            add(&mut world, Vec3::new(0.0, 0.4, -0.9), Quat::from_rotation_x(1.5), Vec3::ZERO);
+            let bones = world.distances().len();
+            let size = Vec3::splat(0.6);
+            let mut load = box_3d(&BoxSpec { size, mass, ..BoxSpec::default() }).unwrap();
+            load.parts[0].shape = Shape::cuboid(size).ok();
+            let (x, z) = (0.015 * column as f32 - 0.026, 0.02 * row as f32 + 0.056);
+            let load = load.transformed(Quat::IDENTITY, Vec3::new(x, 1.4, z));
+            load.build_colliding(&mut world, contacts()).unwrap();
+            let [worst, low] = run(&mut world, bones, 480);
+            assert!(worst < 0.015 && low > -most, "{mass} kg at {x}, {z}: {worst} {low}");
+            deep += u32::from(low < -0.06);
+        }
+        assert!(deep <= 10, "{mass} kg: {deep} times deep");
     }
 }
 

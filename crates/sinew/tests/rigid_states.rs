@@ -121,35 +121,48 @@ fn its_pose_is_that_of_its_particles() {
 /// The same for its motion: thrown, and at rest on the ground, where both have no velocity.
 #[test]
 fn its_motion_is_that_of_its_particles() {
-    let mut world = thrown(Vec3::new(3.0, 5.0, -4.0), 10);
-    assert_eq!(world.rigid_motion(0), None, "before the first step");
-    world.forces.gravity = Vec3::Y * -9.81;
-    world.boundaries.planes.push(Plane::ground(0.0));
-    for tick in 0..300 {
+    for spin in 0..12 {
+        let spin = Vec3::new(3.0, 5.0, -4.0) + Vec3::new(0.3, -0.2, 0.1) * spin as f32;
+        let mut world = thrown(spin, 10);
+        assert_eq!(world.rigid_motion(0), None, "before the first step");
+        world.forces.gravity = Vec3::Y * -9.81;
+        world.boundaries.planes.push(Plane::ground(0.0));
+        let mut last: Option<[Vec3; 2]> = None;
+        for tick in 0..300 {
+            step(&mut world, 1);
+            let found = world.rigid_motion(0).unwrap();
+            let near = world.particles.position(0);
+            let points = (0..world.particles.len()).map(|i| {
+                let mass = 1.0 / world.particles.inverse_mass(i);
+                (world.particles.position(i) - near, world.velocity_now(i), mass)
+            });
+            let fitted = motion(points).unwrap();
+            let size = 1.0 + fitted.velocity.length() + fitted.angular_velocity.length();
+            let off = [
+                found.barycentre - near - fitted.barycentre,
+                found.velocity - fitted.velocity,
+                found.angular_velocity - fitted.angular_velocity,
+            ];
+            let off = off.map(|off| off.length() / size);
+            // The velocities of particles in contact lack half a substep's acceleration by it, each by itself: a twentieth of what a tick adds, or some more
+            // where that was in the last substeps. In flight and at rest contacts add nothing.
+            let now = [found.velocity, found.angular_velocity];
+            let [v, w] = last.replace(now).unwrap_or(now);
+            let change = found.velocity - v;
+            let by_contacts = change.length().min((change - world.forces.gravity * DT).length());
+            let by_contacts = (by_contacts + (found.angular_velocity - w).length()) / size;
+            let most = 1e-4 + 0.2 * by_contacts;
+            let place = format!("{spin} rad/s, tick {tick}");
+            assert!(off[0] < 1e-5 && off[1].max(off[2]) < most, "{place}: {off:?}, {most}");
+            assert!((found.mass / fitted.mass - 1.0).abs() < 1e-5, "{place}");
+            let inertia = found.inertia - fitted.inertia;
+            let inertia = inertia.abs_diff_eq(Mat3::ZERO, 1e-4 * found.mass);
+            assert!(inertia, "{place}: {:?} {:?}", found.inertia, fitted.inertia);
+        }
+        let mut world = as_particles(world);
         step(&mut world, 1);
-        let found = world.rigid_motion(0).unwrap();
-        let near = world.particles.position(0);
-        let points = (0..world.particles.len()).map(|i| {
-            let mass = 1.0 / world.particles.inverse_mass(i);
-            (world.particles.position(i) - near, world.velocity_now(i), mass)
-        });
-        let fitted = motion(points).unwrap();
-        let size = 1.0 + fitted.velocity.length() + fitted.angular_velocity.length();
-        let off = [
-            found.barycentre - near - fitted.barycentre,
-            found.velocity - fitted.velocity,
-            found.angular_velocity - fitted.angular_velocity,
-        ];
-        let off = off.map(|off| off.length() / size);
-        // In contact, the particles' velocities lack half a substep's acceleration, each by itself: a changing rotation is off by a part of that.
-        assert!(off[0] < 1e-5 && off[1] < 2e-3 && off[2] < 2e-2, "tick {tick}: {off:?}");
-        assert!((found.mass / fitted.mass - 1.0).abs() < 1e-5);
-        let inertia = (found.inertia - fitted.inertia).abs_diff_eq(Mat3::ZERO, 1e-4 * found.mass);
-        assert!(inertia, "tick {tick}: {:?} {:?}", found.inertia, fitted.inertia);
+        assert_eq!(world.rigid_motion(0), None, "as particles it has none");
     }
-    let mut world = as_particles(world);
-    step(&mut world, 1);
-    assert_eq!(world.rigid_motion(0), None, "as particles it has none");
 }
 
 /// A wind acts on surfaces. In a world without surfaces, a wind made all boxes step substep by substep.

@@ -68,7 +68,7 @@ use super::manifold::ClusterSearch;
 use super::nearby::Nearby;
 use super::particle_contact::{NormalImpulse, ParticleContacts};
 use super::pressed::PressedCloth;
-use super::recovery::{MAX_DEPENETRATION, in_substep};
+use super::recovery::{MAX_DEPENETRATION, in_substep, recovery};
 use super::shape::Shape;
 use super::world::World;
 use crate::lanes::{InstructionSet, LANES, get, with};
@@ -233,6 +233,7 @@ impl BodyContactSolver {
         self.follow_kinematic_geometry(world, from);
         let most = |share: (f32, f32)| in_substep(share, h, world.g());
         let (recover, max_depenetration) = (most(RECOVERED), most(MAX_DEPENETRATION));
+        let recovery_limits = [recover, recovery(h, world.g())];
         let elastic_depenetration = MAX_DEPENETRATION.0 * world.g() * h * h;
         let Self { wide_contacts, bodies, instructions, fresh, .. } = self;
         if core::mem::take(fresh) {
@@ -242,7 +243,7 @@ impl BodyContactSolver {
         let limits = [max_depenetration, elastic_depenetration];
         let sweeps = wide_contacts.iter().map(|wide| wide.sweeps).max().unwrap_or(0);
         for sweep in 0..sweeps {
-            solve_normals(wide_contacts, bodies, h, recover, limits, sweep, *instructions);
+            solve_normals(wide_contacts, bodies, h, recovery_limits, limits, sweep, *instructions);
         }
         self.note_stopped(world.islands, (h, world.g()));
         let Self { wide_contacts, bodies, instructions, .. } = self;

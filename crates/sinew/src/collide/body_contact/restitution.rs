@@ -15,7 +15,7 @@
 //! with `e` the restitution where `v⁻` was faster than `2gh`, which gravity alone gives to a resting body, and 0 elsewhere. Points that were parting may come
 //! to approach (`v⁻ > 0`, pushed by others): they bounce in a later substep. With one `e` everywhere energy changes by `½ Σ P (v⁻ + v) = ½ Σ P v⁻ (1 - e)`,
 //! and with `e = 1` by nothing, whatever the contacts: a ball into two that touch, a row of balls. It is solved by projected Gauss–Seidel: manifold by
-//! manifold (`normal_solve`), starting from the impulses of the positions, so that a point may end with less than it had. Moreau, *Unilateral
+//! manifold (`normal_solve`), as a change of the impulses of the positions, so that a point may end with less than it had. Moreau, *Unilateral
 //! Contact and Dry Friction in Finite Freedom Dynamics*, 1988.
 //!
 //! Bodies recovered from a deep overlap (see `normal_solve`) are left with no normal speed: that much of their impulse is taken back.
@@ -391,15 +391,13 @@ impl RestitutionSolve<'_> {
         let turn_a = (turn_a.dot(t), turn_a.dot(u));
         let turn_b = (turn_b.dot(t), turn_b.dot(u));
         let (apart_t, apart_u) = (apart.dot(t), apart.dot(u));
-        let own = PatchSide::of(&a.inverse_inertia, t, u);
         let weight = a.inverse_mass + b.inverse_mass;
-        let theirs = PatchSide::of(&b.inverse_inertia, t, u);
+        let (own, theirs) = (PatchSide::of_body(&a, t, u), Some(PatchSide::of_body(&b, t, u)));
         let apart = (apart_t, apart_u);
-        let patch = ContactPatch { weight, a: own, b: Some(theirs), apart, regularisation: none };
+        let mut patch = ContactPatch { weight, a: own, b: theirs, apart, regularisation: none };
         let stiff = patch.about(none, none);
         let (mut c, mut force) = ([none; POINTS], [none; POINTS]);
         let mut at = [(none, none); POINTS];
-        let mut had = Vector::new(none, none, none);
         let mut fastest = none;
         let skins = skins(wide, n, &radii, (&a, Some(&b)));
         for i in 0..POINTS {
@@ -410,20 +408,16 @@ impl RestitutionSolve<'_> {
             let speed = along + (y * turn_a.0 - x * turn_a.1);
             let speed = speed - ((y - apart_u) * turn_b.0 - (x - apart_t) * turn_b.1);
             let approach = L::load(&wide.approach[i]);
-            let touches = lanes.and(approach.lt(L::splat(0.5 * FAR)));
+            let touches = lanes.and(approach.lt(L::splat(0.5 * FAR))).and(patch.yields(at[i]));
             let bounces = is_elastic(restitution, approach.abs(), least);
             let wanted = bounces.and(rebound(restitution, approach));
             fastest = fastest.max(touches.and(bounces).and(approach.abs()));
             force[i] = touches.and(L::load(&wide.force[i])) * L::splat(1.0 / h);
-            had += Vector::new(force[i], force[i] * x, force[i] * y);
             c[i] = touches.select(wanted - speed, L::splat(-FAR));
         }
+        patch.regularise(&at);
         // The impulse of a point may become smaller, but not negative.
-        let had = stiff.times(had);
-        for i in 0..POINTS {
-            c[i] = c[i] + (had.x + at[i].0 * had.y + at[i].1 * had.z);
-        }
-        let all = solve_normal_impulses(&patch, &c, &at);
+        let all = solve_normal_impulses(&patch, &c, &at, Some(&force));
         let (mut sum, mut x, mut y) = (none, none, none);
         for i in 0..POINTS {
             let more = all[i] - force[i];

@@ -1,4 +1,4 @@
-//! Missing points do not affect the others.
+//! Missing points do not affect the others, and what has been solved stays.
 
 use super::super::turn::Symmetric;
 use super::{ContactPatch, PatchSide, solve_normal_impulses};
@@ -34,11 +34,12 @@ impl Work for Both<'_> {
         let at = [(some(-1.0, 1.0), some(-1.0, 1.0)), (some(-1.0, 1.0), some(-1.0, 1.0))];
         let far = L::splat(-1e9);
         let missing_at = (some(-1.0, 1.0), some(-1.0, 1.0));
-        let two = solve_normal_impulses(&patch, &c, &at);
+        let two = solve_normal_impulses(&patch, &c, &at, None);
         let four = solve_normal_impulses(
             &patch,
             &[c[0], c[1], far, far],
             &[at[0], at[1], missing_at, missing_at],
+            None,
         );
         let store = |force: L| {
             let mut to = [0.0; LANES];
@@ -94,7 +95,7 @@ impl Work for AsOne<'_> {
         let [x, y] = [0.0, 0.0].map(|_: f32| 0.4 * random.number());
         let mut at = || (near(x, random), near(y, random));
         let at = [at(), at()];
-        let force = solve_normal_impulses(&patch, &[one, one], &at);
+        let force = solve_normal_impulses(&patch, &[one, one], &at, None);
         let mut worst = 0.0_f32;
         for force in force {
             let mut to = [0.0; LANES];
@@ -116,5 +117,51 @@ fn nearly_coincident_points_press_as_one() {
             let worst = with(InstructionSet::Scalar, AsOne { random, distance });
             assert!(worst < 1.01, "{distance} m from each other: {worst}");
         }
+    }
+}
+
+/// Impulses of up to four points without any depth left, on a body that is pinned near the first two of them.
+struct Kept<'a>(&'a mut Random);
+
+impl Work for Kept<'_> {
+    /// The impulses before and after.
+    type Output = ([[f32; LANES]; 4], [[f32; LANES]; 4]);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self(random) = self;
+        let mut some = |low: f32, high: f32| {
+            let half = 0.5 * (high - low);
+            L::load(&core::array::from_fn(|_| low + half * (1.0 + random.number())))
+        };
+        let (none, one) = (L::zero(), L::splat(1.0));
+        let (t, u) = (Vector::new(one, none, none), Vector::new(none, one, none));
+        let along = Vector::new(one, some(1.0, 3.0), one);
+        let a = PatchSide::of(&Symmetric { along, across: Vector::new(none, none, none) }, t, u);
+        let apart = (none, none);
+        let mut patch = ContactPatch { weight: none, a, b: None, apart, regularisation: none };
+        let near = (some(-0.02, 0.02), some(-0.02, 0.02));
+        let at = [near, (-near.0, none - near.1 * some(0.9, 1.1)), (near.0, near.1 + one), near];
+        patch.regularisation = L::splat(1e-3) * some(0.0, 1.0);
+        let far = L::splat(-1e9);
+        let had = [some(1.0, 100.0), some(1.0, 100.0), some(0.0, 1.0), none];
+        let after = solve_normal_impulses(&patch, &[none, none, none, far], &at, Some(&had));
+        let store = |force: L| {
+            let mut to = [0.0; LANES];
+            force.store(&mut to);
+            to
+        };
+        (had.map(store), after.map(store))
+    }
+}
+
+/// Points on both sides of a pin may press with large impulses that cancel each other. Solved anew for their sums instead of for the change, they were smaller by
+/// the regularisation, and the difference turned the body.
+#[test]
+fn impulses_stay_where_no_depth_is_left() {
+    let mut random = Random::new(11);
+    for _ in 0..500 {
+        let (had, after) = with(InstructionSet::Scalar, Kept(&mut random));
+        assert_eq!(had, after);
     }
 }

@@ -130,17 +130,19 @@ fn a_box_far_from_the_origin_rests_as_well() {
 }
 
 /// Bones share their joints, so each of them gets half of the friction there; before the constraint residual was measured, the ragdoll crept over the floor
-/// at up to a centimetre a second, for ever.
+/// at up to a centimetre a second, for ever. Of a hundred in different positions one or the other lies propped on a hand, and topples late.
 #[test]
 fn ragdolls_that_lie_on_the_ground_stay_there() {
     let mut world = Simulation::default();
     world.colliders.push(Collider::fixed(Shape::half_space(), Frame::IDENTITY));
     let doll = ragdoll(&RagdollSpec::default()).unwrap();
     let own = BodyContacts { with_bodies: true, with_itself: true, ..BodyContacts::default() };
-    let dolls: Vec<Range<usize>> = (0..10)
+    let dolls: Vec<Range<usize>> = (0..100)
         .map(|n| {
-            let turned = turn(Vec3::Y, 0.3 * n as f32) * turn(Vec3::X, 0.1 * n as f32);
-            let doll = doll.transformed(turned, Vec3::new(2.5 * n as f32, 3.0, 0.0));
+            let (turns, lifts) = ((n % 10) as f32, (n / 10) as f32);
+            let turned = turn(Vec3::Y, 0.3 * turns) * turn(Vec3::X, 0.1 * turns);
+            let at = Vec3::new(2.5 * turns, 3.0 + 0.01 * lifts, 2.5 * lifts);
+            let doll = doll.transformed(turned, at);
             doll.build_colliding(&mut world, own).unwrap()
         })
         .collect();
@@ -155,6 +157,6 @@ fn ragdolls_that_lie_on_the_ground_stay_there() {
     let mut gone: Vec<f32> =
         before.iter().zip(centres(&world)).map(|(a, b)| a.distance(b)).collect();
     gone.sort_by(f32::total_cmp);
-    assert!(gone[7] < 1e-3, "{gone:?} m");
-    assert!(gone[9] < 5e-3, "{gone:?} m");
+    assert!(gone[89] < 1e-3, "{gone:?} m");
+    assert!(gone[97] < 5e-3, "{gone:?} m");
 }

@@ -65,7 +65,8 @@ fn pressed(
     predict_impulses(&wide_contacts, &mut bodies, set);
     solve_all_friction(&mut wide_contacts, false, 1e-3, &mut bodies, set);
     let (h, recover, max_depenetration) = (1.0 / 600.0, 1e-2, 1e-4);
-    solve_normals(&mut wide_contacts, &mut bodies, h, recover, [max_depenetration; 2], 0, set);
+    let limits = ([recover; 2], [max_depenetration; 2]);
+    solve_normals(&mut wide_contacts, &mut bodies, h, limits.0, limits.1, 0, set);
     solve_all_friction(&mut wide_contacts, true, 1e-3, &mut bodies, set);
     let [wide] = wide_contacts;
     let rows = bodies.rows[..LANES].iter().map(|row| row.0).collect();
