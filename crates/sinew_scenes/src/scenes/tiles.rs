@@ -49,6 +49,8 @@ const TILES: [u32; 2] = [14, 8];
 /// Where everything starts along x, metres, and the side of a crate.
 const START: f32 = -2.9;
 const SIDE: f32 = 0.4;
+/// Of the barrel, metres: it lies on two rows of tiles, but not by halves.
+const LENGTH: f32 = 0.7;
 
 fn spawn(world: &mut World) {
     let [speed, friction, mass] = values(world);
@@ -89,9 +91,9 @@ fn spawn(world: &mut World) {
     }
     let radius = 0.5 * SIDE;
     let lies = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
-    let barrel = RigidShape::Cylinder { radius, height: 0.44 };
+    let barrel = RigidShape::Cylinder { radius, height: LENGTH };
     let rolling = [
-        ("barrel", barrel, cylinder(radius, 0.44), lies, -0.25, 0x4f7cac),
+        ("barrel", barrel, cylinder(radius, LENGTH), lies, -0.35, 0x4f7cac),
         ("ball", RigidShape::Sphere { radius }, ball(radius), Quat::IDENTITY, -1.3, 0xc0604d),
     ];
     for (name, shape, skin, turn, z, color) in rolling {
