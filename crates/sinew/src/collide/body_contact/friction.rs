@@ -102,14 +102,7 @@ fn friction_before<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies) {
     let friction_limit_used = if none.lt(friction_limit).any() {
         let slip = TangentialSlip::of(wide, bodies);
         let slid = slip.slid + slip.accumulated_slip * L::splat(BACK);
-        let answer = slip.answer(wide, slid, friction_limit);
-        let slips = none.lt(friction_limit).and(friction_limit.le(answer.friction_limit_used));
-        let answer = if slips.any() {
-            let predicted = slid + slip.predicted(wide, bodies);
-            slip.answer(wide, predicted.or_else(slips, slid), friction_limit)
-        } else {
-            answer
-        };
+        let answer = slip.answer(wide, slid, friction_limit, Some(bodies));
         slip.apply(wide, &answer, bodies);
         answer.friction_limit_used
     } else {
@@ -150,7 +143,8 @@ fn friction_after<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies, max_cor
     if none.lt(needs).any() {
         // A contact without a limit before acts against the accumulated slip here.
         let fresh = friction_limit.le(none).and(L::splat(BACK));
-        let answer = slip.answer(wide, slip.slid + slip.accumulated_slip * fresh, needs);
+        let slid = slip.slid + slip.accumulated_slip * fresh;
+        let answer = slip.answer(wide, slid, needs, None);
         slip.apply(wide, &answer, bodies);
         (friction_limit_used, granted) =
             (friction_limit_used + answer.friction_limit_used, granted + needs);
@@ -244,10 +238,17 @@ impl<L: Lanes> TangentialSlip<L> {
         }
     }
 
-    /// The response of friction to a slip, limited by the normal impulse `against`.
+    /// The response of friction to a slip, limited by the normal impulse `against`. With the predicted displacements of bodies, those that slip respond to the slip
+    /// that is left after these.
     #[inline(always)]
     #[allow(clippy::manual_map, reason = "a closure is not made for the processor that it runs on")]
-    fn answer(&self, wide: &WideContact, slid: Vector<L>, against: L) -> FrictionResponse<L> {
+    fn answer(
+        &self,
+        wide: &WideContact,
+        slid: Vector<L>,
+        against: L,
+        predicted: Option<&Bodies>,
+    ) -> FrictionResponse<L> {
         let Self { a, b, n, t, u, arm, other, .. } = self;
         let axes = (*t, *u, *n);
         let weight = self.weight();
@@ -262,12 +263,17 @@ impl<L: Lanes> TangentialSlip<L> {
             theirs = Some((b.inverse_mass, yields));
         }
         let limit = against * L::load(&wide.friction);
-        let (f, much) = solve_friction(
-            &stiff,
-            slid,
-            limit,
-            (L::load(&wide.radius), L::load(&wide.torsional_radius)),
-        );
+        let radii = (L::load(&wide.radius), L::load(&wide.torsional_radius));
+        let patch = FrictionPatch::new(&stiff, limit, radii);
+        let (mut slid, mut stop) = (slid, patch.stop(slid));
+        if let Some(bodies) = predicted {
+            let slips = stop.good.and(L::splat(1.0).le(stop.much));
+            if slips.any() {
+                slid = (slid + self.predicted(wide, bodies)).or_else(slips, slid);
+                stop = patch.stop(slid);
+            }
+        }
+        let (f, much) = patch.impulse(slid, &stop);
         let good = f.length_squared().lt(L::splat(1e30));
         let f = Vector::new(good.and(f.x), good.and(f.y), good.and(f.z));
         let along = *t * f.x + *u * f.y;
@@ -342,11 +348,10 @@ impl<L: Lanes> TangentialSlip<L> {
     }
 }
 
-/// The impulse that stops the slip `(x, y)` and the twist `z` at once, within Coulomb's limits: `limit` along the patch, `limit · radius` about its normal,
-/// and for both together their ellipse. Also returns the used share of the limit.
+/// Friction of eight patches: Coulomb's limits are `limit` along a patch and `limit · radius` about its normal, and for both together their ellipse.
 ///
-/// Where that is beyond the limit, the two slip, and friction acts against the slip that is left. With `K` the compliance, `s` the slip without friction and
-/// `D` the squares of the ellipse's axes, `1, 1, radius²`, by the limit's, the impulse is
+/// Where the impulse that stops the slip `(x, y)` and the twist `z` at once is beyond the limit, the two slip, and friction acts against the slip that is left.
+/// With `K` the compliance, `s` the slip without friction and `D` the squares of the ellipse's axes, `1, 1, radius²`, by the limit's, the impulse is
 ///
 /// ```text
 /// f = -(K + λ D⁻¹)⁻¹ s        with the λ ≥ 0 with which f lies on the ellipse
@@ -360,61 +365,97 @@ impl<L: Lanes> TangentialSlip<L> {
 ///
 /// Where the radius is less than `torsional_radius`, metres, it is a point contact. Its twist is stopped, too, by at most `limit · torsional_radius`; but its
 /// slip is solved as if it did not twist.
-#[inline(always)]
-fn solve_friction<L: Lanes>(
-    k: &Symmetric<L>,
-    slid: Vector<L>,
+struct FrictionPatch<L> {
+    /// Compliance, the identity where nothing slides; and that to a twist alone.
+    k: Symmetric<L>,
+    twisted: L,
     limit: L,
-    (radius, torsional_radius): (L, L),
-) -> (Vector<L>, L) {
-    let (none, one) = (L::zero(), L::splat(1.0));
-    let slides = none.lt(limit).and(none.lt(k.along.x)).and(none.lt(k.along.y));
-    let is_point = radius.lt(torsional_radius);
-    // Without compliance to a twist there is none.
-    let twists = torsional_radius
-        .le(radius)
-        .and(none.lt(radius))
-        .and((L::splat(1e-6) * (k.along.x + k.along.y)).lt(k.along.z * radius * radius));
-    let way = -slid.z / k.along.z;
-    let most = limit * torsional_radius;
-    let twist = is_point.and(slides).and(none.lt(k.along.z)).and(way.max(-most).min(most));
-    let k = Symmetric {
-        along: Vector::new(
+    radius: L,
+    torsional_radius: L,
+    slides: L,
+    twists: L,
+    /// Inverses of the ellipse's axes; 0 for a twist that friction does not stop.
+    share: Vector<L>,
+}
+
+/// The impulse that would stop a slip.
+struct StoppingImpulse<L> {
+    f: Vector<L>,
+    /// As a multiple of the limit.
+    much: L,
+    /// Whether the compliance is positive definite.
+    good: L,
+}
+
+impl<L: Lanes> FrictionPatch<L> {
+    #[inline(always)]
+    fn new(k: &Symmetric<L>, limit: L, (radius, torsional_radius): (L, L)) -> Self {
+        let (none, one) = (L::zero(), L::splat(1.0));
+        let slides = none.lt(limit).and(none.lt(k.along.x)).and(none.lt(k.along.y));
+        // Without compliance to a twist there is none.
+        let twists = torsional_radius
+            .le(radius)
+            .and(none.lt(radius))
+            .and((L::splat(1e-6) * (k.along.x + k.along.y)).lt(k.along.z * radius * radius));
+        let along = Vector::new(
             slides.select(k.along.x, one),
             slides.select(k.along.y, one),
             twists.and(slides).select(k.along.z, one),
-        ),
-        across: Vector::new(slides.and(k.across.x), twists.and(k.across.y), twists.and(k.across.z)),
-    };
-    let slip = Vector::new(-slid.x, -slid.y, -twists.and(slid.z));
-    let (stop, pivot) = k.solve(slip);
-    let limit = slides.select(limit, one);
-    // In units of the limit, with the axes of the ellipse as units.
-    let share = Vector::new(one / limit, one / limit, twists.and(one / (limit * radius)));
-    let much_of = |f: &Vector<L>| {
-        let f = Vector::new(f.x * share.x, f.y * share.y, f.z * share.z);
-        f.length_squared().sqrt()
-    };
-    let much = much_of(&stop);
-    let good = slides.and(none.lt(pivot));
-    let slips = good.and(one.lt(much));
-    let mut f = stop;
-    if slips.any() {
-        let about = twists.and(one / (radius * radius));
-        let normal = Vector::new(stop.x, stop.y, stop.z * about);
-        let newton = normal.dot(stop) / normal.dot(k.solve(normal).0) * (much - one);
-        let turned = slip.z * radius;
-        let fast = (slip.x * slip.x + slip.y * slip.y + turned * turned).sqrt();
-        let trace = k.along.x + k.along.y + twists.and(k.along.z * radius * radius);
-        let most = trace * L::splat(MOST_MULTIPLIER);
-        let more = slips.and(newton.max(fast / limit - trace).min(most));
-        let along = k.along + Vector::new(more, more, more * about);
-        f = Symmetric { along, ..k }.solve(slip).0;
-        f = f * (one / much_of(&f)).min(one);
-        f = f.or_else(slips, stop);
+        );
+        let across = &k.across;
+        let across = Vector::new(slides.and(across.x), twists.and(across.y), twists.and(across.z));
+        let inverse = one / slides.select(limit, one);
+        let share = Vector::new(inverse, inverse, twists.and(inverse / radius));
+        let (k, twisted) = (Symmetric { along, across }, k.along.z);
+        Self { k, twisted, limit, radius, torsional_radius, slides, twists, share }
     }
-    let f = Vector::new(good.and(f.x), good.and(f.y), good.and(f.z));
-    (Vector::new(f.x, f.y, f.z + good.and(twist)), good.and(much.min(one)))
+
+    #[inline(always)]
+    fn stop(&self, slid: Vector<L>) -> StoppingImpulse<L> {
+        let (f, pivot) = self.k.solve(self.slip(slid));
+        let good = self.slides.and(L::zero().lt(pivot));
+        StoppingImpulse { f, much: self.length(f), good }
+    }
+
+    /// The impulse of friction against a slip, given the one that would stop it, and the used share of the limit.
+    #[inline(always)]
+    fn impulse(&self, slid: Vector<L>, stop: &StoppingImpulse<L>) -> (Vector<L>, L) {
+        let Self { k, twisted, limit, radius, torsional_radius, slides, twists, share } = self;
+        let (none, one) = (L::zero(), L::splat(1.0));
+        let StoppingImpulse { mut f, much, good } = *stop;
+        let slips = good.and(one.lt(much));
+        if slips.any() {
+            let slip = self.slip(slid);
+            let about = twists.and(one / (*radius * *radius));
+            let normal = Vector::new(f.x, f.y, f.z * about);
+            let newton = normal.dot(f) / normal.dot(k.solve(normal).0) * (much - one);
+            let turned = slip.z * *radius;
+            let fast = (slip.x * slip.x + slip.y * slip.y + turned * turned).sqrt();
+            let trace = k.along.x + k.along.y + twists.and(k.along.z * *radius * *radius);
+            let most = trace * L::splat(MOST_MULTIPLIER);
+            let more = slips.and(newton.max(fast * share.x - trace).min(most));
+            let along = k.along + Vector::new(more, more, more * about);
+            let left = Symmetric { along, across: k.across }.solve(slip).0;
+            f = (left * (one / self.length(left)).min(one)).or_else(slips, f);
+        }
+        let is_point = radius.lt(*torsional_radius).and(*slides).and(none.lt(*twisted));
+        let (way, most) = (-slid.z / *twisted, *limit * *torsional_radius);
+        let twist = is_point.and(good).and(way.max(-most).min(most));
+        (Vector::new(good.and(f.x), good.and(f.y), good.and(f.z) + twist), good.and(much.min(one)))
+    }
+
+    /// The negative slip, without a twist that friction does not stop.
+    #[inline(always)]
+    fn slip(&self, slid: Vector<L>) -> Vector<L> {
+        Vector::new(-slid.x, -slid.y, -self.twists.and(slid.z))
+    }
+
+    /// The length of an impulse as a multiple of the limit.
+    #[inline(always)]
+    fn length(&self, f: Vector<L>) -> L {
+        let share = &self.share;
+        Vector::new(f.x * share.x, f.y * share.y, f.z * share.z).length_squared().sqrt()
+    }
 }
 
 /// Adds the displacement of eight bodies by an impulse `push` at an arm from their centres to the predicted ones.
