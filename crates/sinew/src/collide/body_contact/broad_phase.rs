@@ -313,11 +313,6 @@ impl MissedPairs {
         self.moved.clear();
     }
 
-    /// Number of manifolds that the broad phase found when the step began, those that were dropped left out.
-    pub(super) fn contacts(&self) -> usize {
-        self.contacts
-    }
-
     /// Whether a manifold of this pair and part was found in this step.
     pub(super) fn has(
         &self,

@@ -1,43 +1,111 @@
-//! Drops ghost contacts: those with the inner edges of a floor that is made of several colliders (`manifold::ghost`).
+//! Drops ghost contacts: those with the inner edges of a floor that is made of several colliders or bodies (`manifold::ghost`).
 //!
 //! Their manifolds stay in the contact cache, since in the next step they may be none.
 
-use core::ops::Range;
-
+use glam::Vec3;
 use smallvec::SmallVec;
 
 use super::super::frame::Frame;
-use super::super::manifold::{Manifold, MovingBody, StaticContact, is_ghost};
+use super::super::manifold::{ContactWith, Manifold, MovingBody, MovingShape, is_ghost};
 use super::super::world::World;
 use super::BodyContactSolver;
 use super::contact_cache::FrictionAnchor;
+use super::swept_bounds::SweptBounds;
 use super::wide_contact::Contact;
 
-impl BodyContactSolver {
-    /// Removes the ghosts among the contacts of a step, which are sorted by their body colliders. What moves in the step is left alone.
-    pub(super) fn drop_ghosts(&mut self, world: &World) {
-        let mut ghosts = core::mem::take(&mut self.ghosts);
-        ghosts.clear();
-        let mut from = 0;
-        while let Some(first) = self.contacts.get(from) {
-            let of_one = self.with_fixed(first.a, from);
-            from = of_one.end;
-            let geometry = |number: usize| self.contacts[number].geometry;
-            // Most touch one only.
-            if !of_one.is_empty() && geometry(of_one.start) != geometry(of_one.end - 1) {
-                self.find_ghosts(of_one, world, &mut ghosts);
+/// Approach along the normal up to which a contact with another body is not looked at, m/s: it presses, if at all, where the two lie. So nothing is compared in a
+/// heap at rest, and nothing in it changes.
+const APPROACH: f32 = 1e-3;
+
+/// The contacts of each body collider. Scratch of the broad phase.
+#[derive(Clone, Debug, Default)]
+pub(super) struct GhostScratch {
+    /// Where the contacts of each body collider begin in `touching`, and the end of the last one's.
+    begins: Vec<u32>,
+    touching: Vec<Touching>,
+    /// Of each contact, whether it is a ghost.
+    is_ghost: Vec<bool>,
+}
+
+/// A contact as it is seen from one of its body colliders.
+#[derive(Clone, Copy, Debug, Default)]
+struct Touching {
+    /// Number of the contact, and of the other one in it.
+    number: u32,
+    other: u32,
+    /// From the other one towards the body collider.
+    normal: Vec3,
+}
+
+impl Touching {
+    fn of(number: u32, contact: &Contact, body: usize) -> Self {
+        if contact.a as usize == body {
+            Self { number, other: contact.b, normal: contact.normal }
+        } else {
+            Self { number, other: contact.a, normal: -contact.normal }
+        }
+    }
+}
+
+impl GhostScratch {
+    /// Lists the contacts of each of `count` body colliders, ascending; without those with geometry that moves in this step.
+    fn list(&mut self, contacts: &[Contact], count: usize) {
+        let Self { begins, touching, .. } = self;
+        begins.clear();
+        begins.resize(count + 2, 0);
+        for contact in contacts {
+            bodies(contact).for_each(|body| begins[body + 2] += 1);
+        }
+        let mut sum = 0;
+        for begin in &mut *begins {
+            sum += *begin;
+            *begin = sum;
+        }
+        touching.clear();
+        touching.resize(sum as usize, Touching::default());
+        for (contact, number) in contacts.iter().zip(0..) {
+            for body in bodies(contact) {
+                touching[begins[body + 1] as usize] = Touching::of(number, contact, body);
+                begins[body + 1] += 1;
             }
         }
-        for &[ghost, beside] in &ghosts {
-            let place = self.contacts[ghost as usize].cache_index as usize;
-            self.cache.now[place].friction_anchor = FrictionAnchor::default();
-            self.contacts[beside as usize].goes_on = true;
+    }
+
+    fn of(&self, body: usize) -> &[Touching] {
+        &self.touching[self.begins[body] as usize..self.begins[body + 1] as usize]
+    }
+}
+
+/// The body colliders of a contact; none of one with geometry that moves in this step.
+fn bodies(contact: &Contact) -> impl Iterator<Item = usize> {
+    let stays = contact.geometry.is_none() || contact.fixed.is_some();
+    let second = contact.geometry.is_none().then_some(contact.b as usize);
+    stays.then_some(contact.a as usize).into_iter().chain(second)
+}
+
+impl BodyContactSolver {
+    /// Removes the ghosts among the contacts of a step. Kinematic geometry that moves in the step is left alone.
+    pub(super) fn drop_ghosts(&mut self, world: &World) {
+        let mut scratch = core::mem::take(&mut self.ghosts);
+        scratch.list(&self.contacts, self.swept.len());
+        scratch.is_ghost.clear();
+        scratch.is_ghost.resize(self.contacts.len(), false);
+        let mut any = false;
+        for body in 0..self.swept.len() {
+            // Most touch one only, or are at rest on others.
+            let touching = scratch.of(body);
+            if touching.windows(2).any(|pair| pair[0].other != pair[1].other)
+                && touching.iter().any(|of| self.nears(body, of))
+            {
+                any |= self.find_ghosts(body, world, &mut scratch);
+            }
         }
-        ghosts.dedup_by_key(|of| of[0]);
-        let mut next = ghosts.iter().map(|&[ghost, _]| ghost).peekable();
-        let mut number = 0..;
-        self.contacts.retain(|_| next.next_if_eq(&number.next().unwrap_or_default()).is_none());
-        self.ghosts = ghosts;
+        if any {
+            let mut is_ghost = scratch.is_ghost.iter();
+            self.contacts.retain(|_| !is_ghost.next().is_some_and(|is| *is));
+            scratch.list(&self.contacts, self.swept.len());
+        }
+        self.ghosts = scratch;
     }
 
     /// Whether a manifold that the broad phase missed is a ghost beside one that it found.
@@ -47,70 +115,131 @@ impl BodyContactSolver {
         manifold: &Manifold,
         world: &World,
     ) -> bool {
-        let found = &self.contacts[..self.missed.contacts()];
-        let mut of_one = self.with_fixed(contact.a, found.partition_point(|one| one.a < contact.a));
-        self.static_contact(contact, manifold).is_some_and(|one| {
-            of_one.any(|number| self.is_ghost_beside(contact, &one, number, world))
+        bodies(contact).any(|body| {
+            let own = MovingBody::new(self.moving_shape(body, self.swept[body].origin, world));
+            let one = Touching::of(u32::MAX, contact, body);
+            let mut floors = self.ghosts.of(body).iter();
+            self.nears(body, &one)
+                && floors.any(|floor| {
+                    let one = (&one, contact, manifold);
+                    self.is_ghost_beside(&own, one, floor, body, world)
+                })
         })
     }
 
-    /// The contacts of a body collider with static geometry, among those from a position on. (Moving geometry may be among them.)
-    fn with_fixed(&self, a: u32, from: usize) -> Range<usize> {
-        let same = self.contacts[from..].iter().take_while(|one| one.a == a);
-        let end = from + same.clone().count();
-        // Body colliders come before geometry.
-        end - same.skip_while(|one| one.fixed.is_none()).count()..end
+    /// Finds the ghosts among the contacts of one body collider, and marks the contacts beside them.
+    fn find_ghosts(&mut self, body: usize, world: &World, scratch: &mut GhostScratch) -> bool {
+        let own = MovingBody::new(self.moving_shape(body, self.swept[body].origin, world));
+        let GhostScratch { begins, touching, is_ghost } = scratch;
+        let touching = &touching[begins[body] as usize..begins[body + 1] as usize];
+        let mut any = false;
+        for one in touching {
+            if is_ghost[one.number as usize] || !self.nears(body, one) {
+                continue;
+            }
+            let (contact, manifold) = self.contact_and_manifold(one.number);
+            // What is a ghost itself holds nothing.
+            let beside: SmallVec<[u32; 8]> = touching
+                .iter()
+                .filter(|floor| !is_ghost[floor.number as usize])
+                .filter(|floor| {
+                    self.is_ghost_beside(&own, (one, contact, manifold), floor, body, world)
+                })
+                .map(|floor| floor.number)
+                .collect();
+            if beside.is_empty() {
+                continue;
+            }
+            any = true;
+            is_ghost[one.number as usize] = true;
+            let place = contact.cache_index as usize;
+            self.cache.now[place].friction_anchor = FrictionAnchor::default();
+            for other in beside {
+                self.contacts[other as usize].goes_on = true;
+            }
+        }
+        any
     }
 
-    /// Adds the ghosts among the contacts of one body collider with static geometry: the number of each, with that of each contact beside it.
-    fn find_ghosts(&self, contacts: Range<usize>, world: &World, ghosts: &mut Vec<[u32; 2]>) {
-        let before = ghosts.len();
-        for number in contacts.clone() {
-            let one = &self.contacts[number];
-            // What is a ghost itself holds nothing.
-            let is_ghost = |other: usize| ghosts[before..].iter().any(|of| of[0] == other as u32);
-            let others = contacts.clone().filter(|&other| !is_ghost(other));
-            let manifold = &self.cache.now[one.cache_index as usize].manifold;
-            let Some(contact) = self.static_contact(one, manifold) else { continue };
-            let beside: SmallVec<[usize; 8]> =
-                others.filter(|&other| self.is_ghost_beside(one, &contact, other, world)).collect();
-            ghosts.extend(beside.iter().map(|&beside| [number as u32, beside as u32]));
-        }
+    fn contact_and_manifold(&self, number: u32) -> (&Contact, &Manifold) {
+        let contact = &self.contacts[number as usize];
+        (contact, &self.cache.now[contact.cache_index as usize].manifold)
+    }
+
+    /// Whether a body collider moves towards another one that it touches. Of geometry it does not matter.
+    fn nears(&self, body: usize, one: &Touching) -> bool {
+        self.swept.get(one.other as usize).is_none_or(|other| {
+            one.normal.dot(other.velocity - self.swept[body].velocity) > APPROACH
+        })
     }
 
     /// Whether a contact is a ghost beside another one of the same body collider.
     fn is_ghost_beside(
         &self,
-        contact: &Contact,
-        one: &StaticContact,
-        number: usize,
+        own: &MovingBody,
+        (one, contact, manifold): (&Touching, &Contact, &Manifold),
+        floor: &Touching,
+        body: usize,
         world: &World,
     ) -> bool {
-        let (a, other) = (contact.a as usize, &self.contacts[number]);
         // Inner edges of one mesh are known to itself.
-        if other.geometry == contact.geometry {
+        if floor.other == one.other {
             return false;
         }
-        let manifold = &self.cache.now[other.cache_index as usize].manifold;
-        let Some(beside) = self.static_contact(other, manifold) else { return false };
-        let swept = &self.swept[a];
-        let body = MovingBody {
-            shape: &world.body_colliders[a].shape,
-            frame: swept.frame,
-            turn: swept.spin * world.dt,
-            reach: self.groups.parts[a].reach,
-        };
-        is_ghost(&body, one, &beside)
+        let place = |swept: &SweptBounds| swept.origin + swept.centre;
+        if let Some(other) = self.swept.get(one.other as usize) {
+            let below = place(other) - place(&self.swept[body]);
+            let shape = &world.body_colliders[one.other as usize].shape;
+            if !own.may_lie_above(shape, below, floor.normal) {
+                return false;
+            }
+        }
+        own.keeps_upright(floor.normal) && {
+            let beside = self.contact_and_manifold(floor.number);
+            let contact = self.contact_with((contact, manifold, one.normal), body, world);
+            let beside = self.contact_with((beside.0, beside.1, floor.normal), body, world);
+            is_ghost(own, &contact, &beside)
+        }
     }
 
-    /// A manifold of a contact, if its geometry stays where it is in this step.
-    fn static_contact<'a>(
+    /// A contact with what does not move, or with another body collider, as it is seen from one of its body colliders.
+    fn contact_with<'a>(
         &'a self,
-        contact: &Contact,
-        manifold: &'a Manifold,
-    ) -> Option<StaticContact<'a>> {
-        let shape = &self.static_geometry[contact.geometry? as usize].shape;
-        let frame = Frame { translation: contact.offset, rotation: contact.fixed? };
-        Some(StaticContact { shape, frame, manifold })
+        (contact, manifold, normal): (&Contact, &'a Manifold, Vec3),
+        body: usize,
+        world: &World<'a>,
+    ) -> ContactWith<'a> {
+        let other = match contact.geometry {
+            Some(number) => MovingShape {
+                shape: &self.static_geometry[number as usize].shape,
+                frame: Frame {
+                    translation: contact.offset,
+                    rotation: contact.fixed.unwrap_or_default(),
+                },
+                step: Vec3::ZERO,
+                turn: Vec3::ZERO,
+                reach: 0.0,
+            },
+            None => {
+                let origin = self.swept[body].origin;
+                let second = contact.a as usize == body;
+                let other = if second { contact.b } else { contact.a };
+                self.moving_shape(other as usize, origin, world)
+            }
+        };
+        ContactWith { other, manifold, normal, is_second: contact.a as usize != body }
+    }
+
+    /// A body collider, seen from an origin.
+    fn moving_shape<'a>(&self, body: usize, origin: Vec3, world: &World<'a>) -> MovingShape<'a> {
+        let swept = &self.swept[body];
+        let translation = swept.frame.translation + (swept.origin - origin);
+        MovingShape {
+            shape: &world.body_colliders[body].shape,
+            frame: Frame { translation, ..swept.frame },
+            step: swept.velocity * world.dt,
+            turn: swept.spin * world.dt,
+            reach: self.groups.parts[body].reach,
+        }
     }
 }

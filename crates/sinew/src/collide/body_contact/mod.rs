@@ -80,6 +80,7 @@ use contact_cache::CacheBuilder;
 use deep_overlap::DeepOverlaps;
 use dormant::DormantColliders;
 use friction::{predict_impulses, solve_all_friction};
+use ghosts::GhostScratch;
 use groups::BodyGroups;
 use loose::Loose;
 use narrow_phase::NarrowPhase;
@@ -146,8 +147,7 @@ pub(crate) struct BodyContactSolver {
     nearby: Vec<[u32; 2]>,
     pairs: Vec<[u32; 2]>,
     contacts: Vec<Contact>,
-    /// Numbers of the contacts that are ghosts, ascending, and of the contacts beside them. Scratch of the broad phase.
-    ghosts: Vec<[u32; 2]>,
+    ghosts: GhostScratch,
     sensors: Sensors,
     wide_contacts: Vec<WideContact>,
     cache: CacheBuilder,

@@ -225,6 +225,8 @@ impl BodyContactSolver {
         let Self { groups, swept, static_geometry, .. } = self;
         let (first, second) = (a as usize, b as usize);
         let (one, part) = (&swept[first], &groups.parts[first]);
+        let cached = self.cache.now.get(cache_index as usize);
+        let normal = cached.map_or(Vec3::ZERO, |cached| cached.manifold.normal);
         let (own, is_alone) = (world.filter.body(one.body), groups.is_alone(first));
         let participant_a = participant(groups, first, one.body);
         let gravity = |part: &CompiledCollider| {
@@ -253,6 +255,7 @@ impl BodyContactSolver {
                 size,
                 staleness,
                 torsional_radius: torsional(is_alone && groups.is_alone(second), size),
+                normal: other.frame.turn(normal),
                 goes_on: false,
             };
         };
@@ -274,6 +277,7 @@ impl BodyContactSolver {
             size: part.reach,
             staleness,
             torsional_radius: torsional(is_alone, part.reach),
+            normal: here.rotation * normal,
             goes_on: false,
         }
     }
@@ -401,8 +405,11 @@ impl BodyContactSolver {
         let NarrowPhase { manifolds, missed: found, .. } = &mut self.narrow_phase.0;
         found.clear();
         collide(a, b, &query.here, reach, manifolds, &mut |manifold| found.push(*manifold));
+        let axes =
+            contact.fixed.unwrap_or_else(|| self.second_frame(query.pair, world, share).rotation);
         for number in 0..self.narrow_phase.0.missed.len() {
             let manifold = &self.narrow_phase.0.missed[number];
+            let contact = Contact { normal: axes * manifold.normal, ..contact };
             if of_triangles && self.missed.has(pair, manifold.part, &self.contacts, &self.cache)
                 || self.is_missed_ghost(&contact, manifold, world)
             {

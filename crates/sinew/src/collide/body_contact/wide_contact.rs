@@ -80,6 +80,8 @@ pub(super) struct Contact {
     pub(super) staleness: f32,
     /// See `WideContact`; metres.
     pub(super) torsional_radius: f32,
+    /// The normal when the step began, in world axes: from the second towards the first.
+    pub(super) normal: Vec3,
     /// Whether the face that is touched goes on beyond its rim in this step, because another collider lies beside it (`ghosts`).
     pub(super) goes_on: bool,
 }

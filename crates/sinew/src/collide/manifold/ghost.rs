@@ -12,71 +12,122 @@
 //! as well: if it has about the same normal, and that of a face. (Unless a cylinder rolls on the first: then it touches the other with a point of its side that is
 //! not its lowest.)
 //!
-//! A body that tumbles may reach below `P` within the step, beside the face that it touches; its contacts are all kept.
+//! A body that tumbles may reach below `P` within the step, beside the face that it touches; its contacts are all kept. So are those with a floor that moves
+//! or turns on its own: crates in a row are a floor as long as they lie side by side.
 
 use glam::Vec3;
 
 use super::super::shape::{Kind, Shape, from_parry};
 use super::features::ShapeOrTriangle;
-use super::{Frame, Manifold};
+use super::{Frame, Manifold, Point};
 
 /// How far the two may reach across the plane, as a share of the body's smallest half extent: what rests on a floor overlaps with it, and tiles may be laid a
 /// little unevenly. A ledge of this height is no obstacle.
 const TOLERANCE: f32 = 0.02;
 /// Cosine of the angle between two normals from which on both contacts may carry the body: 60°.
 const BOTH_CARRY: f32 = 0.5;
+/// Radius of the inscribed sphere of a convex shape about its centre, at least, as a share of its smallest half extent. That of a tetrahedron is half of it.
+const INSCRIBED: f32 = 0.4;
 /// Squared difference of two normals up to which they are the same.
 const SAME: f32 = 1e-6;
 
-/// A body that moves in a step.
-pub(crate) struct MovingBody<'a> {
+/// A shape that moves in a step: a body, or what it touches. All frames have one origin.
+#[derive(Clone, Copy)]
+pub(crate) struct MovingShape<'a> {
     pub(crate) shape: &'a Shape,
     pub(crate) frame: Frame,
-    /// Rotation vector of its motion in the step, rad.
+    /// Displacement and rotation vector of its motion in the step, metres and rad; zero for what is static.
+    pub(crate) step: Vec3,
     pub(crate) turn: Vec3,
-    /// Greatest distance of its surface from its centre, metres.
+    /// Greatest distance of its surface from its centre, metres. Of no account for what does not turn.
     pub(crate) reach: f32,
 }
 
-/// A manifold of a body with static geometry, which stays where it is. Frames of all contacts and of the body have one origin.
-pub(crate) struct StaticContact<'a> {
-    pub(crate) shape: &'a Shape,
-    pub(crate) frame: Frame,
-    pub(crate) manifold: &'a Manifold,
+/// A body whose contacts are compared.
+pub(crate) struct MovingBody<'a> {
+    body: MovingShape<'a>,
+    /// Its smallest half extent, and how far it and what it touches may reach across a plane, metres.
+    thickness: f32,
+    tolerance: f32,
 }
 
-/// Whether a contact of a body is a ghost beside another one, which is none.
-pub(crate) fn is_ghost(body: &MovingBody, contact: &StaticContact, beside: &StaticContact) -> bool {
-    let normal = contact.normal();
-    let rolls_beside = beside.manifold.axial[0] && !contact.manifold.axial[0];
-    if (normal - beside.normal()).length_squared() < SAME && !rolls_beside {
+/// A contact of a body with another shape.
+pub(crate) struct ContactWith<'a> {
+    pub(crate) other: MovingShape<'a>,
+    pub(crate) manifold: &'a Manifold,
+    /// From the other shape towards the body.
+    pub(crate) normal: Vec3,
+    /// Whether the body is the second of the two that the manifold is of.
+    pub(crate) is_second: bool,
+}
+
+/// Whether a contact of a body is a ghost beside another one, which is none, and with whose floor the body [keeps upright](MovingBody::keeps_upright).
+pub(crate) fn is_ghost(
+    &MovingBody { ref body, tolerance, .. }: &MovingBody,
+    contact: &ContactWith,
+    beside: &ContactWith,
+) -> bool {
+    let normal = contact.normal;
+    let rolls_beside = beside.is_axial() && !contact.is_axial();
+    if (normal - beside.normal).length_squared() < SAME && !rolls_beside {
+        return false;
+    }
+    let (other, floor_shape) = (&contact.other, &beside.other);
+    let turns = |of: &MovingShape, reach: f32| of.tilt(beside.normal) * reach > tolerance;
+    if turns(floor_shape, floor_shape.reach + body.reach)
+        || turns(other, other.reach)
+        || beside.normal.dot(other.step - floor_shape.step) > tolerance
+    {
         return false;
     }
     let (Some(geometry), Some(floor)) = (contact.part(), beside.part()) else { return false };
-    let Some((up, offset)) = floor.face_along(beside.manifold.normal) else { return false };
-    let up = beside.frame.turn(up);
-    let height = offset + up.dot(beside.frame.translation);
+    let along = floor_shape.frame.turn_back(beside.normal);
+    let Some((up, offset)) = floor.face_along(along) else { return false };
+    let up = floor_shape.frame.turn(up);
+    let height = offset + up.dot(floor_shape.frame.translation);
     let own = ShapeOrTriangle::Shape(body.shape);
     let carries = !rolls_beside
         && normal.dot(up) > BOTH_CARRY
-        && (geometry.face_along(contact.manifold.normal).is_some()
+        && (geometry.face_along(other.frame.turn_back(normal)).is_some()
             || own.face_along(body.frame.turn_back(-normal)).is_some());
     if carries {
         return false;
     }
-    let (low, high) = body.shape.bounds();
-    let tolerance = TOLERANCE * 0.5 * (high - low).min_element();
     let support = |shape: &ShapeOrTriangle, frame: &Frame, along: Vec3| {
         along.dot(frame.translation) + shape.reach(frame.turn_back(along))
     };
     let lowest = -support(&own, &body.frame, -up);
     lowest >= height - tolerance
-        && body.tilt(up) * body.reach <= tolerance
-        && support(&geometry, &contact.frame, up) <= height + tolerance
+        && support(&geometry, &other.frame, up) <= height + tolerance
         && contact.points().all(|point| up.dot(point) <= height + tolerance)
 }
 
-impl MovingBody<'_> {
+impl<'a> MovingBody<'a> {
+    pub(crate) fn new(body: MovingShape<'a>) -> Self {
+        let thickness = thickness(body.shape);
+        Self { body, thickness, tolerance: TOLERANCE * thickness }
+    }
+
+    /// Whether it turns so little against the normal of a floor that it reaches nothing beside.
+    pub(crate) fn keeps_upright(&self, normal: Vec3) -> bool {
+        self.body.tilt(normal) * self.body.reach <= self.tolerance
+    }
+
+    /// Whether a plane across a direction may have it on the upper side and another convex shape on the lower one; `below` goes from its centre to that of the
+    /// other.
+    pub(crate) fn may_lie_above(&self, other: &Shape, below: Vec3, up: Vec3) -> bool {
+        let clear = -up.dot(below) - INSCRIBED * self.thickness;
+        clear > 0.0 && clear > INSCRIBED * thickness(other)
+    }
+}
+
+/// The smallest half extent of a shape, metres.
+fn thickness(shape: &Shape) -> f32 {
+    let (low, high) = shape.bounds();
+    0.5 * (high - low).min_element()
+}
+
+impl MovingShape<'_> {
     /// By how much it turns against a direction, rad. A turn of a round shape about its own axis, or about its centre, moves no surface.
     fn tilt(&self, up: Vec3) -> f32 {
         let axis = self.frame.rotation.y_axis;
@@ -89,26 +140,30 @@ impl MovingBody<'_> {
     }
 }
 
-impl<'a> StaticContact<'a> {
-    fn normal(&self) -> Vec3 {
-        self.frame.turn(self.manifold.normal)
+impl<'a> ContactWith<'a> {
+    /// Whether the body is round about an axis, and touches with its side.
+    fn is_axial(&self) -> bool {
+        self.manifold.axial[usize::from(self.is_second)]
     }
 
+    /// The points on the other shape.
     fn points(&self) -> impl Iterator<Item = Vec3> {
-        self.manifold.points().iter().map(|point| self.frame.point(point.on_b))
+        let on_other = |point: &Point| if self.is_second { point.on_a } else { point.on_b };
+        self.manifold.points().iter().map(move |point| self.other.frame.point(on_other(point)))
     }
 
     /// The convex part that the manifold is of: the shape, or its triangle.
     fn part(&self) -> Option<ShapeOrTriangle<'a>> {
-        let (parry, part) = (self.shape.parry(), self.manifold.part);
-        let triangle = match self.shape.kind() {
+        let (shape, part) = (self.other.shape, self.manifold.part);
+        let parry = shape.parry();
+        let triangle = match shape.kind() {
             Kind::Mesh => {
                 let mesh = parry.as_trimesh()?;
                 ((part as usize) < mesh.num_triangles()).then(|| mesh.triangle(part))?
             }
             Kind::HeightField => parry.as_heightfield()?.triangle_at_id(part)?,
             Kind::InsideBox => return None,
-            _ => return Some(ShapeOrTriangle::Shape(self.shape)),
+            _ => return Some(ShapeOrTriangle::Shape(shape)),
         };
         Some(ShapeOrTriangle::Triangle([triangle.a, triangle.b, triangle.c].map(from_parry)))
     }

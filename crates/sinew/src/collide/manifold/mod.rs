@@ -36,7 +36,7 @@ use crate::lanes::InstructionSet;
 pub(crate) use boxes::BoxPairs;
 pub(crate) use broad::{Aabb, BlockSearch, Broad, ClusterSearch, EightBoxes, NO_GROUP};
 pub(crate) use convex::ManifoldScratch;
-pub(crate) use ghost::{MovingBody, StaticContact, is_ghost};
+pub(crate) use ghost::{ContactWith, MovingBody, MovingShape, is_ghost};
 
 /// A pair of nearby points, one on each surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -85,6 +85,44 @@ fn what_slides_or_rolls_over_seams_gets_as_far_as_on_a_plane() {
     }
 }
 
+/// Crates in a row are a floor as well. On blocks of a ton a box at 2 m/s stopped at the first seam and was thrown up by 5 cm, at 5 m/s by 12; a cylinder sank
+/// between two.
+#[test]
+fn what_slides_or_rolls_from_body_to_body_gets_as_far_as_on_a_plane() {
+    for (substeps, speed) in [(4, 2.0), (10, 2.0), (10, 5.0), (40, 4.0)] {
+        // Which of the two comes first decides which one is the second of their contacts.
+        for (kind, is_last) in (0..7).flat_map(|kind| [(kind, false), (kind, true)]) {
+            let [plane, blocks] = [false, true].map(|has_blocks| {
+                let low = if has_blocks { -1.0 } else { 0.0 };
+                let ground = Collider::fixed(Shape::half_space(), Frame::at(Vec3::Y * low));
+                let mut world = world_on(&[ground], 0.3);
+                world.settings.substeps = substeps;
+                let first = (!is_last).then(|| add_body(&mut world, kind));
+                for n in (-4..20).filter(|_| has_blocks) {
+                    let at = Vec3::new(n as f32 * TILE + 0.13, -0.5, 0.0);
+                    let size = Vec3::new(TILE, 1.0, 8.0);
+                    add_box(&mut world, size, 1000.0, at, Quat::IDENTITY);
+                }
+                let first = first.unwrap_or_else(|| add_body(&mut world, kind));
+                throw(&mut world, first, Vec3::X * speed, Vec3::ZERO);
+                let mut high = 0.0_f32;
+                for _ in 0..100 {
+                    world.step(1.0 / 60.0).unwrap();
+                    high = high.max(centre(&world, first).y - 0.25);
+                }
+                (centre(&world, first), high)
+            });
+            let case = format!("{substeps}, {speed} m/s, kind {kind}, last: {is_last}");
+            println!("{case}: {blocks:?}, on a plane {plane:?}");
+            let way = blocks.0.x / plane.0.x;
+            // A lying cylinder loses up to 3 % of a slow roll.
+            let most = if kind == 4 { 0.04 } else { 2e-3 };
+            assert!((way - 1.0).abs() < most, "{case}: {blocks:?}, on a plane {plane:?}");
+            assert!(blocks.1 < 1e-2, "{case}: {} high", blocks.1);
+        }
+    }
+}
+
 #[test]
 fn what_falls_along_a_wall_of_blocks_does_not_catch_on_them() {
     for (kind, gap) in (0..7).flat_map(|kind| [1e-3, 1e-5, 0.0, -1e-5].map(|gap| (kind, gap))) {
