@@ -14,7 +14,7 @@ pub(super) const SCENE: Scene = Scene {
     title: "A pile of crates",
     about: "boxes of particles that collide by their shape: poured into a heap, and stacked into a tower",
     eye: Vec3::new(5.2, 3.6, 8.6),
-    target: Vec3::new(0.3, 1.1, 0.0),
+    target: Vec3::new(0.1, 1.1, 0.0),
     seconds: 6.0,
     moment: 4.5,
     lesson: Some(Lesson {
@@ -53,13 +53,13 @@ fn spawn(world: &mut World) {
     let surface = SurfaceMaterial::new(friction);
     world.spawn((InScene, Ground, surface));
     let skin = mesh(world, rounded_box(Vec3::splat(EDGE), 0.015, 2));
-    // Each layer is rotated and shifted, so that no crate falls straight onto the one below.
+    // Each layer is rotated and shifted, so that no crate falls straight onto the one below. What rolls off reaches the tower late, if at all.
     for n in 0..72_u32 {
         let (layer, place) = (n / 9, n % 9);
         let turn = 0.35 * layer as f32 + 0.2 * place as f32;
         let [x, z] = [place % 3, place / 3].map(|i| (i as f32 - 1.0) * 0.62);
         let drift = 0.11 * (layer % 3) as f32 - 0.11;
-        let place = Vec3::new(x + drift - 1.0, 0.8 + 0.75 * layer as f32, z - drift);
+        let place = Vec3::new(x + drift - 1.5, 0.8 + 0.75 * layer as f32, z - drift);
         let rotation = Quat::from_euler(EulerRot::XYZ, 0.4 * turn, turn, 0.3 * turn);
         let place = Transform::from_translation(place).with_rotation(rotation);
         crate_at(world, "crate", 5.0, surface, &skin, place);
