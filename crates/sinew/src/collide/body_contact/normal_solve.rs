@@ -215,8 +215,8 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     // Impulses of earlier sweeps of the substep may be taken back: they are accumulated, and their sums are clamped at zero.
     let mut accumulated = [none; POINTS];
     let force = if sweep > 0 {
-        for i in 0..POINTS {
-            accumulated[i] = L::load(&wide.force[i]);
+        for (to, from) in accumulated.iter_mut().zip(&wide.force) {
+            *to = L::load(from);
         }
         solve_normal_impulses(&patch, &c, &at, Some(&accumulated))
     } else {
