@@ -25,6 +25,8 @@ pub(super) struct GhostScratch {
     touching: Vec<Touching>,
     /// Of each contact, whether it is a ghost.
     is_ghost: Vec<bool>,
+    /// Contacts of one body collider that may be with a floor.
+    floors: Vec<Touching>,
 }
 
 /// A contact as it is seen from one of its body colliders.
@@ -95,7 +97,7 @@ impl BodyContactSolver {
             // Most touch one only, or are at rest on others.
             let touching = scratch.of(body);
             if touching.windows(2).any(|pair| pair[0].other != pair[1].other)
-                && touching.iter().any(|of| self.nears(body, of))
+                && self.may_meet_seams(body, touching)
             {
                 any |= self.find_ghosts(body, world, &mut scratch);
             }
@@ -121,8 +123,10 @@ impl BodyContactSolver {
             let mut floors = self.ghosts.of(body).iter();
             self.nears(body, &one)
                 && floors.any(|floor| {
-                    let one = (&one, contact, manifold);
-                    self.is_ghost_beside(&own, one, floor, body, world)
+                    let with = (&one, (contact, manifold));
+                    self.may_hold(&own, floor, (body, world.dt))
+                        && self.may_be_beside(&own, &one, floor, (body, world.dt))
+                        && self.is_ghost_beside(&own, with, floor, body, world)
                 })
         })
     }
@@ -130,20 +134,26 @@ impl BodyContactSolver {
     /// Finds the ghosts among the contacts of one body collider, and marks the contacts beside them.
     fn find_ghosts(&mut self, body: usize, world: &World, scratch: &mut GhostScratch) -> bool {
         let own = MovingBody::new(self.moving_shape(body, self.swept[body].origin, world));
-        let GhostScratch { begins, touching, is_ghost } = scratch;
+        let GhostScratch { begins, touching, is_ghost, floors } = scratch;
         let touching = &touching[begins[body] as usize..begins[body + 1] as usize];
+        floors.clear();
+        floors.extend(touching.iter().filter(|of| self.may_hold(&own, of, (body, world.dt))));
+        if floors.is_empty() {
+            return false;
+        }
         let mut any = false;
         for one in touching {
             if is_ghost[one.number as usize] || !self.nears(body, one) {
                 continue;
             }
-            let (contact, manifold) = self.contact_and_manifold(one.number);
             // What is a ghost itself holds nothing.
-            let beside: SmallVec<[u32; 8]> = touching
+            let beside: SmallVec<[u32; 8]> = floors
                 .iter()
                 .filter(|floor| !is_ghost[floor.number as usize])
+                .filter(|floor| self.may_be_beside(&own, one, floor, (body, world.dt)))
                 .filter(|floor| {
-                    self.is_ghost_beside(&own, (one, contact, manifold), floor, body, world)
+                    let contact = self.contact_and_manifold(one.number);
+                    self.is_ghost_beside(&own, (one, contact), floor, body, world)
                 })
                 .map(|floor| floor.number)
                 .collect();
@@ -152,7 +162,7 @@ impl BodyContactSolver {
             }
             any = true;
             is_ghost[one.number as usize] = true;
-            let place = contact.cache_index as usize;
+            let place = self.contacts[one.number as usize].cache_index as usize;
             self.cache.now[place].friction_anchor = FrictionAnchor::default();
             for other in beside {
                 self.contacts[other as usize].goes_on = true;
@@ -166,40 +176,79 @@ impl BodyContactSolver {
         (contact, &self.cache.now[contact.cache_index as usize].manifold)
     }
 
-    /// Whether a body collider moves towards another one that it touches. Of geometry it does not matter.
+    /// Whether a body collider moves towards anything that it touches, or touches several pieces of static geometry.
+    fn may_meet_seams(&self, body: usize, touching: &[Touching]) -> bool {
+        let fixed = |of: &&Touching| of.other as usize >= self.swept.len();
+        let mut fixed = touching.iter().filter(fixed).map(|of| of.other);
+        let first = fixed.next();
+        fixed.any(|other| Some(other) != first)
+            || touching.iter().any(|of| self.approach(body, of) > APPROACH)
+    }
+
+    /// Whether a contact of a body collider may be a ghost: one with another body may if the two approach each other.
     fn nears(&self, body: usize, one: &Touching) -> bool {
-        self.swept.get(one.other as usize).is_none_or(|other| {
-            one.normal.dot(other.velocity - self.swept[body].velocity) > APPROACH
-        })
+        one.other as usize >= self.swept.len() || self.approach(body, one) > APPROACH
+    }
+
+    /// The speed at which a body collider and what it touches approach each other, m/s.
+    fn approach(&self, body: usize, one: &Touching) -> f32 {
+        let other = self.swept.get(one.other as usize).map_or(Vec3::ZERO, |other| other.velocity);
+        one.normal.dot(other - self.swept[body].velocity)
     }
 
     /// Whether a contact is a ghost beside another one of the same body collider.
     fn is_ghost_beside(
         &self,
         own: &MovingBody,
-        (one, contact, manifold): (&Touching, &Contact, &Manifold),
+        (one, (contact, manifold)): (&Touching, (&Contact, &Manifold)),
         floor: &Touching,
         body: usize,
         world: &World,
+    ) -> bool {
+        let beside = self.contact_and_manifold(floor.number);
+        let contact = self.contact_with((contact, manifold, one.normal), body, world);
+        let beside = self.contact_with((beside.0, beside.1, floor.normal), body, world);
+        is_ghost(own, &contact, &beside)
+    }
+
+    /// Whether a body collider may slide or roll on what it touches, as on a floor: it does not tumble, and another body neither turns nor parts from it.
+    fn may_hold(&self, own: &MovingBody, floor: &Touching, (body, dt): (usize, f32)) -> bool {
+        let up = floor.normal;
+        let holds = |below: &SweptBounds| {
+            let turn = below.spin - up * up.dot(below.spin);
+            own.allows_gap(up.dot(self.swept[body].velocity - below.velocity) * dt)
+                && own.allows_turn((turn * dt).length(), self.reach(floor.other))
+        };
+        self.swept.get(floor.other as usize).is_none_or(holds) && own.keeps_upright(up)
+    }
+
+    /// Whether a body collider may slide from a floor to something else. It looks at motions and centres only: in a heap that falls, few come further.
+    fn may_be_beside(
+        &self,
+        own: &MovingBody,
+        one: &Touching,
+        floor: &Touching,
+        (body, dt): (usize, f32),
     ) -> bool {
         // Inner edges of one mesh are known to itself.
         if floor.other == one.other {
             return false;
         }
+        let (up, this) = (floor.normal, &self.swept[body]);
+        let below = self.swept.get(floor.other as usize);
+        let Some(other) = self.swept.get(one.other as usize) else {
+            return below.is_none() || self.approach(body, one) > APPROACH;
+        };
         let place = |swept: &SweptBounds| swept.origin + swept.centre;
-        if let Some(other) = self.swept.get(one.other as usize) {
-            let below = place(other) - place(&self.swept[body]);
-            let shape = &world.body_colliders[one.other as usize].shape;
-            if !own.may_lie_above(shape, below, floor.normal) {
-                return false;
-            }
-        }
-        own.keeps_upright(floor.normal) && {
-            let beside = self.contact_and_manifold(floor.number);
-            let contact = self.contact_with((contact, manifold, one.normal), body, world);
-            let beside = self.contact_with((beside.0, beside.1, floor.normal), body, world);
-            is_ghost(own, &contact, &beside)
-        }
+        let floor = below.map_or(Vec3::ZERO, |below| below.velocity);
+        own.may_be_above(up.dot(place(this) - place(other)))
+            && own.allows_gap(up.dot(this.velocity - floor) * dt)
+            && own.allows_gap(up.dot(other.velocity - floor) * dt)
+    }
+
+    /// Greatest distance of the surface of a body collider from its centre, metres.
+    fn reach(&self, body: u32) -> f32 {
+        self.groups.parts[body as usize].reach
     }
 
     /// A contact with what does not move, or with another body collider, as it is seen from one of its body colliders.

@@ -46,8 +46,7 @@ pub(crate) struct MovingShape<'a> {
 /// A body whose contacts are compared.
 pub(crate) struct MovingBody<'a> {
     body: MovingShape<'a>,
-    /// Its smallest half extent, and how far it and what it touches may reach across a plane, metres.
-    thickness: f32,
+    /// How far it and what it touches may reach across a plane, metres.
     tolerance: f32,
 }
 
@@ -96,16 +95,15 @@ pub(crate) fn is_ghost(
     let support = |shape: &ShapeOrTriangle, frame: &Frame, along: Vec3| {
         along.dot(frame.translation) + shape.reach(frame.turn_back(along))
     };
-    let lowest = -support(&own, &body.frame, -up);
-    lowest >= height - tolerance
+    contact.points().all(|point| up.dot(point) <= height + tolerance)
+        && -support(&own, &body.frame, -up) >= height - tolerance
         && support(&geometry, &other.frame, up) <= height + tolerance
-        && contact.points().all(|point| up.dot(point) <= height + tolerance)
 }
 
 impl<'a> MovingBody<'a> {
     pub(crate) fn new(body: MovingShape<'a>) -> Self {
-        let thickness = thickness(body.shape);
-        Self { body, thickness, tolerance: TOLERANCE * thickness }
+        let (low, high) = body.shape.bounds();
+        Self { body, tolerance: TOLERANCE * 0.5 * (high - low).min_element() }
     }
 
     /// Whether it turns so little against the normal of a floor that it reaches nothing beside.
@@ -113,18 +111,20 @@ impl<'a> MovingBody<'a> {
         self.body.tilt(normal) * self.body.reach <= self.tolerance
     }
 
-    /// Whether a plane across a direction may have it on the upper side and another convex shape on the lower one; `below` goes from its centre to that of the
-    /// other.
-    pub(crate) fn may_lie_above(&self, other: &Shape, below: Vec3, up: Vec3) -> bool {
-        let clear = -up.dot(below) - INSCRIBED * self.thickness;
-        clear > 0.0 && clear > INSCRIBED * thickness(other)
+    /// Whether a floor of that reach, in metres, may turn by this much in the step, rad.
+    pub(crate) fn allows_turn(&self, turn: f32, reach: f32) -> bool {
+        turn * (reach + self.body.reach) <= self.tolerance
     }
-}
 
-/// The smallest half extent of a shape, metres.
-fn thickness(shape: &Shape) -> f32 {
-    let (low, high) = shape.bounds();
-    0.5 * (high - low).min_element()
+    /// Whether a plane may separate it from another shape whose centre lies this much below its own, metres: it has to lie above that plane itself.
+    pub(crate) fn may_be_above(&self, height: f32) -> bool {
+        height * TOLERANCE > INSCRIBED * self.tolerance
+    }
+
+    /// Whether it, or another shape, may come nearer to a floor or farther from it by this much in the step, metres.
+    pub(crate) fn allows_gap(&self, change: f32) -> bool {
+        change.abs() <= self.tolerance
+    }
 }
 
 impl MovingShape<'_> {
