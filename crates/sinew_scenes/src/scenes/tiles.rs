@@ -1,4 +1,4 @@
-//! A crate, a barrel and a ball over a floor of tiles, each a collider of its own.
+//! A crate, a barrel and a ball over a floor of tiles, each a collider of its own, and of slabs, which are bodies.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -13,7 +13,7 @@ pub(super) const SCENE: Scene = Scene {
     name: "tiles",
     heading: Heading::Contacts,
     title: "Over tiles",
-    about: "a floor of 112 boxes side by side: crates slide over the seams until friction stops them, a barrel and a ball roll on, as on one plane",
+    about: "a floor of 84 tiles and 28 loose slabs side by side: crates slide over the seams until friction stops them, a barrel and a ball roll on, as on one plane",
     eye: Vec3::new(0.1, 2.3, 4.6),
     target: Vec3::new(-0.55, 0.15, 0.1),
     seconds: 4.0,
@@ -46,6 +46,9 @@ pub(super) const SCENE: Scene = Scene {
 /// Size of a tile, metres, and their number along x and z.
 const TILE: Vec3 = Vec3::new(0.5, 0.1, 0.5);
 const TILES: [u32; 2] = [14, 8];
+/// Rows of tiles; the others are slabs, and their mass, kg.
+const FIXED: u32 = 6;
+const SLAB: f32 = 60.0;
 /// Where everything starts along x, metres, and the side of a crate.
 const START: f32 = -2.9;
 const SIDE: f32 = 0.4;
@@ -63,16 +66,17 @@ fn spawn(world: &mut World) {
     for (i, j) in (0..columns).flat_map(|i| (0..rows).map(move |j| (i, j))) {
         let middle = |n: u32, of: u32| (n as f32 + 0.5 - 0.5 * of as f32) * TILE.x;
         let at = Vec3::new(middle(i, columns), 0.5 * TILE.y, middle(j, rows));
-        let color = if (i + j) % 2 == 0 { 0xb9b2a3 } else { 0x8d8a84 };
-        world.spawn((
-            InScene,
-            Name::new("tile"),
-            Collider::cuboid(TILE),
-            surface,
-            tile.clone(),
-            Look::color(color).roughness(0.8),
-            Transform::from_translation(at),
-        ));
+        let [light, dark] = if j < FIXED { [0xb9b2a3, 0x8d8a84] } else { [0xbfa07a, 0x97795a] };
+        let color = if (i + j) % 2 == 0 { light } else { dark };
+        let looks = (tile.clone(), Look::color(color).roughness(0.8));
+        let place = Transform::from_translation(at);
+        if j < FIXED {
+            let solid = (Name::new("tile"), Collider::cuboid(TILE));
+            world.spawn((InScene, solid, surface, looks, place));
+        } else {
+            let solid = (Name::new("slab"), RigidBox::new(TILE).with_mass(SLAB));
+            world.spawn((InScene, solid, surface, looks, place, Interpolate));
+        }
     }
     let block = mesh(world, rounded_box(Vec3::splat(SIDE), 0.02, 2));
     for (z, turn) in [(1.3, 0.0), (0.55, 0.5)] {
