@@ -361,7 +361,7 @@ impl<L: Lanes> TangentialSlip<L> {
 /// patch lies beside the centre of mass, although nothing twists: a barrel that slid over two rails turned by half a radian. The equation for `λ` is that of a
 /// trust region (Moré and Sorensen 1983). Two numbers that are not above its root are at hand, Newton's first step from zero and `|s| / limit - tr K`; the
 /// larger one is taken, and the impulse, which then is on the ellipse or beyond, shortened to it. From a `λ` that is too large it would have to be lengthened,
-/// which can turn a slip around and make it faster: figures that were pushed out of a solid left at 140 m/s.
+/// which can turn a slip around and make it faster.
 ///
 /// Where the radius is less than `torsional_radius`, metres, it is a point contact. Its twist is stopped, too, by at most `limit · torsional_radius`; but its
 /// slip is solved as if it did not twist.

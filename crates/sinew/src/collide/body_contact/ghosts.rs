@@ -235,15 +235,18 @@ impl BodyContactSolver {
             return false;
         }
         let (up, this) = (floor.normal, &self.swept[body]);
-        let below = self.swept.get(floor.other as usize);
-        let Some(other) = self.swept.get(one.other as usize) else {
-            return below.is_none() || self.approach(body, one) > APPROACH;
-        };
+        let [below, other] = [floor, one].map(|of| self.swept.get(of.other as usize));
+        let velocity = |of: Option<&SweptBounds>| of.map_or(Vec3::ZERO, |of| of.velocity);
+        let floor_velocity = velocity(below);
+        let goes_along = |velocity: Vec3| own.allows_gap(up.dot(velocity - floor_velocity) * dt);
         let place = |swept: &SweptBounds| swept.origin + swept.centre;
-        let floor = below.map_or(Vec3::ZERO, |below| below.velocity);
-        own.may_be_above(up.dot(place(this) - place(other)))
-            && own.allows_gap(up.dot(this.velocity - floor) * dt)
-            && own.allows_gap(up.dot(other.velocity - floor) * dt)
+        let may_be_met = match other {
+            Some(other) => {
+                own.may_be_above(up.dot(place(this) - place(other))) && goes_along(this.velocity)
+            }
+            None => below.is_none() || self.approach(body, one) > APPROACH,
+        };
+        may_be_met && goes_along(velocity(other))
     }
 
     /// Greatest distance of the surface of a body collider from its centre, metres.
@@ -265,7 +268,6 @@ impl BodyContactSolver {
                     translation: contact.offset,
                     rotation: contact.fixed.unwrap_or_default(),
                 },
-                step: Vec3::ZERO,
                 turn: Vec3::ZERO,
                 reach: 0.0,
             },
@@ -286,7 +288,6 @@ impl BodyContactSolver {
         MovingShape {
             shape: &world.body_colliders[body].shape,
             frame: Frame { translation, ..swept.frame },
-            step: swept.velocity * world.dt,
             turn: swept.spin * world.dt,
             reach: self.groups.parts[body].reach,
         }

@@ -36,8 +36,7 @@ const SAME: f32 = 1e-6;
 pub(crate) struct MovingShape<'a> {
     pub(crate) shape: &'a Shape,
     pub(crate) frame: Frame,
-    /// Displacement and rotation vector of its motion in the step, metres and rad; zero for what is static.
-    pub(crate) step: Vec3,
+    /// Rotation vector of its motion in the step, rad; zero for what is static.
     pub(crate) turn: Vec3,
     /// Greatest distance of its surface from its centre, metres. Of no account for what does not turn.
     pub(crate) reach: f32,
@@ -60,7 +59,8 @@ pub(crate) struct ContactWith<'a> {
     pub(crate) is_second: bool,
 }
 
-/// Whether a contact of a body is a ghost beside another one, which is none, and with whose floor the body [keeps upright](MovingBody::keeps_upright).
+/// Whether a contact of a body is a ghost beside another one, which is none. On the floor of that the body [keeps upright](MovingBody::keeps_upright), and the floor
+/// neither [turns](MovingBody::allows_turn) nor [parts](MovingBody::allows_gap) from the body or from the other one.
 pub(crate) fn is_ghost(
     &MovingBody { ref body, tolerance, .. }: &MovingBody,
     contact: &ContactWith,
@@ -72,11 +72,7 @@ pub(crate) fn is_ghost(
         return false;
     }
     let (other, floor_shape) = (&contact.other, &beside.other);
-    let turns = |of: &MovingShape, reach: f32| of.tilt(beside.normal) * reach > tolerance;
-    if turns(floor_shape, floor_shape.reach + body.reach)
-        || turns(other, other.reach)
-        || beside.normal.dot(other.step - floor_shape.step) > tolerance
-    {
+    if other.tilt(beside.normal) * other.reach > tolerance {
         return false;
     }
     let (Some(geometry), Some(floor)) = (contact.part(), beside.part()) else { return false };

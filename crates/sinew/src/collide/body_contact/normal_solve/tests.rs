@@ -5,6 +5,18 @@ use super::{ContactPatch, PatchSide, solve_normal_impulses};
 use crate::constraints::checks::Random;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 
+/// Random numbers between two.
+fn between<L: Lanes>(random: &mut Random, low: f32, high: f32) -> L {
+    let half = 0.5 * (high - low);
+    L::load(&core::array::from_fn(|_| low + half * (1.0 + random.number())))
+}
+
+fn stored<L: Lanes>(numbers: L) -> [f32; LANES] {
+    let mut to = [0.0; LANES];
+    numbers.store(&mut to);
+    to
+}
+
 /// Solves two points, alone and beside two missing ones, and compares the bits.
 struct Both<'a>(&'a mut Random);
 
@@ -15,10 +27,7 @@ impl Work for Both<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let Self(random) = self;
-        let mut some = |low: f32, high: f32| {
-            let half = 0.5 * (high - low);
-            L::load(&core::array::from_fn(|_| low + half * (1.0 + random.number())))
-        };
+        let mut some = |low, high| between::<L>(random, low, high);
         let (none, one) = (L::zero(), L::splat(1.0));
         let (t, u) = (Vector::new(one, none, none), Vector::new(none, one, none));
         let mut side = || {
@@ -41,12 +50,7 @@ impl Work for Both<'_> {
             &[at[0], at[1], missing_at, missing_at],
             None,
         );
-        let store = |force: L| {
-            let mut to = [0.0; LANES];
-            force.store(&mut to);
-            to
-        };
-        (two.map(store), four.map(store))
+        (two.map(stored), four.map(stored))
     }
 }
 
@@ -98,9 +102,7 @@ impl Work for AsOne<'_> {
         let force = solve_normal_impulses(&patch, &[one, one], &at, None);
         let mut worst = 0.0_f32;
         for force in force {
-            let mut to = [0.0; LANES];
-            force.store(&mut to);
-            worst = to.iter().fold(worst, |worst, force| worst.max(*force));
+            worst = stored(force).iter().fold(worst, |worst, force| worst.max(*force));
         }
         worst * 0.4
     }
@@ -130,10 +132,7 @@ impl Work for Kept<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let Self(random) = self;
-        let mut some = |low: f32, high: f32| {
-            let half = 0.5 * (high - low);
-            L::load(&core::array::from_fn(|_| low + half * (1.0 + random.number())))
-        };
+        let mut some = |low, high| between::<L>(random, low, high);
         let (none, one) = (L::zero(), L::splat(1.0));
         let (t, u) = (Vector::new(one, none, none), Vector::new(none, one, none));
         let along = Vector::new(one, some(1.0, 3.0), one);
@@ -146,12 +145,7 @@ impl Work for Kept<'_> {
         let far = L::splat(-1e9);
         let had = [some(1.0, 100.0), some(1.0, 100.0), some(0.0, 1.0), none];
         let after = solve_normal_impulses(&patch, &[none, none, none, far], &at, Some(&had));
-        let store = |force: L| {
-            let mut to = [0.0; LANES];
-            force.store(&mut to);
-            to
-        };
-        (had.map(store), after.map(store))
+        (had.map(stored), after.map(stored))
     }
 }
 

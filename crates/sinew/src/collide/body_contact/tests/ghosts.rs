@@ -58,6 +58,16 @@ fn add_body(world: &mut Simulation, kind: u32) -> usize {
     }
 }
 
+/// Where a body is after some ticks, and how high it was lifted on the way, metres.
+fn get_as_far(world: &mut Simulation, first: usize, ticks: u32) -> (Vec3, f32) {
+    let mut high = 0.0_f32;
+    for _ in 0..ticks {
+        world.step(1.0 / 60.0).unwrap();
+        high = high.max(centre(world, first).y - 0.25);
+    }
+    (centre(world, first), high)
+}
+
 #[test]
 fn what_slides_or_rolls_over_seams_gets_as_far_as_on_a_plane() {
     for (substeps, speed) in [(4, 2.0), (10, 2.0), (10, 0.5), (4, 10.0), (10, 10.0), (40, 4.0)] {
@@ -67,12 +77,7 @@ fn what_slides_or_rolls_over_seams_gets_as_far_as_on_a_plane() {
                 world.settings.substeps = substeps;
                 let first = add_body(&mut world, kind);
                 throw(&mut world, first, Vec3::X * speed, Vec3::ZERO);
-                let mut high = 0.0_f32;
-                for _ in 0..150 {
-                    world.step(1.0 / 60.0).unwrap();
-                    high = high.max(centre(&world, first).y - 0.25);
-                }
-                (centre(&world, first), high)
+                get_as_far(&mut world, first, 150)
             });
             let plane = ways[0].0.x;
             for (floor, (at, high)) in ways.iter().enumerate() {
@@ -105,12 +110,7 @@ fn what_slides_or_rolls_from_body_to_body_gets_as_far_as_on_a_plane() {
                 }
                 let first = first.unwrap_or_else(|| add_body(&mut world, kind));
                 throw(&mut world, first, Vec3::X * speed, Vec3::ZERO);
-                let mut high = 0.0_f32;
-                for _ in 0..100 {
-                    world.step(1.0 / 60.0).unwrap();
-                    high = high.max(centre(&world, first).y - 0.25);
-                }
-                (centre(&world, first), high)
+                get_as_far(&mut world, first, 100)
             });
             let case = format!("{substeps}, {speed} m/s, kind {kind}, last: {is_last}");
             println!("{case}: {blocks:?}, on a plane {plane:?}");
