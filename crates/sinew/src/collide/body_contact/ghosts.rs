@@ -10,7 +10,6 @@ use super::super::manifold::{ContactWith, Manifold, MovingBody, MovingShape, is_
 use super::super::world::World;
 use super::BodyContactSolver;
 use super::contact_cache::FrictionAnchor;
-use super::swept_bounds::SweptBounds;
 use super::wide_contact::Contact;
 
 /// Approach along the normal up to which a contact with another body is not looked at, m/s: it presses, if at all, where the two lie. So nothing is compared in a
@@ -25,8 +24,8 @@ pub(super) struct GhostScratch {
     touching: Vec<Touching>,
     /// Of each contact, whether it is a ghost.
     is_ghost: Vec<bool>,
-    /// Contacts of one body collider that may be with a floor.
-    floors: Vec<Touching>,
+    /// What one body collider touches.
+    neighbours: Vec<Neighbour>,
 }
 
 /// A contact as it is seen from one of its body colliders.
@@ -50,7 +49,7 @@ impl Touching {
 }
 
 impl GhostScratch {
-    /// Lists the contacts of each of `count` body colliders, ascending; without those with geometry that moves in this step.
+    /// Lists the contacts of each of `count` body colliders, ascending.
     fn list(&mut self, contacts: &[Contact], count: usize) {
         let Self { begins, touching, .. } = self;
         begins.clear();
@@ -78,15 +77,43 @@ impl GhostScratch {
     }
 }
 
-/// The body colliders of a contact; none of one with geometry that moves in this step.
+/// The body colliders of a contact.
 fn bodies(contact: &Contact) -> impl Iterator<Item = usize> {
-    let stays = contact.geometry.is_none() || contact.fixed.is_some();
     let second = contact.geometry.is_none().then_some(contact.b as usize);
-    stays.then_some(contact.a as usize).into_iter().chain(second)
+    core::iter::once(contact.a as usize).chain(second)
+}
+
+/// What a body collider touches, and how it moves.
+#[derive(Clone, Copy, Debug)]
+struct Neighbour {
+    touching: Touching,
+    /// Velocity that it has at the centre of the body collider, m/s.
+    velocity: Vec3,
+    /// Rotation vector of its motion in the step, rad.
+    turn: Vec3,
+    /// From it to the centre of the body collider, metres; of another body collider from its centre.
+    arm: Option<Vec3>,
+    /// Speed at which the two approach each other, m/s.
+    approach: f32,
+}
+
+impl Neighbour {
+    /// Whether it may be a ghost: a contact with another body may if the two approach each other.
+    fn nears(&self) -> bool {
+        self.arm.is_none() || self.approach > APPROACH
+    }
+}
+
+/// Whether a body collider moves towards anything that it touches, or touches several pieces of static or kinematic geometry: others are at rest.
+fn may_meet_seams(neighbours: &[Neighbour]) -> bool {
+    let fixed = |of: &&Neighbour| of.arm.is_none();
+    let mut fixed = neighbours.iter().filter(fixed).map(|of| of.touching.other);
+    let first = fixed.next();
+    fixed.any(|other| Some(other) != first) || neighbours.iter().any(|of| of.approach > APPROACH)
 }
 
 impl BodyContactSolver {
-    /// Removes the ghosts among the contacts of a step. Kinematic geometry that moves in the step is left alone.
+    /// Removes the ghosts among the contacts of a step.
     pub(super) fn drop_ghosts(&mut self, world: &World) {
         let mut scratch = core::mem::take(&mut self.ghosts);
         scratch.list(&self.contacts, self.swept.len());
@@ -94,11 +121,9 @@ impl BodyContactSolver {
         scratch.is_ghost.resize(self.contacts.len(), false);
         let mut any = false;
         for body in 0..self.swept.len() {
-            // Most touch one only, or are at rest on others.
+            // Most touch one only.
             let touching = scratch.of(body);
-            if touching.windows(2).any(|pair| pair[0].other != pair[1].other)
-                && self.may_meet_seams(body, touching)
-            {
+            if touching.windows(2).any(|pair| pair[0].other != pair[1].other) {
                 any |= self.find_ghosts(body, world, &mut scratch);
             }
         }
@@ -118,51 +143,64 @@ impl BodyContactSolver {
         world: &World,
     ) -> bool {
         bodies(contact).any(|body| {
-            let own = MovingBody::new(self.moving_shape(body, self.swept[body].origin, world));
-            let one = Touching::of(u32::MAX, contact, body);
-            let mut floors = self.ghosts.of(body).iter();
-            self.nears(body, &one)
-                && floors.any(|floor| {
-                    let with = (&one, (contact, manifold));
-                    self.may_hold(&own, floor, (body, world.dt))
-                        && self.may_be_beside(&own, &one, floor, (body, world.dt))
-                        && self.is_ghost_beside(&own, with, floor, body, world)
-                })
+            let one = self.neighbour(body, &Touching::of(u32::MAX, contact, body), world);
+            if !one.nears() {
+                return false;
+            }
+            let own = self.moving_body(body, world);
+            let with = self.contact_with((contact, manifold, one.touching.normal), body, world);
+            self.ghosts.of(body).iter().any(|floor| {
+                let floor = self.neighbour(body, floor, world);
+                self.may_hold(&own, &floor, world.dt)
+                    && self.may_be_beside(&own, &one, &floor, (body, world.dt))
+                    && is_ghost(&own, &with, &self.found(&floor, body, world))
+            })
         })
     }
 
     /// Finds the ghosts among the contacts of one body collider, and marks the contacts beside them.
     fn find_ghosts(&mut self, body: usize, world: &World, scratch: &mut GhostScratch) -> bool {
-        let own = MovingBody::new(self.moving_shape(body, self.swept[body].origin, world));
-        let GhostScratch { begins, touching, is_ghost, floors } = scratch;
+        let GhostScratch { begins, touching, is_ghost: ghosts, neighbours } = scratch;
         let touching = &touching[begins[body] as usize..begins[body + 1] as usize];
-        floors.clear();
-        floors.extend(touching.iter().filter(|of| self.may_hold(&own, of, (body, world.dt))));
-        if floors.is_empty() {
+        neighbours.clear();
+        neighbours.extend(touching.iter().map(|of| self.neighbour(body, of, world)));
+        if !may_meet_seams(neighbours) {
             return false;
         }
+        let own = self.moving_body(body, world);
+        // Those that may hold the body come first.
+        let mut floors = 0;
+        for place in 0..neighbours.len() {
+            if self.may_hold(&own, &neighbours[place], world.dt) {
+                neighbours.swap(floors, place);
+                floors += 1;
+            }
+        }
+        let floors = &neighbours[..floors];
         let mut any = false;
-        for one in touching {
-            if is_ghost[one.number as usize] || !self.nears(body, one) {
+        for one in neighbours.iter().filter(|one| one.nears()) {
+            let number = one.touching.number as usize;
+            if ghosts[number] {
                 continue;
             }
+            let mut with = None;
             // What is a ghost itself holds nothing.
             let beside: SmallVec<[u32; 8]> = floors
                 .iter()
-                .filter(|floor| !is_ghost[floor.number as usize])
+                .filter(|floor| !ghosts[floor.touching.number as usize])
                 .filter(|floor| self.may_be_beside(&own, one, floor, (body, world.dt)))
                 .filter(|floor| {
-                    let contact = self.contact_and_manifold(one.number);
-                    self.is_ghost_beside(&own, (one, contact), floor, body, world)
+                    let with = with.get_or_insert_with(|| self.found(one, body, world));
+                    is_ghost(&own, with, &self.found(floor, body, world))
                 })
-                .map(|floor| floor.number)
+                .map(|floor| floor.touching.number)
                 .collect();
             if beside.is_empty() {
                 continue;
             }
             any = true;
-            is_ghost[one.number as usize] = true;
-            let place = self.contacts[one.number as usize].cache_index as usize;
+            ghosts[number] = true;
+            let place = self.contacts[number].cache_index as usize;
             self.cache.now[place].friction_anchor = FrictionAnchor::default();
             for other in beside {
                 self.contacts[other as usize].goes_on = true;
@@ -171,114 +209,88 @@ impl BodyContactSolver {
         any
     }
 
-    fn contact_and_manifold(&self, number: u32) -> (&Contact, &Manifold) {
-        let contact = &self.contacts[number as usize];
-        (contact, &self.cache.now[contact.cache_index as usize].manifold)
-    }
-
-    /// Whether a body collider moves towards anything that it touches, or touches several pieces of static geometry.
-    fn may_meet_seams(&self, body: usize, touching: &[Touching]) -> bool {
-        let fixed = |of: &&Touching| of.other as usize >= self.swept.len();
-        let mut fixed = touching.iter().filter(fixed).map(|of| of.other);
-        let first = fixed.next();
-        fixed.any(|other| Some(other) != first)
-            || touching.iter().any(|of| self.approach(body, of) > APPROACH)
-    }
-
-    /// Whether a contact of a body collider may be a ghost: one with another body may if the two approach each other.
-    fn nears(&self, body: usize, one: &Touching) -> bool {
-        one.other as usize >= self.swept.len() || self.approach(body, one) > APPROACH
-    }
-
-    /// The speed at which a body collider and what it touches approach each other, m/s.
-    fn approach(&self, body: usize, one: &Touching) -> f32 {
-        let other = self.swept.get(one.other as usize).map_or(Vec3::ZERO, |other| other.velocity);
-        one.normal.dot(other - self.swept[body].velocity)
-    }
-
-    /// Whether a contact is a ghost beside another one of the same body collider.
-    fn is_ghost_beside(
-        &self,
-        own: &MovingBody,
-        (one, (contact, manifold)): (&Touching, (&Contact, &Manifold)),
-        floor: &Touching,
-        body: usize,
-        world: &World,
-    ) -> bool {
-        let beside = self.contact_and_manifold(floor.number);
-        let contact = self.contact_with((contact, manifold, one.normal), body, world);
-        let beside = self.contact_with((beside.0, beside.1, floor.normal), body, world);
-        is_ghost(own, &contact, &beside)
-    }
-
-    /// Whether a body collider may slide or roll on what it touches, as on a floor: it does not tumble, and another body neither turns nor parts from it.
-    fn may_hold(&self, own: &MovingBody, floor: &Touching, (body, dt): (usize, f32)) -> bool {
-        let up = floor.normal;
-        let holds = |below: &SweptBounds| {
-            let turn = below.spin - up * up.dot(below.spin);
-            own.allows_gap(up.dot(self.swept[body].velocity - below.velocity) * dt)
-                && own.allows_turn((turn * dt).length(), self.reach(floor.other))
+    #[inline(always)]
+    fn neighbour(&self, body: usize, &touching: &Touching, world: &World) -> Neighbour {
+        let this = &self.swept[body];
+        let (velocity, turn, arm) = match self.swept.get(touching.other as usize) {
+            Some(other) => {
+                let arm = (this.origin - other.origin) + (this.centre - other.centre);
+                (other.velocity + other.spin.cross(arm), other.spin * world.dt, Some(arm))
+            }
+            None => {
+                let number = touching.other as usize - self.groups.padded();
+                let geometry = &self.static_geometry[number];
+                (geometry.carried(this, world, 0.0) / world.dt, geometry.turn(world), None)
+            }
         };
-        self.swept.get(floor.other as usize).is_none_or(holds) && own.keeps_upright(up)
+        let approach = touching.normal.dot(velocity - this.velocity);
+        Neighbour { touching, velocity, turn, arm, approach }
+    }
+
+    /// Whether a body collider may slide or roll on what it touches, as on a floor: it does not tumble on it, and another body does not part from it.
+    fn may_hold(&self, own: &MovingBody, floor: &Neighbour, dt: f32) -> bool {
+        (floor.arm.is_none() || own.allows_gap(floor.approach * dt))
+            && own.keeps_upright(floor.touching.normal, floor.turn)
     }
 
     /// Whether a body collider may slide from a floor to something else. It looks at motions and centres only: in a heap that falls, few come further.
     fn may_be_beside(
         &self,
         own: &MovingBody,
-        one: &Touching,
-        floor: &Touching,
+        one: &Neighbour,
+        floor: &Neighbour,
         (body, dt): (usize, f32),
     ) -> bool {
         // Inner edges of one mesh are known to itself.
-        if floor.other == one.other {
+        if floor.touching.other == one.touching.other {
             return false;
         }
-        let (up, this) = (floor.normal, &self.swept[body]);
-        let [below, other] = [floor, one].map(|of| self.swept.get(of.other as usize));
-        let velocity = |of: Option<&SweptBounds>| of.map_or(Vec3::ZERO, |of| of.velocity);
-        let floor_velocity = velocity(below);
-        let goes_along = |velocity: Vec3| own.allows_gap(up.dot(velocity - floor_velocity) * dt);
-        let place = |swept: &SweptBounds| swept.origin + swept.centre;
-        let may_be_met = match other {
-            Some(other) => {
-                own.may_be_above(up.dot(place(this) - place(other))) && goes_along(this.velocity)
-            }
-            None => below.is_none() || self.approach(body, one) > APPROACH,
+        let up = floor.touching.normal;
+        let goes_along = |velocity: Vec3| own.allows_gap(up.dot(velocity - floor.velocity) * dt);
+        let may_be_met = match one.arm {
+            Some(arm) => own.may_be_above(up.dot(arm)) && goes_along(self.swept[body].velocity),
+            None => floor.arm.is_none() || one.approach > APPROACH,
         };
-        may_be_met && goes_along(velocity(other))
+        may_be_met && goes_along(one.velocity)
     }
 
-    /// Greatest distance of the surface of a body collider from its centre, metres.
-    fn reach(&self, body: u32) -> f32 {
-        self.groups.parts[body as usize].reach
+    /// A contact that the broad phase found, as it is seen from one of its body colliders.
+    fn found<'a>(&'a self, of: &Neighbour, body: usize, world: &World<'a>) -> ContactWith<'a> {
+        let contact = &self.contacts[of.touching.number as usize];
+        let manifold = &self.cache.now[contact.cache_index as usize].manifold;
+        self.contact_with((contact, manifold, of.touching.normal), body, world)
     }
 
-    /// A contact with what does not move, or with another body collider, as it is seen from one of its body colliders.
+    /// A contact, as it is seen from one of its body colliders.
     fn contact_with<'a>(
         &'a self,
         (contact, manifold, normal): (&Contact, &'a Manifold, Vec3),
         body: usize,
         world: &World<'a>,
     ) -> ContactWith<'a> {
+        let origin = self.swept[body].origin;
         let other = match contact.geometry {
-            Some(number) => MovingShape {
-                shape: &self.static_geometry[number as usize].shape,
-                frame: Frame {
-                    translation: contact.offset,
-                    rotation: contact.fixed.unwrap_or_default(),
-                },
-                turn: Vec3::ZERO,
-                reach: 0.0,
-            },
+            Some(number) => {
+                let geometry = &self.static_geometry[number as usize];
+                MovingShape {
+                    shape: &geometry.shape,
+                    frame: geometry.seen_from(&geometry.start, origin),
+                    turn: geometry.turn(world),
+                    is_body: false,
+                }
+            }
             None => {
-                let origin = self.swept[body].origin;
                 let second = contact.a as usize == body;
                 let other = if second { contact.b } else { contact.a };
                 self.moving_shape(other as usize, origin, world)
             }
         };
         ContactWith { other, manifold, normal, is_second: contact.a as usize != body }
+    }
+
+    fn moving_body<'a>(&self, body: usize, world: &World<'a>) -> MovingBody<'a> {
+        let own = self.moving_shape(body, self.swept[body].origin, world);
+        MovingBody::new(own, self.groups.parts[body].reach)
     }
 
     /// A body collider, seen from an origin.
@@ -289,7 +301,7 @@ impl BodyContactSolver {
             shape: &world.body_colliders[body].shape,
             frame: Frame { translation, ..swept.frame },
             turn: swept.spin * world.dt,
-            reach: self.groups.parts[body].reach,
+            is_body: true,
         }
     }
 }

@@ -181,6 +181,19 @@ impl StaticGeometry {
         to.point(from.local(point)) - point
     }
 
+    /// Rotation vector of its motion in the step, rad; of a turn by more than a right angle NaN.
+    pub(super) fn turn(&self, world: &World) -> Vec3 {
+        if self.moving.is_none() {
+            return Vec3::ZERO;
+        }
+        let [from, to] = [&self.start, &self.frame_at(world, 1.0)].map(|frame| frame.rotation);
+        let axes = [0, 1, 2].map(|axis| (from.col(axis), to.col(axis)));
+        // 1 + 2 cos, and sin times the unit vector.
+        let trace: f32 = axes.iter().map(|(from, to)| from.dot(*to)).sum();
+        let turn = 0.5 * axes.iter().map(|(from, to)| from.cross(*to)).sum::<Vec3>();
+        if trace > 1.0 { turn } else { Vec3::NAN }
+    }
+
     /// The material of a contact of it with a surface.
     pub(super) fn combined_material(&self, other: &Material) -> CombinedMaterial {
         if self.alone {

@@ -12,8 +12,9 @@
 //! as well: if it has about the same normal, and that of a face. (Unless a cylinder rolls on the first: then it touches the other with a point of its side that is
 //! not its lowest.)
 //!
-//! A body that tumbles may reach below `P` within the step, beside the face that it touches; its contacts are all kept. So are those with a floor that moves
-//! or turns on its own: crates in a row are a floor as long as they lie side by side.
+//! A body that tumbles may reach below `P` within the step, beside the face that it touches; its contacts are all kept. So are those with pieces that move apart
+//! along `P`'s normal, or turn against each other: crates in a row are a floor as long as they lie side by side, planks of a deck that rolls as long as they do so
+//! together. All motions are compared where the body is.
 
 use glam::Vec3;
 
@@ -24,6 +25,9 @@ use super::{Frame, Manifold, Point};
 /// How far the two may reach across the plane, as a share of the body's smallest half extent: what rests on a floor overlaps with it, and tiles may be laid a
 /// little unevenly. A ledge of this height is no obstacle.
 const TOLERANCE: f32 = 0.02;
+/// That share for a body that rises above the plane of another body, as a share of it. Crates in a row lie level, but in a heap edges overlap by a little
+/// everywhere: with the tolerance of tiles a box sank by as much into what it rested on, since another one beside it held it "as a wall".
+const BODY_LEDGE: f32 = 0.1;
 /// Cosine of the angle between two normals from which on both contacts may carry the body: 60°.
 const BOTH_CARRY: f32 = 0.5;
 /// Radius of the inscribed sphere of a convex shape about its centre, at least, as a share of its smallest half extent. That of a tetrahedron is half of it.
@@ -36,15 +40,16 @@ const SAME: f32 = 1e-6;
 pub(crate) struct MovingShape<'a> {
     pub(crate) shape: &'a Shape,
     pub(crate) frame: Frame,
+    pub(crate) is_body: bool,
     /// Rotation vector of its motion in the step, rad; zero for what is static.
     pub(crate) turn: Vec3,
-    /// Greatest distance of its surface from its centre, metres. Of no account for what does not turn.
-    pub(crate) reach: f32,
 }
 
 /// A body whose contacts are compared.
 pub(crate) struct MovingBody<'a> {
     body: MovingShape<'a>,
+    /// Greatest distance of its surface from its centre, metres.
+    reach: f32,
     /// How far it and what it touches may reach across a plane, metres.
     tolerance: f32,
 }
@@ -60,9 +65,9 @@ pub(crate) struct ContactWith<'a> {
 }
 
 /// Whether a contact of a body is a ghost beside another one, which is none. On the floor of that the body [keeps upright](MovingBody::keeps_upright), and the floor
-/// neither [turns](MovingBody::allows_turn) nor [parts](MovingBody::allows_gap) from the body or from the other one.
+/// does not [part](MovingBody::allows_gap) from the body or from the other one.
 pub(crate) fn is_ghost(
-    &MovingBody { ref body, tolerance, .. }: &MovingBody,
+    &MovingBody { ref body, reach, tolerance }: &MovingBody,
     contact: &ContactWith,
     beside: &ContactWith,
 ) -> bool {
@@ -72,7 +77,15 @@ pub(crate) fn is_ghost(
         return false;
     }
     let (other, floor_shape) = (&contact.other, &beside.other);
-    if other.tilt(beside.normal) * other.reach > tolerance {
+    let ledge = tolerance * if other.is_body || floor_shape.is_body { BODY_LEDGE } else { 1.0 };
+    // Of what is compared in a heap, this alone excludes most.
+    let along = beside.normal;
+    let height = beside.points().map(|point| along.dot(point)).fold(f32::NEG_INFINITY, f32::max);
+    if contact.points().any(|point| along.dot(point) > height + tolerance) {
+        return false;
+    }
+    let turns_along = other.tilt(beside.normal, floor_shape.turn) * reach <= tolerance;
+    if !turns_along {
         return false;
     }
     let (Some(geometry), Some(floor)) = (contact.part(), beside.part()) else { return false };
@@ -91,25 +104,20 @@ pub(crate) fn is_ghost(
     let support = |shape: &ShapeOrTriangle, frame: &Frame, along: Vec3| {
         along.dot(frame.translation) + shape.reach(frame.turn_back(along))
     };
-    contact.points().all(|point| up.dot(point) <= height + tolerance)
+    contact.points().all(|point| up.dot(point) <= height + ledge)
         && -support(&own, &body.frame, -up) >= height - tolerance
-        && support(&geometry, &other.frame, up) <= height + tolerance
+        && support(&geometry, &other.frame, up) <= height + ledge
 }
 
 impl<'a> MovingBody<'a> {
-    pub(crate) fn new(body: MovingShape<'a>) -> Self {
+    pub(crate) fn new(body: MovingShape<'a>, reach: f32) -> Self {
         let (low, high) = body.shape.bounds();
-        Self { body, tolerance: TOLERANCE * 0.5 * (high - low).min_element() }
+        Self { body, reach, tolerance: TOLERANCE * 0.5 * (high - low).min_element() }
     }
 
-    /// Whether it turns so little against the normal of a floor that it reaches nothing beside.
-    pub(crate) fn keeps_upright(&self, normal: Vec3) -> bool {
-        self.body.tilt(normal) * self.body.reach <= self.tolerance
-    }
-
-    /// Whether a floor of that reach, in metres, may turn by this much in the step, rad.
-    pub(crate) fn allows_turn(&self, turn: f32, reach: f32) -> bool {
-        turn * (reach + self.body.reach) <= self.tolerance
+    /// Whether it turns so little against a floor of a normal and a turn in the step, rad, that it reaches nothing beside.
+    pub(crate) fn keeps_upright(&self, normal: Vec3, turn: Vec3) -> bool {
+        self.body.tilt(normal, turn) * self.reach <= self.tolerance
     }
 
     /// Whether a plane may separate it from another shape whose centre lies this much below its own, metres: it has to lie above that plane itself.
@@ -124,13 +132,13 @@ impl<'a> MovingBody<'a> {
 }
 
 impl MovingShape<'_> {
-    /// By how much it turns against a direction, rad. A turn of a round shape about its own axis, or about its centre, moves no surface.
-    fn tilt(&self, up: Vec3) -> f32 {
-        let axis = self.frame.rotation.y_axis;
+    /// By how much it turns against a floor of a normal and a turn, rad. A turn of a round shape about its own axis, or about its centre, moves no surface.
+    fn tilt(&self, up: Vec3, floor: Vec3) -> f32 {
+        let (axis, turn) = (self.frame.rotation.y_axis, self.turn - floor);
         let turn = match self.shape.kind() {
             Kind::Sphere { .. } => Vec3::ZERO,
-            Kind::Capsule { .. } | Kind::Cylinder { .. } => self.turn - axis * axis.dot(self.turn),
-            _ => self.turn,
+            Kind::Capsule { .. } | Kind::Cylinder { .. } => turn - axis * axis.dot(turn),
+            _ => turn,
         };
         (turn - up * up.dot(turn)).length()
     }
