@@ -91,7 +91,7 @@ struct Neighbour {
     velocity: Vec3,
     /// Rotation vector of its motion in the step, rad.
     turn: Vec3,
-    /// From it to the centre of the body collider, metres; of another body collider from its centre.
+    /// From the centre of another body collider to that of this one, metres; none of static or kinematic geometry.
     arm: Option<Vec3>,
     /// Speed at which the two approach each other, m/s.
     approach: f32,
@@ -209,6 +209,7 @@ impl BodyContactSolver {
         any
     }
 
+    /// The motion of what a body collider touches, as a rigid whole, at the centre of the body collider.
     #[inline(always)]
     fn neighbour(&self, body: usize, &touching: &Touching, world: &World) -> Neighbour {
         let this = &self.swept[body];

@@ -25,8 +25,8 @@ use super::{Frame, Manifold, Point};
 /// How far the two may reach across the plane, as a share of the body's smallest half extent: what rests on a floor overlaps with it, and tiles may be laid a
 /// little unevenly. A ledge of this height is no obstacle.
 const TOLERANCE: f32 = 0.02;
-/// That share for a body that rises above the plane of another body, as a share of it. Crates in a row lie level, but in a heap edges overlap by a little
-/// everywhere: with the tolerance of tiles a box sank by as much into what it rested on, since another one beside it held it "as a wall".
+/// How far a body, or what lies beside one, may rise above the plane, as a share of that. Crates in a row lie level, but in a heap edges overlap by a little
+/// everywhere: with the tolerance of tiles a box that slid down another one sank by as much into the edge below.
 const BODY_LEDGE: f32 = 0.1;
 /// Cosine of the angle between two normals from which on both contacts may carry the body: 60°.
 const BOTH_CARRY: f32 = 0.5;
@@ -40,6 +40,7 @@ const SAME: f32 = 1e-6;
 pub(crate) struct MovingShape<'a> {
     pub(crate) shape: &'a Shape,
     pub(crate) frame: Frame,
+    /// Whether it is a body, and no static or kinematic geometry.
     pub(crate) is_body: bool,
     /// Rotation vector of its motion in the step, rad; zero for what is static.
     pub(crate) turn: Vec3,
